@@ -1,0 +1,3 @@
+"""Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics."""
+
+__version__ = "0.1.0"

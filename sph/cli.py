@@ -1,0 +1,168 @@
+"""The command ``sph``.
+
+Exit codes: 0 done; 2 the scene, the command line or a file was refused, nothing was computed;
+3 the run was stopped by its guard (status ``diverged``), and what there is was written.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+import yaml
+from rich.console import Console
+from rich.table import Table
+
+REFUSED, DIVERGED = 2, 3
+
+app = typer.Typer(
+    help="Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics.",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML)")]
+Settings = Annotated[
+    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one key, e.g. coupling.S_R=0.10; may be repeated")
+]
+Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
+
+
+@contextmanager
+def refusals() -> Iterator[None]:
+    """Turn errors of the user's input into one message and exit code 2."""
+    try:
+        yield
+    except (ValueError, OSError) as error:
+        print(f"sph: {error}", file=sys.stderr)
+        raise typer.Exit(REFUSED) from error
+
+
+def parse_settings(settings: list[str] | None) -> dict[str, Any]:
+    """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
+    from sph.scene import dotted
+
+    pairs = {}
+    for setting in settings or []:
+        name, equals, text = setting.partition("=")
+        if not equals or not all(name.split(".")):
+            raise ValueError(f"--set {setting!r}: write KEY=VALUE, e.g. coupling.S_R=0.10")
+        try:
+            pairs[name] = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            raise ValueError(f"--set {setting!r}: the value is not readable: {error}") from error
+    return dotted(pairs)
+
+
+@app.command(
+    epilog="Examples:  sph run config/scenes/paper.yaml  |  sph run config/scenes/paper.yaml --set coupling.S_R=0.10 "
+    "--set numerics.smoothing_ratio=1.3 --out slide.nc  |  sph run config/scenes/paper.yaml --until gravity --out gravity.nc"
+)
+def run(
+    scene: SceneFile,
+    set_: Settings = None,
+    out: Annotated[Path | None, typer.Option(help="trajectory to write; NAME.nc in this folder by default")] = None,
+    restart: Annotated[Path | None, typer.Option(help="go on from this trajectory instead of from the start")] = None,
+    until: Annotated[str, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure")] = "end",
+) -> None:
+    """Simulate a scene and write its trajectory."""
+    from sph import trajectory
+    from sph.progress import reporter
+    from sph.scene import load_scene
+    from sph.solver import run as simulate
+
+    with refusals():
+        if until not in ("end", "gravity", "first_failure"):
+            raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
+        loaded = load_scene(scene, parse_settings(set_))
+        path = out or Path(f"{loaded.name}.nc")
+        if not path.parent.is_dir():
+            raise ValueError(f"--out {path}: the folder {path.parent} does not exist")
+        with reporter(loaded.name) as report:
+            result = simulate(loaded, until, restart, report)  # type: ignore[arg-type]
+        trajectory.write(path, result.trajectory, result.restart)
+    attrs = result.trajectory.attrs
+    reason = f" ({attrs['status_reason']})" if attrs["status_reason"] else ""
+    print(
+        f"{path}: {result.status}{reason}, {attrs['wall_time_s']:.1f} s, {attrs['particle_steps_per_second'] / 1e6:.2f} M particle-steps/s"
+    )
+    if result.status == "diverged":
+        raise typer.Exit(DIVERGED)
+
+
+@app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
+def info(scene: SceneFile, set_: Settings = None) -> None:
+    """Show what a scene amounts to: particles, wave speeds, time-step limits, terms, cost."""
+    from sph.info import describe
+    from sph.scene import load_scene
+
+    with refusals():
+        rows = describe(load_scene(scene, parse_settings(set_)))
+    width = max(len(label) for label, _ in rows)
+    for label, text in rows:
+        print(f"{label:<{width}}  {text}")
+
+
+@app.command(
+    epilog="Examples:  sph plot slide.nc  |  sph plot slide.nc --kind probes --out A.pdf  |  sph plot slide.nc --field speed --time 6"
+)
+def plot(
+    file: Trajectory,
+    out: Annotated[Path | None, typer.Option(help="picture to write (.png, .pdf, .svg); beside the trajectory by default")] = None,
+    kind: Annotated[str, typer.Option(help="profile, probes or energies")] = "profile",
+    field: Annotated[str, typer.Option(help="colour of a profile: height, displacement, speed, beta or pressure")] = "height",
+    time: Annotated[float | None, typer.Option(help="time of a profile in s; the last frame by default")] = None,
+) -> None:
+    """Draw a trajectory."""
+    from sph import trajectory
+    from sph.analysis.figures import plot_trajectory
+
+    with refusals():
+        figure = plot_trajectory(trajectory.read(file), kind=kind, field=field, time=time)
+        path = out or file.with_suffix(".png")
+        figure.savefig(path, dpi=200)
+    print(path)
+
+
+@app.command(epilog="Example:  sph metrics slide.nc --json")
+def metrics(
+    file: Trajectory,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+) -> None:
+    """Measure a trajectory: displacement of A, run-out, deposit, area moved, class, status."""
+    from sph import trajectory
+    from sph.analysis.metrics import METRICS, MetricSettings, measure
+
+    with refusals():
+        values = measure(trajectory.read(file), MetricSettings())
+    if as_json:
+        print(json.dumps(values, indent=1))
+        return
+    table = Table("metric", "value", "unit", "definition")
+    for row in METRICS:
+        value = values[row.name]
+        table.add_row(row.name, f"{value:.4g}" if isinstance(value, float) else str(value), row.units, row.text)
+    Console().print(table)
+
+
+@app.command(epilog="Example:  sph keys > keys.md")
+def keys() -> None:
+    """Print the table of all scene keys with unit, default, range and source (Markdown)."""
+    from sph.reference import scene_table
+
+    print(scene_table())
+
+
+def main() -> None:
+    """Entry point."""
+    app()
+
+
+if __name__ == "__main__":
+    main()

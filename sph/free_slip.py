@@ -1,0 +1,61 @@
+"""Free-slip side walls.
+
+The paper's fixed boundary particles hold the soil: it hangs on the back wall and yields early.  A
+free-slip wall particle mirrors the soil beside it instead of having a state of its own: it takes
+the soil's mean vertical velocity and stands still across, so that no shear strain arises, and it
+takes the soil's mean normal stresses without shear.  Means are weighted with the norm of the kernel
+gradient; any positive weight would do.
+"""
+
+from __future__ import annotations
+
+from sph.coupling import power
+from sph.jit import jit
+from sph.momentum import stress_accelerations
+from sph.state import WALLS
+
+
+@jit
+def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
+    total = weights = 0.0
+    for k in range(pairs.start[i], pairs.end[i]):
+        j = pairs.neighbour[k]
+        if j < n_soil and pairs.inverse_norm[k] > 0.0:
+            weight = 1.0 / pairs.inverse_norm[k]
+            total += weight * values[j]
+            weights += weight
+    return total / weights if weights > 0.0 else 0.0
+
+
+@jit
+def mirror_velocity(term, state, pairs, n_soil):  # type: ignore[no-untyped-def]
+    """Vertical velocity of the wall particles from the soil beside them, m/s."""
+    if term is None:
+        return
+    else:
+        for i in range(term.first, state.vy.size):
+            state.vy[i] = _mean_of_soil(pairs, i, n_soil, state.vy)
+
+
+@jit
+def mirror_stress(term, state, pairs, n_soil):  # type: ignore[no-untyped-def]
+    """Normal stresses of the wall particles from the soil beside them; no shear."""
+    if term is None:
+        return
+    else:
+        for i in range(term.first, state.vy.size):
+            state.sxx[i] = _mean_of_soil(pairs, i, n_soil, state.sxx)
+            state.syy[i] = _mean_of_soil(pairs, i, n_soil, state.syy)
+
+
+@jit
+def add_wall_work(term, state, pairs, correction, mass, gradient, dt):  # type: ignore[no-untyped-def]
+    """Energy the walls take from the soil; small, since a frictionless wall should take none."""
+    if term is None:
+        return
+    else:
+        stress_accelerations(state, pairs, correction, term.first, state.vy.size)
+        taken = 0.0
+        for i in range(term.first, state.vy.size):
+            taken += mass[i] * (power(correction, state, gradient, i) + state.ay[i] * state.vy[i])
+        state.work[WALLS] += taken * dt

@@ -1,0 +1,60 @@
+"""What a scene amounts to before it is run: sizes, wave speeds, limits, terms, expected cost."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sph.particles import BASE, SIDE, SOIL, locate_probes, place_particles
+from sph.scene import Scene
+from sph.solver import wanted_terms
+from sph.timestep import limits
+
+NANOSECONDS_PER_PAIR = 1.9
+"""Measured cost of a directed neighbour in a time step, both loops (tests/benchmarks, one core)."""
+NANOSECONDS_PER_PARTICLE = 60.0
+"""Measured cost of a particle in a time step outside those loops."""
+
+TERM_REASONS = {
+    "wendland_c2": "numerics.kernel",
+    "capped_viscosity": "coupling.fluid.law",
+    "rayleigh_damping": "damping (Sec. 2.5)",
+    "artificial_viscosity": "numerics.artificial_viscosity",
+    "gradient_correction": "numerics.gradient_correction",
+    "short_range_repulsion": "numerics.short_range_repulsion: cures pairing",
+    "free_slip": "walls.sides",
+}
+
+
+def describe(scene: Scene) -> list[tuple[str, str]]:
+    """Pairs of label and text, for ``sph info``."""
+    particles = place_particles(scene)
+    numerics, soil = scene.numerics, scene.soil
+    count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE)}
+    neighbours = np.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
+    steps = scene.steps(scene.duration)
+    n = particles.x.size
+    cost = 1e-9 * steps * n * (neighbours * NANOSECONDS_PER_PAIR + NANOSECONDS_PER_PARTICLE)
+    rows = [
+        ("scene", f"{scene.name}: {scene.title}"),
+        ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls)"),
+        (
+            "kernel",
+            f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, support {2 * numerics.smoothing_length:g} m, {neighbours:.0f} neighbours",
+        ),
+        ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),
+        ("wave speeds", f"V_s = {soil.s_wave_speed:.1f} m/s, V_p = {soil.p_wave_speed:.1f} m/s"),
+        ("column frequency", f"V_s / 4H = {soil.s_wave_speed / (4 * scene.geometry.height):.2f} Hz"),
+        ("time step", f"{numerics.time_step:g} s, {steps:,} steps"),
+    ]
+    for limit in limits(scene):
+        state = "ok" if numerics.time_step < limit.seconds else "EXCEEDED"
+        rows.append(
+            (f"limit: {limit.name}", f"{limit.seconds:.2e} s ({limit.reason}): {state}, factor {limit.seconds / numerics.time_step:.1f}")
+        )
+    on = dict(zip(TERM_REASONS, wanted_terms(scene), strict=True))
+    rows.append(("active terms", "; ".join(f"{name} [{TERM_REASONS[name]}]" for name in on if on[name]) or "none"))
+    rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
+    for name, index in locate_probes(scene, particles).items():
+        rows.append((f"probe {name}", f"particle {index} at ({particles.x[index]:g}, {particles.y[index]:g}) m"))
+    rows.append(("estimated cost", f"{cost:.0f} s on one core ({n * steps / 1e6:.0f} M particle-steps)"))
+    return rows

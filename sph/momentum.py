@@ -1,0 +1,126 @@
+"""The two loops over neighbours: velocity gradients, and the momentum equation (Eqs. 6 and 7).
+
+Eq. 7 prints the kernel gradient with respect to x_j, with which compression would attract; it is
+taken with respect to x_i.  With g_ij = m_j grad_i W_ij,
+
+    L_i = 1/rho_i  sum_j (v_j - v_i) g_ij,
+    a_i = sigma_i / rho_i^2 . sum_j g_ij  +  sum_j sigma_j / rho_j^2 . g_ij,
+
+which are conjugate: the work of the forces equals that of the stresses.  The first term of a_i
+needs no loop, because sum_j g_ij is kept with the pairs.
+"""
+
+from __future__ import annotations
+
+import math
+
+from sph.jit import jit
+from sph.state import REPULSION
+
+
+@jit
+def _dissipation(term, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
+    """Add one pair's artificial viscosity; only approaching pairs (opening < 0) dissipate."""
+    if term is None:
+        return sum_x, sum_y
+    else:
+        strength = min(opening, 0.0) * inverse_norm
+        return sum_x + strength * gx, sum_y + strength * gy
+
+
+@jit
+def _scale(term, value):  # type: ignore[no-untyped-def]
+    if term is None:
+        return 0.0
+    else:
+        return term.speed * value
+
+
+@jit
+def velocity_gradients(state, pairs, term, gradient):  # type: ignore[no-untyped-def]
+    """Sums of (v_j - v_i) g into ``gradient`` (n, 4), and the artificial viscosity's acceleration.
+
+    Artificial viscosity in the signal-speed form of Monaghan (1997): it acts along the line between
+    two approaching particles, with alpha V_p times their approach speed.
+    """
+    vx, vy = state.vx, state.vy
+    for i in range(vx.size):
+        vx_i = vx[i]
+        vy_i = vy[i]
+        l_xx = l_xy = l_yx = l_yy = 0.0
+        sum_x = sum_y = 0.0
+        for k in range(pairs.start[i], pairs.end[i]):
+            j = pairs.neighbour[k]
+            gx = pairs.gx[k]
+            gy = pairs.gy[k]
+            dvx = vx[j] - vx_i
+            dvy = vy[j] - vy_i
+            l_xx += dvx * gx
+            l_xy += dvx * gy
+            l_yx += dvy * gx
+            l_yy += dvy * gy
+            sum_x, sum_y = _dissipation(term, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
+        gradient[i, 0] = l_xx
+        gradient[i, 1] = l_xy
+        gradient[i, 2] = l_yx
+        gradient[i, 3] = l_yy
+        state.viscous_x[i] = _scale(term, sum_x)
+        state.viscous_y[i] = _scale(term, sum_y)
+
+
+@jit
+def _transposed_shear(term, state):  # type: ignore[no-untyped-def]
+    """yx component of the stress of the momentum equation; without correction it is symmetric."""
+    if term is None:
+        return state.sxy
+    else:
+        return state.syx
+
+
+@jit
+def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-untyped-def]
+    """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
+    sxx, syy, sxy = state.sxx, state.syy, state.sxy
+    syx = _transposed_shear(term, state)
+    for i in range(first, last):
+        ax = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i]
+        ay = syx[i] * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
+        for k in range(pairs.start[i], pairs.end[i]):
+            j = pairs.neighbour[k]
+            gx = pairs.gx[k]
+            gy = pairs.gy[k]
+            ax += sxx[j] * gx + sxy[j] * gy
+            ay += syx[j] * gx + syy[j] * gy
+        state.ax[i] = ax + state.viscous_x[i]
+        state.ay[i] = ay + state.viscous_y[i]
+
+
+@jit
+def add_repulsion(term, state, pairs, mass, n_soil):  # type: ignore[no-untyped-def]
+    """Add the short-range repulsion's acceleration, and note the energy it stores.
+
+    A linear spring that pushes once two particles are nearer than its range; a lattice at its
+    initial spacing does not feel it.  It is conservative and cures pairing, where the gradient of
+    the cubic spline fades at short distance.
+    """
+    if term is None:
+        return
+    else:
+        energy = 0.0
+        for k in range(pairs.close_count[0]):
+            i = pairs.close_i[k]
+            j = pairs.close_j[k]
+            dx = state.x[i] - state.x[j]
+            dy = state.y[i] - state.y[j]
+            r = math.sqrt(dx * dx + dy * dy)
+            if 0.0 < r < term.range:
+                overlap = term.range - r
+                force = term.stiffness * overlap / r
+                energy += 0.5 * term.stiffness * overlap * overlap
+                if i < n_soil:
+                    state.ax[i] += force * dx / mass[i]
+                    state.ay[i] += force * dy / mass[i]
+                if j < n_soil:
+                    state.ax[j] -= force * dx / mass[j]
+                    state.ay[j] -= force * dy / mass[j]
+        state.work[REPULSION] = energy

@@ -1,0 +1,439 @@
+"""The scene: everything a run needs, validated before any work and immutable.
+
+A scene file (YAML) holds the sections below.  Users write kPa and degrees; the
+properties ending in ``_si`` give pascals and radians to the solver.  Every key is
+declared here once, with its unit, allowed range, default and source, and
+``config/README.md`` is generated from these declarations (``sph schema``).
+
+A term of physics that a scene does not want is ``null``; a term it wants is a small
+record of its own coefficients.  There are no on/off flags beside coefficients.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+GRAVITY = 9.81
+"""Gravitational acceleration, m/s2."""
+
+
+class Section(BaseModel):
+    """A frozen part of a scene; unknown keys and non-finite numbers are errors."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
+
+
+def key(text: str, unit: str = "-", source: str = "ours", **constraints: Any) -> Any:
+    """Declare one key: sentence, unit, source (paper section or 'ours'), default and range."""
+    return Field(description=text, json_schema_extra={"unit": unit, "source": source}, **constraints)
+
+
+# ---------------------------------------------------------------- geometry
+
+
+class Slope(Section):
+    """A plane slope on a base layer in a rigid box: toe on the left, crest on the right."""
+
+    shape: Literal["slope"] = key("plane slope on a base layer", source="Fig. 1")
+    slope_angle: float = key("inclination of the face", "degree", "Sec. 3.1", gt=0, le=90, default=60.0)
+    slope_height: float = key("height from toe to crest", "m", "ours: Fig. 1 is missing", gt=0, le=500, default=25.0)
+    base_depth: float = key("thickness of the layer below the toe", "m", "ours: Fig. 1 is missing", ge=0, le=500, default=10.0)
+    apron_length: float = key("length from the front wall to the toe", "m", "ours: gives 2,404 particles", ge=0, le=2000, default=55.0)
+    crest_length: float = key(
+        "length from the crest edge to the back wall", "m", "ours: gives 2,404 particles", gt=0, le=2000, default=34.0
+    )
+
+    @property
+    def width(self) -> float:
+        """Inner width of the box, m."""
+        run = self.slope_height / math.tan(math.radians(self.slope_angle))
+        return self.apron_length + run + self.crest_length
+
+    @property
+    def height(self) -> float:
+        """Height of the soil at the crest, m."""
+        return self.base_depth + self.slope_height
+
+    @property
+    def toe(self) -> tuple[float, float]:
+        """Toe of the slope, m."""
+        return self.apron_length, self.base_depth
+
+    @property
+    def crest(self) -> tuple[float, float]:
+        """Crest edge, m."""
+        return self.width - self.crest_length, self.height
+
+
+class Block(Section):
+    """A rectangular block, for columns and test problems."""
+
+    shape: Literal["block"] = key("rectangular block")
+    width: float = key("width", "m", gt=0, le=2000)
+    height: float = key("height", "m", gt=0, le=1000)
+
+    @property
+    def toe(self) -> tuple[float, float]:
+        """Lower left corner of the free face, m."""
+        return 0.0, 0.0
+
+    @property
+    def crest(self) -> tuple[float, float]:
+        """Upper left corner, m."""
+        return 0.0, self.height
+
+
+Geometry = Annotated[Slope | Block, Field(discriminator="shape")]
+
+
+class Walls(Section):
+    """How the box holds the soil."""
+
+    base: Literal["sticky", "none"] = key(
+        "bottom of the box: fixed 'dynamic boundary' particles, or nothing", source="Sec. 2.4", default="sticky"
+    )
+    sides: Literal["sticky", "free_slip", "none"] = key(
+        "side walls: fixed particles that hold the soil (the paper), a frictionless wall, or nothing",
+        source="Sec. 2.4; free_slip ours",
+        default="sticky",
+    )
+    layers: int = key("layers of boundary particles", source="Sec. 4 (2,404 particles)", ge=1, le=8, default=2)
+
+
+# ---------------------------------------------------------------- material
+
+
+class Soil(Section):
+    """Tables 1 and 2 of the paper."""
+
+    density: float = key("density", "kg/m3", "Table 1", gt=0, le=1e5, default=1964.0)
+    youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", gt=0, le=1e9, default=1.675e6)
+    poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.49, default=0.346)
+    cohesion: float = key("cohesion of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
+    friction_angle: float = key("internal friction angle of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
+    viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
+
+    @property
+    def shear_modulus_si(self) -> float:
+        """G, Pa."""
+        return 1e3 * self.youngs_modulus / (2 * (1 + self.poisson_ratio))
+
+    @property
+    def bulk_modulus_si(self) -> float:
+        """K, Pa."""
+        return 1e3 * self.youngs_modulus / (3 * (1 - 2 * self.poisson_ratio))
+
+    @property
+    def p_wave_speed(self) -> float:
+        """V_p, m/s."""
+        return math.sqrt((self.bulk_modulus_si + 4 / 3 * self.shear_modulus_si) / self.density)
+
+    @property
+    def s_wave_speed(self) -> float:
+        """V_s, m/s."""
+        return math.sqrt(self.shear_modulus_si / self.density)
+
+    @property
+    def cohesion_si(self) -> float:
+        """c_s, Pa."""
+        return 1e3 * self.cohesion
+
+    @property
+    def friction_angle_si(self) -> float:
+        """phi_s, rad."""
+        return math.radians(self.friction_angle)
+
+
+class ElasticViscoplastic(Section):
+    """Bingham fluid with elastic strain below yield: no creep, no viscous time-step limit."""
+
+    law: Literal["elastic_viscoplastic"] = key("closed-form elastic-viscoplastic Bingham law", default="elastic_viscoplastic")
+
+
+class CappedViscosity(Section):
+    """Bingham fluid as a viscous fluid of capped viscosity (common in the literature); it creeps."""
+
+    law: Literal["capped_viscosity"] = key("viscous fluid with min(eta + tau_y / shear rate, max_viscosity)")
+    max_viscosity: float = key("largest viscosity; limits the time step", "Pa s", gt=0, le=1e12, default=3e6)
+
+
+FluidLaw = Annotated[ElasticViscoplastic | CappedViscosity, Field(discriminator="law")]
+
+
+class Coupling(Section):
+    """The paper's coupling of the solid and the fluid state (Eqs. 8, 9, 14, 15)."""
+
+    S_R: float = key(
+        "strength ratio: c_f = S_R c_s and phi_f = S_R phi_s (not the factor that divides c and tan phi)",
+        source="Eqs. 14-15",
+        ge=0,
+        le=1,
+        default=0.25,
+    )
+    gamma: float = key("rate of the loss of strength after failure", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0)
+    fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
+    fluid_tension_limit: float | None = key(
+        "largest mean tension the fluid state carries; null: the apex of its Mohr-Coulomb surface (412 kPa in the paper's soil at any S_R)",
+        "kPa",
+        ge=0,
+        le=1e6,
+        default=0.0,
+    )
+
+
+# ---------------------------------------------------------------- loading
+
+
+class TaperedSine(Section):
+    """A sine with a linear ramp up and down (Sec. 3.2)."""
+
+    kind: Literal["tapered_sine"] = key("sine with linear ramps", source="Sec. 3.2")
+    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", "Sec. 3.2", ge=0, le=100, default=6.0)
+    frequency: float = key("frequency", "Hz", "ours (not in the text)", gt=0, le=100, default=1.0)
+    start: float = key("start of the shaking", "s", "Sec. 3.2", ge=0, default=3.0)
+    ramp: float = key("duration of the increase", "s", "ours ('gradually')", ge=0, default=3.0)
+    decay_start: float = key("start of the decrease", "s", "Sec. 3.2", ge=0, default=9.0)
+    end: float = key("end of the shaking", "s", "Sec. 3.2", ge=0, default=10.0)
+
+    @model_validator(mode="after")
+    def _in_order(self) -> TaperedSine:
+        if not self.start + self.ramp <= self.decay_start <= self.end:
+            raise ValueError(
+                f"motion: start + ramp ({self.start + self.ramp} s) <= decay_start ({self.decay_start} s) "
+                f"<= end ({self.end} s) does not hold"
+            )
+        return self
+
+
+class NoMotion(Section):
+    """No shaking."""
+
+    kind: Literal["none"] = key("no shaking", default="none")
+
+
+Motion = Annotated[TaperedSine | NoMotion, Field(discriminator="kind")]
+
+
+class GravityStage(Section):
+    """How gravity is brought on before the failure criterion is armed."""
+
+    ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
+    duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", ge=0, le=1000, default=3.0)
+    damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
+    acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
+
+
+class RayleighDamping(Section):
+    """Rayleigh damping from one damping ratio met at two frequencies (Sec. 2.5)."""
+
+    ratio: float = key("damping ratio at both frequencies", source="ours", ge=0, le=0.5, default=0.02)
+    frequencies: tuple[float, float] = key("the two frequencies", "Hz", default=(1.0, 5.6))
+
+    @model_validator(mode="after")
+    def _positive(self) -> RayleighDamping:
+        if not 0 < self.frequencies[0] < self.frequencies[1]:
+            raise ValueError(f"damping: frequencies {list(self.frequencies)} must be positive and increasing")
+        return self
+
+    @property
+    def mass_coefficient(self) -> float:
+        """alpha, 1/s."""
+        w1, w2 = (2 * math.pi * f for f in self.frequencies)
+        return 2 * self.ratio * w1 * w2 / (w1 + w2)
+
+    @property
+    def stiffness_coefficient(self) -> float:
+        """beta_R, s."""
+        w1, w2 = (2 * math.pi * f for f in self.frequencies)
+        return 2 * self.ratio / (w1 + w2)
+
+
+# ---------------------------------------------------------------- numerics
+
+
+class ArtificialViscosity(Section):
+    """Pairwise dissipation of approaching particles, signal-speed form (Monaghan 1997)."""
+
+    alpha: float = key("coefficient, on V_p", ge=0, le=10, default=0.1)
+
+
+class GradientCorrection(Section):
+    """First-order consistent velocity gradients (Randles and Libersky 1996)."""
+
+    min_determinant: float = key("below this determinant of the moment matrix a particle keeps the plain gradient", gt=0, le=1, default=0.3)
+
+
+class ShortRangeRepulsion(Section):
+    """A conservative spring between particles that come closer than a fraction of the spacing."""
+
+    range: float = key("range over the spacing", gt=0, le=1, default=0.9)
+    pressure: float = key("pressure-like stiffness of the spring", "kPa", gt=0, le=1e7, default=500.0)
+
+
+class Numerics(Section):
+    """Resolution, integration and stabilisers."""
+
+    spacing: float = key("initial particle spacing", "m", "Sec. 4", gt=0, le=100, default=1.0)
+    kernel: Literal["cubic_spline", "wendland_c2"] = key("smoothing kernel", source="Sec. 4", default="cubic_spline")
+    smoothing_ratio: float = key("smoothing length over spacing", source="Sec. 4 (h = 2.3 m)", ge=0.6, le=5, default=2.3)
+    smoothing_length_is: Literal["half_support", "support"] = key(
+        "reading of the smoothing length: the kernel ends at 2 h (literal) or at h", source="Sec. 4", default="half_support"
+    )
+    time_step: float = key("fixed time increment", "s", "Sec. 2.6", gt=0, le=1, default=1e-4)
+    neighbour_skin: float = key("margin of the neighbour list over the spacing", gt=0, le=2, default=0.3)
+    gradient_tolerance: float = key(
+        "kernel gradients are kept until a particle has moved this far, over the spacing; 0 renews them every step",
+        ge=0,
+        le=0.1,
+        default=0.01,
+    )
+    artificial_viscosity: ArtificialViscosity | None = key("pairwise artificial viscosity", default=ArtificialViscosity())
+    gradient_correction: GradientCorrection | None = key("corrected velocity gradients", default=None)
+    short_range_repulsion: ShortRangeRepulsion | None = key("cure of particle pairing", default=ShortRangeRepulsion())
+
+    @property
+    def smoothing_length(self) -> float:
+        """h with the kernel ending at 2 h, m."""
+        h = self.smoothing_ratio * self.spacing
+        return h if self.smoothing_length_is == "half_support" else 0.5 * h
+
+
+class Outputs(Section):
+    """What a run stores, and how often."""
+
+    frame_interval: float = key("interval of the particle fields", "s", gt=0, default=0.25)
+    series_interval: float = key("interval of probes, energies and other series", "s", gt=0, default=0.01)
+
+
+Place = Literal["crest_edge", "toe"] | tuple[float, float]
+
+
+class Scene(Section):
+    """One simulation."""
+
+    name: str = key("name used in file names and titles", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")
+    title: str = key("one line for figures and tables", default="")
+    duration: float = key("simulated time", "s", "Sec. 4 (15 s)", gt=0, le=1e4, default=15.0)
+    geometry: Geometry = key("shape of the soil", source="Fig. 1")
+    walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
+    soil: Soil = key("material", source="Tables 1-2", default=Soil())
+    coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
+    motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
+    gravity: GravityStage = key("gravity stage", default=GravityStage())
+    damping: RayleighDamping | None = key("Rayleigh damping", source="Sec. 2.5", default=RayleighDamping())
+    numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
+    outputs: Outputs = key("stored data", default=Outputs())
+    probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
+        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m; the nearest particle is taken",
+        source="particle A: Figs. 6-7",
+        default={"A": "crest_edge"},
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scene:
+        dt = self.numerics.time_step
+        for name in ("series_interval", "frame_interval"):
+            _whole_multiple(getattr(self.outputs, name), dt, f"outputs.{name}", "numerics.time_step")
+        _whole_multiple(self.outputs.frame_interval, self.outputs.series_interval, "outputs.frame_interval", "outputs.series_interval")
+        _whole_multiple(self.duration, self.outputs.series_interval, "duration", "outputs.series_interval")
+        _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
+        if isinstance(self.motion, TaperedSine) and self.motion.start < self.gravity.duration:
+            raise ValueError(
+                f"motion.start: {self.motion.start} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)"
+            )
+        if self.gravity.ramp > self.gravity.duration:
+            raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
+        if self.gravity.duration > self.duration:
+            raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
+        if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
+            raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
+        return self
+
+    def steps(self, time: float) -> int:
+        """Number of time steps to a time (s)."""
+        return round(time / self.numerics.time_step)
+
+
+def _whole_multiple(value: float, unit: float, name: str, unit_name: str) -> None:
+    ratio = value / unit
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6 * ratio:
+        raise ValueError(f"{name}: {value} s must be a whole multiple of {unit_name} ({unit} s)")
+
+
+# ---------------------------------------------------------------- reading
+
+
+def read_yaml(path: Path | str) -> dict[str, Any]:
+    """Mapping in a YAML file; raises ValueError naming the file when it is none."""
+    path = Path(path)
+    try:
+        data = yaml.safe_load(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        raise ValueError(f"{path}: cannot be read as YAML: {error}") from error
+    if not isinstance(data, dict):
+        raise ValueError(f"{path}: must hold a mapping of keys, found {type(data).__name__}")
+    return data
+
+
+def merge(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """``base`` with ``overrides`` laid over it, section by section; lists and scalars are replaced."""
+    merged = dict(base)
+    for name, value in overrides.items():
+        old = merged.get(name)
+        merged[name] = merge(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
+    return merged
+
+
+def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """``{"coupling.S_R": 0.1}`` as ``{"coupling": {"S_R": 0.1}}``."""
+    nested: dict[str, Any] = {}
+    for path, value in settings.items():
+        for part in reversed(path.split(".")):
+            value = {part: value}
+        nested = merge(nested, value)
+    return nested
+
+
+def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
+    """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed."""
+    try:
+        return Scene.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(explain(error, origin, data)) from error
+
+
+def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str:
+    """One line per bad key: origin, key as written, what is allowed and the value found."""
+    lines = []
+    for item in error.errors():
+        where = ".".join(_path_as_written(item["loc"], data))
+        message = item["msg"].removeprefix("Value error, ")
+        if item["type"] == "extra_forbidden":
+            message = "there is no such key here"
+        value = item["input"]
+        shown = f" (found {value!r})" if where and not isinstance(value, (Mapping, BaseModel)) else ""
+        lines.append(f"{origin}: {where + ': ' if where else ''}{message}{shown}")
+    return "\n".join(lines)
+
+
+def _path_as_written(location: tuple[int | str, ...], data: Any) -> list[str]:
+    """Path of a key without the names of variants ('tapered_sine') that the validator puts into it."""
+    path = []
+    for depth, part in enumerate(location):
+        here = data.get(part) if isinstance(data, Mapping) else None
+        if isinstance(data, Mapping) and part not in data and depth < len(location) - 1:
+            continue
+        path.append(str(part))
+        data = here
+    return path
+
+
+def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
+    """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
+    return make_scene(merge(read_yaml(path), overrides or {}), str(path))

@@ -1,0 +1,296 @@
+"""Running a scene: stages, recording, restart and guard.  Scene in, dataset out.
+
+A run advances in blocks of one series interval.  Between blocks it records, reports progress and
+looks after the guard.  It can stop early, at the end of the gravity stage or just before the first
+failure, and go on from there: until the shaking starts the motion has no effect, and until the first
+particle fails neither S_R nor gamma has one, so that a study does that work once.  A run that goes
+on from a restart equals an uninterrupted one bit for bit: the restart holds the neighbour lists'
+reference positions, and trunk and branch run the same compiled code.
+"""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from sph import trajectory
+from sph.coupling import cauchy_stress, elastic_energy
+from sph.integration import TERM_NAMES, active_terms, advance, make_lists
+from sph.jit import compile_lock
+from sph.motion import Loading, make_loading
+from sph.particles import Particles, locate_probes, place_particles
+from sph.scene import Scene
+from sph.state import FAILED, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State, Terms, initial_state, make_terms
+from sph.timestep import check_time_step
+
+Until = Literal["end", "gravity", "first_failure"]
+MAX_SPEED_RATIO = 1.0
+"""The guard stops a run in which a particle is faster than this multiple of V_p."""
+
+BRANCH_KEYS = ("coupling.S_R", "coupling.gamma", "coupling.fluid_tension_limit")
+"""Keys without effect before the first failure."""
+FREE_KEYS = ("name", "title", "duration")
+"""Keys that a restarted run may change at any time."""
+
+
+class Progress(NamedTuple):
+    """How far a run is."""
+
+    time: float  # simulated, s
+    duration: float  # s
+    particle_steps: int  # made since this process started
+    elapsed: float  # s of this process
+    failed_fraction: float
+
+
+class Result(NamedTuple):
+    """A run's trajectory, its restart state and its status (see ``trajectory.STATUSES``)."""
+
+    trajectory: xr.Dataset
+    restart: xr.Dataset
+    status: str
+
+
+class Run:
+    """One simulation under way: state, lists, and what has been recorded."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.particles: Particles = place_particles(scene)
+        self.terms: Terms = make_terms(scene, self.particles)
+        self.loading: Loading = make_loading(scene)
+        self.state: State = initial_state(self.particles, scene.soil.density)
+        self.probes = locate_probes(scene, self.particles)
+        self.step = 0
+        self.earlier_wall_time = 0.0
+        self.earlier_particle_steps = 0
+        self._frames: dict[str, list[np.ndarray]] = {v.name: [] for v in trajectory.VARIABLES if v.dims[0] == "frame"}
+        self._series: dict[str, list[Any]] = {v.name: [] for v in trajectory.VARIABLES if v.dims[0] == "sample"}
+
+    # ------------------------------------------------------------ stepping
+
+    def prepare(self) -> None:
+        """Check the time step, compile or load the variant this scene needs, and make the neighbour lists."""
+        with compile_lock():
+            check_time_step(self.scene)
+            self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
+            self._advance(0)
+            compiled = active_terms(self.terms)
+        wanted = wanted_terms(self.scene)
+        if tuple(compiled) != wanted:
+            raise RuntimeError(
+                f"the compiled solver holds the terms {dict(zip(TERM_NAMES, compiled, strict=True))}, the scene wants "
+                f"{dict(zip(TERM_NAMES, wanted, strict=True))}; delete the cache folder and run again"
+            )
+
+    def _advance(self, n_steps: int) -> tuple[int, int]:
+        self.candidates, self.pairs, failed, done = advance(
+            self.state, self.candidates, self.pairs, self.terms, self.particles.mass, self.loading, self.step, n_steps
+        )
+        self.step += done
+        return failed, done
+
+    def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
+        """Run to the wanted point; the status says how it ended."""
+        scene = self.scene
+        block = scene.steps(scene.outputs.series_interval)
+        last = scene.steps(scene.gravity.duration if until == "gravity" else scene.duration)
+        self.prepare()
+        started = clock.perf_counter()
+        first_step = self.step
+        status, reason = "", ""
+        if self.step == 0 and not self._series["sample_time"]:
+            self._record()
+        while self.step < last and not status:
+            saved = self._copy() if until == "first_failure" else None
+            failed, done = self._advance(block)
+            if saved is not None and failed:
+                self._restore(saved)
+                status, reason = "paused", "before the first failure"
+                break
+            if done < block:
+                status, reason = "diverged", f"a particle jumped or is not a number at {self.step * self.terms.dt:.4f} s"
+                break
+            self._record()
+            if not self._series["maximum_speed"][-1] < MAX_SPEED_RATIO * scene.soil.p_wave_speed:
+                status, reason = "diverged", f"a particle is faster than V_p at {self.step * self.terms.dt:.4f} s"
+            if report is not None:
+                steps = (self.step - first_step) * self.state.x.size
+                report(
+                    Progress(
+                        self.step * self.terms.dt,
+                        last * self.terms.dt,
+                        steps,
+                        clock.perf_counter() - started,
+                        self._series["failed_fraction"][-1],
+                    )
+                )
+        if not status:
+            done_all = self.step >= scene.steps(scene.duration)
+            unfailed = not np.any(self.state.phase == FAILED)
+            status = ("unfailed" if unfailed else "complete") if done_all else "paused"
+            reason = "" if done_all else "at the end of the gravity stage"
+        elapsed = clock.perf_counter() - started
+        return self._result(status, reason, elapsed, (self.step - first_step) * self.state.x.size)
+
+    def _copy(self) -> tuple[Any, ...]:
+        return State(*(a.copy() for a in self.state)), self.candidates, self.step
+
+    def _restore(self, saved: tuple[Any, ...]) -> None:
+        self.state, self.candidates, self.step = saved
+
+    # ------------------------------------------------------------ recording
+
+    def _record(self) -> None:
+        scene, state, n_soil = self.scene, self.state, self.particles.n_soil
+        time = self.step * self.terms.dt
+        if self.step % scene.steps(scene.outputs.frame_interval) == 0:
+            self._record_frame(time)
+        soil = slice(0, n_soil)
+        speed_square = state.vx[soil] ** 2 + state.vy[soil] ** 2
+        work = state.work
+        elastic = elastic_energy(state, self.terms, self.particles.mass)
+        at = np.array(list(self.probes.values()), dtype=int)
+        sample = {
+            "sample_time": time,
+            "probe_displacement_x": state.x[at] - self.particles.x[at],
+            "probe_displacement_y": state.y[at] - self.particles.y[at],
+            "probe_velocity_x": state.vx[at],
+            "probe_velocity_y": state.vy[at],
+            "ground_acceleration": self.loading.ground[self.step],
+            "kinetic_energy": 0.5 * float(self.particles.mass[soil] @ speed_square),
+            "elastic_energy": elastic + work[REPULSION],
+            "potential_energy": -work[GRAVITY],
+            "dissipated_energy": work[INTERNAL] - elastic + work[MASS_DAMPING] + work[VISCOUS] + work[WALLS],
+            "shaking_work": work[SHAKING],
+            "failed_fraction": float(np.mean(state.phase[soil] == FAILED)),
+            "maximum_speed": float(np.sqrt(speed_square.max())),
+        }
+        for name, values in self._series.items():
+            values.append(sample[name])
+
+    def _record_frame(self, time: float) -> None:
+        state = self.state
+        stress = np.empty((state.x.size, 4))
+        cauchy_stress(state, self.terms, stress)
+        frame = {
+            "time": time,
+            "x": state.x,
+            "y": state.y,
+            "displacement_x": state.x - self.particles.x,
+            "displacement_y": state.y - self.particles.y,
+            "velocity_x": state.vx,
+            "velocity_y": state.vy,
+            "stress_xx": stress[:, 0],
+            "stress_yy": stress[:, 1],
+            "stress_zz": stress[:, 2],
+            "stress_xy": stress[:, 3],
+            "density": state.density,
+            "beta": state.beta,
+            "failed": state.phase == FAILED,
+        }
+        for name, values in self._frames.items():
+            values.append(np.array(frame[name], dtype=trajectory.BY_NAME[name].dtype))
+
+    def _result(self, status: str, reason: str, elapsed: float, particle_steps: int) -> Result:
+        wall_time = self.earlier_wall_time + elapsed
+        total = self.earlier_particle_steps + particle_steps
+        arrays: dict[str, np.ndarray] = {
+            "x0": self.particles.x,
+            "y0": self.particles.y,
+            "kind": self.particles.kind,
+            "mass": self.particles.mass,
+            "t_f": self.state.t_f,
+            "probe_particle": np.array(list(self.probes.values()), dtype=int),
+        }
+        for name, values in (self._frames | self._series).items():
+            variable = trajectory.BY_NAME[name]
+            shape = (len(values), *(self._size(dim) for dim in variable.dims[1:]))
+            arrays[name] = np.array(values, dtype=variable.dtype).reshape(shape)
+        attrs = trajectory.run_attributes(self.scene) | {
+            "status": status,
+            "status_reason": reason,
+            "wall_time_s": wall_time,
+            "particle_steps": total,
+            "particle_steps_per_second": total / wall_time if wall_time > 0 else 0.0,
+            "neighbours_mean": float((self.pairs.end - self.pairs.start[:-1]).mean()),
+            "active_terms": " ".join(n for n, on in zip(TERM_NAMES, wanted_terms(self.scene), strict=True) if on),
+        }
+        ds = trajectory.dataset(arrays, list(self.probes), attrs)
+        restart = xr.Dataset({name: (("row",) if name == "work" else ("particle",), a) for name, a in self.state._asdict().items()})
+        restart.attrs["step"] = self.step
+        return Result(ds, restart, status)
+
+    def _size(self, dim: str) -> int:
+        return {"particle": self.particles.x.size, "probe": len(self.probes)}[dim]
+
+    # ------------------------------------------------------------ restart
+
+    def resume(self, path: Path | str) -> None:
+        """Take over state and history of a paused run; ValueError if it belongs to another scene."""
+        old, restart = trajectory.read(path), trajectory.read_restart(path)
+        check_restart(trajectory.scene_of(old, str(path)), self.scene, float(old["sample_time"][-1]), bool(old["failed"].any()), path)
+        for name, array in self.state._asdict().items():
+            array[...] = restart[name].values
+        self.step = int(restart.attrs["step"])
+        for store in (self._frames, self._series):
+            for name in store:
+                store[name] = list(old[name].values)
+        self.earlier_wall_time = float(old.attrs["wall_time_s"])
+        self.earlier_particle_steps = int(old.attrs["particle_steps"])
+
+
+def run(
+    scene: Scene,
+    until: Until = "end",
+    restart: Path | str | None = None,
+    report: Callable[[Progress], None] | None = None,
+) -> Result:
+    """Simulate a scene, from the start or from a paused run's file."""
+    simulation = Run(scene)
+    if restart is not None:
+        simulation.resume(restart)
+    return simulation.go(until, report)
+
+
+def wanted_terms(scene: Scene) -> tuple[bool, ...]:
+    """Which optional terms a scene asks for, in the order of ``TERM_NAMES``."""
+    numerics = scene.numerics
+    return (
+        numerics.kernel == "wendland_c2",
+        scene.coupling.fluid.law == "capped_viscosity",
+        scene.damping is not None,
+        numerics.artificial_viscosity is not None,
+        numerics.gradient_correction is not None,
+        numerics.short_range_repulsion is not None,
+        scene.walls.sides == "free_slip",
+    )
+
+
+def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path | str) -> None:
+    """Refuse a restart whose past differs from the new scene's; ValueError names the keys."""
+    free = FREE_KEYS + (() if failed else BRANCH_KEYS)
+    if time <= old.gravity.duration + 0.5 * old.numerics.time_step:
+        free += ("motion",)
+    past, future = _flat(old.model_dump()), _flat(new.model_dump())
+    bad = [
+        f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"
+        for name in sorted(past.keys() | future.keys())
+        if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
+    ]
+    if bad:
+        raise ValueError(f"{path}: cannot go on from this run at {time:g} s, its scene differs in\n  " + "\n  ".join(bad))
+    if time > new.duration:
+        raise ValueError(f"{path}: the run is already at {time:g} s, later than duration: {new.duration} s")
+
+
+def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in data.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
+    return flat

@@ -1,0 +1,182 @@
+"""The state of a run and the coefficients of its active terms.
+
+``State`` is everything that changes; saving it saves the run.  ``Terms`` is everything that does
+not: one small immutable pack of numbers.  An optional term is a record of its coefficients or
+None; numba types the two differently, so a term that is absent is not compiled.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.bingham import CapTerm, FluidLaw
+from sph.kernels import Kernel, make_kernel
+from sph.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+from sph.particles import SIDE, Particles
+from sph.scene import CappedViscosity, Scene
+
+UNARMED, ARMED, FAILED = 0, 1, 2
+"""Phases of a particle: the failure criterion does not count yet, counts, was met."""
+
+SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
+"""Rows of ``State.work`` (J/m): work of the shaking and of gravity on the soil, of strain on the
+stress, and energy taken by mass-proportional damping, by artificial viscosity and by free-slip
+walls; energy stored in the short-range repulsion (the last is a level, not a sum)."""
+
+
+class State(NamedTuple):
+    """Arrays over all n particles unless said otherwise; SI units."""
+
+    x: np.ndarray
+    y: np.ndarray
+    vx: np.ndarray  # half a step behind the positions
+    vy: np.ndarray
+    ax: np.ndarray  # acceleration by stress, repulsion and artificial viscosity
+    ay: np.ndarray
+    density: np.ndarray
+    solid_d: np.ndarray  # deviator of the solid state, see sph.elastic
+    solid_q: np.ndarray
+    solid_z: np.ndarray
+    fluid_d: np.ndarray  # deviator of the fluid state
+    fluid_q: np.ndarray
+    fluid_z: np.ndarray
+    beta: np.ndarray  # weight of the solid state
+    t_f: np.ndarray  # time of failure, NaN before
+    phase: np.ndarray  # uint8: UNARMED, ARMED, FAILED
+    sxx: np.ndarray  # stress of the momentum equation over density squared
+    syy: np.ndarray
+    sxy: np.ndarray
+    syx: np.ndarray
+    viscous_x: np.ndarray  # acceleration by artificial viscosity alone
+    viscous_y: np.ndarray
+    x_pairs: np.ndarray  # positions at which the pairs were made
+    y_pairs: np.ndarray
+    x_candidates: np.ndarray  # positions at which the candidates were made
+    y_candidates: np.ndarray
+    work: np.ndarray  # (7,)
+
+
+class RayleighTerm(NamedTuple):
+    """Rayleigh damping (Sec. 2.5)."""
+
+    mass: float
+    """alpha, 1/s"""
+    stiffness: float
+    """beta_R, s"""
+
+
+class ViscosityTerm(NamedTuple):
+    """Artificial viscosity."""
+
+    speed: float
+    """alpha V_p over the reference density, m4/(s kg)"""
+
+
+class CorrectionTerm(NamedTuple):
+    """Gradient correction."""
+
+    min_determinant: float
+
+
+class RepulsionTerm(NamedTuple):
+    """Short-range repulsion."""
+
+    range: float
+    """m"""
+    stiffness: float
+    """N/m for a metre of thickness"""
+
+
+class SlipTerm(NamedTuple):
+    """Free-slip walls."""
+
+    first: int
+    """first wall particle that slips; all after it slip too"""
+
+
+class Terms(NamedTuple):
+    """All coefficients of a run."""
+
+    dt: float
+    n_soil: int
+    n_stressed: int  # particles with a stress of their own; free-slip walls have none
+    armed_from_step: int
+    pairs_tolerance: float  # m
+    candidates_tolerance: float  # m
+    reach: float  # support and skin, m
+    close_range: float  # range of short-range forces and the tolerance, m
+    reference_density: float
+    bulk_modulus: float
+    shear_modulus: float
+    solid: MohrCoulomb
+    fluid: MohrCoulomb
+    fluid_law: FluidLaw
+    beta_decay: float  # exp(-gamma dt)
+    kernel: Kernel
+    rayleigh: RayleighTerm | None
+    viscosity: ViscosityTerm | None
+    correction: CorrectionTerm | None
+    repulsion: RepulsionTerm | None
+    slip: SlipTerm | None
+
+
+def initial_state(particles: Particles, density: float) -> State:
+    """Unstressed particles at rest."""
+    n = particles.x.size
+    zero = {name: np.zeros(n) for name in State._fields}
+    start = {
+        "x": particles.x.copy(),
+        "y": particles.y.copy(),
+        "density": np.full(n, density),
+        "beta": np.ones(n),
+        "t_f": np.full(n, np.nan),
+        "phase": np.zeros(n, np.uint8),
+        "x_pairs": particles.x.copy(),
+        "y_pairs": particles.y.copy(),
+        "x_candidates": particles.x.copy(),
+        "y_candidates": particles.y.copy(),
+        "work": np.zeros(7),
+    }
+    return State(**(zero | start))
+
+
+def make_terms(scene: Scene, particles: Particles) -> Terms:
+    """Coefficients of a scene; every number is made a float so that one scene compiles one variant."""
+    soil, coupling, numerics = scene.soil, scene.coupling, scene.numerics
+    dt, dx = numerics.time_step, numerics.spacing
+    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
+    cut = coupling.fluid_tension_limit
+    cap = CapTerm(float(coupling.fluid.max_viscosity)) if isinstance(coupling.fluid, CappedViscosity) else None
+    damping, viscosity = scene.damping, numerics.artificial_viscosity
+    correction, repulsion = numerics.gradient_correction, numerics.short_range_repulsion
+    slip = SlipTerm(int(np.flatnonzero(particles.kind == SIDE)[0])) if scene.walls.sides == "free_slip" else None
+    skin = numerics.neighbour_skin * dx
+    pairs_tolerance = numerics.gradient_tolerance * dx
+    return Terms(
+        dt=float(dt),
+        n_soil=particles.n_soil,
+        n_stressed=particles.x.size if slip is None else slip.first,
+        armed_from_step=scene.steps(scene.gravity.duration),
+        pairs_tolerance=float(pairs_tolerance),
+        candidates_tolerance=float(0.5 * skin),
+        reach=float(2.0 * numerics.smoothing_length + skin),
+        close_range=0.0 if repulsion is None else float(repulsion.range * dx + 2.0 * pairs_tolerance),
+        reference_density=float(soil.density),
+        bulk_modulus=float(soil.bulk_modulus_si),
+        shear_modulus=float(soil.shear_modulus_si),
+        solid=make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),
+        fluid=make_mohr_coulomb(coupling.S_R * soil.cohesion_si, coupling.S_R * soil.friction_angle_si, None if cut is None else 1e3 * cut),
+        fluid_law=FluidLaw(float(soil.shear_modulus_si), float(soil.viscosity), cap),
+        beta_decay=math.exp(-coupling.gamma * dt),
+        kernel=kernel,
+        rayleigh=None if damping is None else RayleighTerm(damping.mass_coefficient, damping.stiffness_coefficient),
+        viscosity=None if viscosity is None else ViscosityTerm(viscosity.alpha * soil.p_wave_speed / soil.density),
+        correction=None if correction is None else CorrectionTerm(float(correction.min_determinant)),
+        repulsion=None
+        if repulsion is None
+        else RepulsionTerm(float(repulsion.range * dx), float(1e3 * repulsion.pressure / repulsion.range)),
+        slip=slip,
+    )

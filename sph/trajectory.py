@@ -1,0 +1,157 @@
+"""The trajectory file: one table of variables used by writer, reader, tests and documentation.
+
+A trajectory is a netCDF-4 file (CF-1.10 attributes, compressed).  The root group holds frames of
+the particle fields and dense series; the group ``restart`` holds the complete state in double
+precision from which the run goes on bit for bit.  Files are written under a temporary name and
+renamed, so a file that exists is whole.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+from collections.abc import Mapping
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from sph import __version__
+from sph.scene import Scene, make_scene
+
+
+class Variable(NamedTuple):
+    """One stored variable: name, dimensions, type, unit and meaning."""
+
+    name: str
+    dims: tuple[str, ...]
+    dtype: str
+    units: str
+    text: str
+
+
+FRAME = ("frame", "particle")
+SERIES = ("sample",)
+PROBE = ("sample", "probe")
+
+VARIABLES: tuple[Variable, ...] = (
+    Variable("time", ("frame",), "f8", "s", "time of the frame"),
+    Variable("x0", ("particle",), "f8", "m", "initial horizontal position"),
+    Variable("y0", ("particle",), "f8", "m", "initial height"),
+    Variable("kind", ("particle",), "i1", "1", "0 soil, 1 base of the box, 2 side wall"),
+    Variable("mass", ("particle",), "f8", "kg m-1", "mass for a metre of thickness"),
+    Variable("t_f", ("particle",), "f8", "s", "time of first failure; NaN where the particle has not failed"),
+    Variable("x", FRAME, "f4", "m", "horizontal position in the frame of the box"),
+    Variable("y", FRAME, "f4", "m", "height in the frame of the box"),
+    Variable("displacement_x", FRAME, "f4", "m", "horizontal displacement relative to the box"),
+    Variable("displacement_y", FRAME, "f4", "m", "vertical displacement relative to the box"),
+    Variable("velocity_x", FRAME, "f4", "m s-1", "horizontal velocity relative to the box"),
+    Variable("velocity_y", FRAME, "f4", "m s-1", "vertical velocity relative to the box"),
+    Variable("stress_xx", FRAME, "f4", "Pa", "stress, tension positive"),
+    Variable("stress_yy", FRAME, "f4", "Pa", "stress, tension positive"),
+    Variable("stress_zz", FRAME, "f4", "Pa", "out-of-plane stress, tension positive"),
+    Variable("stress_xy", FRAME, "f4", "Pa", "shear stress"),
+    Variable("density", FRAME, "f4", "kg m-3", "density"),
+    Variable("beta", FRAME, "f4", "1", "weight of the solid state, Eq. 9"),
+    Variable("failed", FRAME, "i1", "1", "1 once the stress has reached the failure surface"),
+    Variable("sample_time", SERIES, "f8", "s", "time of the sample"),
+    Variable("probe_particle", ("probe",), "i4", "1", "index of the probe's particle"),
+    Variable("probe_displacement_x", PROBE, "f8", "m", "horizontal displacement of the probe relative to the box"),
+    Variable("probe_displacement_y", PROBE, "f8", "m", "vertical displacement of the probe relative to the box"),
+    Variable("probe_velocity_x", PROBE, "f8", "m s-1", "horizontal velocity of the probe relative to the box"),
+    Variable("probe_velocity_y", PROBE, "f8", "m s-1", "vertical velocity of the probe relative to the box"),
+    Variable("ground_acceleration", SERIES, "f8", "m s-2", "horizontal acceleration of the box"),
+    Variable("kinetic_energy", SERIES, "f8", "J m-1", "kinetic energy relative to the box"),
+    Variable("elastic_energy", SERIES, "f8", "J m-1", "stored energy of stress and repulsion"),
+    Variable("potential_energy", SERIES, "f8", "J m-1", "energy of position minus its initial value; work done by the gravity ramp"),
+    Variable("dissipated_energy", SERIES, "f8", "J m-1", "energy taken by yield, loss of strength, damping and artificial viscosity"),
+    Variable("shaking_work", SERIES, "f8", "J m-1", "work of the inertial force of the shaking"),
+    Variable("failed_fraction", SERIES, "f8", "1", "failed soil particles over all soil particles"),
+    Variable("maximum_speed", SERIES, "f8", "m s-1", "largest speed of a soil particle relative to the box"),
+)
+BY_NAME = {variable.name: variable for variable in VARIABLES}
+
+STATUSES = ("complete", "unfailed", "paused", "diverged")
+"""complete: reached its duration; unfailed: reached it without one particle failing; paused: stopped
+before its duration so that it can go on; diverged: stopped by the guard."""
+
+PACKAGES = ("numpy", "numba", "llvmlite", "xarray", "netCDF4", "pydantic")
+
+
+def dataset(arrays: Mapping[str, np.ndarray], probes: list[str], attrs: Mapping[str, Any]) -> xr.Dataset:
+    """Dataset of the variables in ``VARIABLES``; ``arrays`` must hold every one of them."""
+    ds = xr.Dataset(attrs=dict(attrs))
+    for variable in VARIABLES:
+        values = np.asarray(arrays[variable.name]).astype(variable.dtype, copy=False)
+        ds[variable.name] = (variable.dims, values, {"units": variable.units, "long_name": variable.text})
+    return ds.assign_coords(time=ds["time"], sample_time=ds["sample_time"], probe=("probe", probes))
+
+
+def run_attributes(scene: Scene) -> dict[str, Any]:
+    """Attributes that let a reader repeat the run: the whole scene and the versions."""
+    return {
+        "Conventions": "CF-1.10",
+        "title": scene.title or scene.name,
+        "source": f"sph {__version__}",
+        "scene": scene.model_dump_json(),
+        "versions": json.dumps({"sph": __version__, "python": platform.python_version()} | {p: _version(p) for p in PACKAGES}),
+        "machine": f"{platform.system()} {platform.machine()}",
+    }
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def write(path: Path | str, ds: xr.Dataset, restart: xr.Dataset | None = None) -> None:
+    """Write a trajectory atomically; ``restart`` goes into its own group."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        write_compressed(ds, temporary)
+        if restart is not None:
+            write_compressed(restart, temporary, mode="a", group="restart")
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_compressed(ds: xr.Dataset, path: Path, **options: Any) -> None:
+    """netCDF-4 with every numeric variable compressed."""
+    options_each = {"zlib": True, "complevel": 4, "shuffle": True}
+    encoding = {name: options_each for name, v in ds.variables.items() if v.dtype.kind in "fiu" and v.ndim}
+    ds.to_netcdf(path, engine="netcdf4", encoding=encoding, **options)
+
+
+def read(path: Path | str) -> xr.Dataset:
+    """Root group of a trajectory, in memory; ValueError names a file that is none."""
+    return _read(path, None)
+
+
+def read_restart(path: Path | str) -> xr.Dataset:
+    """Group ``restart`` of a trajectory, in memory; ValueError names a file without one."""
+    return _read(path, "restart")
+
+
+def _read(path: Path | str, group: str | None) -> xr.Dataset:
+    try:
+        with xr.open_dataset(path, group=group, engine="netcdf4") as ds:
+            loaded = ds.load()
+    except (OSError, KeyError, ValueError) as error:
+        what = "a trajectory" if group is None else "a trajectory with a restart state"
+        raise ValueError(f"{path}: cannot be read as {what}: {error}") from error
+    if group is None and "scene" not in loaded.attrs:
+        raise ValueError(f"{path}: not a trajectory of this program (it has no attribute 'scene')")
+    return loaded
+
+
+def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
+    """The scene a trajectory was run with."""
+    return make_scene(json.loads(ds.attrs["scene"]), origin)
