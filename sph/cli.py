@@ -109,24 +109,20 @@ def info(scene: SceneFile, set_: Settings = None) -> None:
         print(f"{label:<{width}}  {text}")
 
 
-@app.command(
-    epilog="Examples:  sph plot slide.nc  |  sph plot slide.nc --kind probes --out A.pdf  |  sph plot slide.nc --field speed --time 6"
-)
+@app.command(epilog="Examples:  sph plot slide.nc  |  sph plot slide.nc --field speed --time 6 --out slide.pdf")
 def plot(
     file: Trajectory,
     out: Annotated[Path | None, typer.Option(help="picture to write (.png, .pdf, .svg); beside the trajectory by default")] = None,
-    kind: Annotated[str, typer.Option(help="profile, probes or energies")] = "profile",
-    field: Annotated[str, typer.Option(help="colour of a profile: height, displacement, speed, beta or pressure")] = "height",
-    time: Annotated[float | None, typer.Option(help="time of a profile in s; the last frame by default")] = None,
+    field: Annotated[str, typer.Option(help="colour of the profile: initial_height, displacement, speed, beta, ...")] = "initial_height",
+    time: Annotated[float | None, typer.Option(help="time of the profile in s; the last frame by default")] = None,
 ) -> None:
-    """Draw a trajectory."""
+    """Draw a trajectory: profile, probes and energies."""
     from sph import trajectory
     from sph.analysis.figures import plot_trajectory
 
     with refusals():
-        figure = plot_trajectory(trajectory.read(file), kind=kind, field=field, time=time)
         path = out or file.with_suffix(".png")
-        figure.savefig(path, dpi=200)
+        plot_trajectory(trajectory.read(file), time=time, field=field).savefig(path, dpi=200)
     print(path)
 
 

@@ -1,0 +1,125 @@
+"""The table of a study and its files: one row a run in the CSV, one value a grid point in the netCDF.
+
+Grid values are written as in the configuration ("0.10") in the CSV and become numbers once, here, as coordinates
+of the dataset; the labels travel with them as ``S_R_label`` and so on.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Hashable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sph import trajectory
+from sph.analysis.metrics import GRID, METRICS
+from sph.trajectory import Variable
+
+AXES: tuple[Variable, ...] = (
+    Variable("S_R", ("S_R",), "f8", "1", "strength ratio of the fluid state, Eqs. 14-15"),
+    Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),
+    Variable("amplitude", ("amplitude",), "f8", "m s-2", "amplitude of the ground acceleration"),
+)
+COLUMNS = [row.name for row in AXES + METRICS]
+
+
+def study_table(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+    """Frame with the columns ``COLUMNS``, sorted by S_R, gamma and amplitude, these kept as strings.
+
+    Raises ValueError for no rows, a missing or unknown column, a grid value that is no number, and two rows at one grid point.
+    """
+    if not rows:
+        raise ValueError("rows: a study needs at least one run")
+    for number, row in enumerate(rows):
+        missing, unknown = [name for name in COLUMNS if name not in row], sorted(set(row) - set(COLUMNS))
+        if missing or unknown:
+            raise ValueError(f"row {number}: missing columns {missing}, unknown columns {unknown}")
+    frame = pd.DataFrame([dict(row) for row in rows], columns=COLUMNS)
+    frame[list(GRID)] = frame[list(GRID)].astype(str)
+    points = pd.DataFrame({name: [_number(name, label) for label in frame[name]] for name in GRID})
+    if points.duplicated().any():
+        raise ValueError(f"rows: two runs at {points[points.duplicated()].iloc[0].to_dict()}")
+    return frame.loc[points.sort_values(list(GRID)).index].reset_index(drop=True)
+
+
+def study_dataset(frame: pd.DataFrame, attrs: Mapping[str, Any] | None = None) -> xr.Dataset:
+    """Dataset with dimensions S_R, gamma, amplitude (numbers) from a table; missing grid points are NaN, strings ''."""
+    labels = {name: sorted(set(frame[name]), key=lambda label, name=name: _number(name, label)) for name in GRID}  # type: ignore[misc]
+    ds = xr.Dataset(attrs={"Conventions": "CF-1.10", **(attrs or {})})
+    for axis in AXES:
+        values = np.array([_number(axis.name, label) for label in labels[axis.name]])
+        if len(np.unique(values)) < len(values):
+            raise ValueError(f"{axis.name}: one number is written in two ways in {labels[axis.name]}")
+        ds = ds.assign_coords({axis.name: (axis.dims, values, _cf(axis))})
+        label_attrs = {"long_name": f"{axis.name} as written in the configuration"}
+        ds = ds.assign_coords({f"{axis.name}_label": (axis.dims, np.array(labels[axis.name], dtype=object), label_attrs)})
+    at = tuple(np.array([labels[name].index(label) for label in frame[name]]) for name in GRID)
+    shape = tuple(len(labels[name]) for name in GRID)
+    for metric in METRICS:
+        values = np.full(shape, "", dtype=object) if metric.dtype == "str" else np.full(shape, np.nan)
+        values[at] = frame[metric.name].to_numpy(dtype=values.dtype)
+        ds[metric.name] = (metric.dims, values, {"long_name": metric.text} if metric.dtype == "str" else _cf(metric))
+    return ds
+
+
+def write_study(frame: pd.DataFrame, path_nc: Path | str, path_csv: Path | str, attrs: Mapping[str, Any] | None = None) -> None:
+    """Write the dataset and the CSV of a table; each file appears whole or not at all."""
+    trajectory.write(path_nc, study_dataset(frame, attrs))
+    write_csv(frame, path_csv)
+
+
+def write_csv(frame: pd.DataFrame, path: Path | str) -> None:
+    """Write a table atomically, in full precision, NaN spelt out."""
+    path = Path(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    temporary = path.with_name(f".{path.name}.{os.getpid()}")
+    try:
+        frame.to_csv(temporary, index=False, na_rep="NaN", lineterminator="\n")
+        os.replace(temporary, path)
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def read_study(path: Path | str) -> xr.Dataset:
+    """Dataset of a study, in memory; ValueError names a file that is none."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as ds:
+            study = ds.load()
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path}: cannot be read as a study: {error}") from error
+    missing = [name for name in COLUMNS if name not in study.variables]
+    if missing:
+        raise ValueError(f"{path}: not a study of this program, it lacks {missing}")
+    return study
+
+
+def read_table(path: Path | str) -> pd.DataFrame:
+    """Table of a study from its CSV, grid values and strings as written; ValueError names a file that is none."""
+    text = {row.name: "str" for row in AXES + METRICS if row.name in GRID or row.dtype == "str"}
+    types: dict[Hashable, Any] = {name: text.get(name, "float64") for name in COLUMNS}
+    types |= {row.name: "int64" for row in METRICS if row.dtype == "i1"}
+    try:
+        frame = pd.read_csv(path, dtype=types, keep_default_na=False, na_values={name: ["NaN"] for name in COLUMNS if name not in text})
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path}: cannot be read as the table of a study: {error}") from error
+    if list(frame.columns) != COLUMNS:
+        raise ValueError(f"{path}: columns {list(frame.columns)} are not those of a study {COLUMNS}")
+    return frame
+
+
+def _cf(row: Variable) -> dict[str, str]:
+    return {"units": row.units, "long_name": row.text}
+
+
+def _number(name: str, label: str) -> float:
+    try:
+        value = float(label)
+    except ValueError as error:
+        raise ValueError(f"{name}: {label!r} is not a number") from error
+    if not np.isfinite(value):
+        raise ValueError(f"{name}: {label!r} is not a finite number")
+    return value

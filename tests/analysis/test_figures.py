@@ -1,0 +1,227 @@
+"""Figures: that they show what they are given, to size, named and with their origin; looks are judged by eye."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from synthetic import step_ramp, synthetic, translation
+
+from sph.analysis.fields import FIELDS, displacement
+from sph.analysis.figures import (
+    FIGURES,
+    caption,
+    figure_arrangement,
+    figure_gamma_histories,
+    figure_geometry,
+    figure_motion,
+    figure_profiles,
+    figure_strength_histories,
+    plot_trajectory,
+    save,
+)
+from sph.analysis.figures.profile import field_norm
+from sph.analysis.figures.style import LINE_STYLES
+from sph.particles import SOIL
+
+BLOCK = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
+
+
+def axes(figure: Figure, panel: int = 0) -> Any:
+    """A panel, without the loose types of matplotlib's artists."""
+    return figure.axes[panel]
+
+
+def circles(figure: Figure, panel: int = 0) -> list[Any]:
+    """The circles of a panel: box first, soil second."""
+    return [item for item in axes(figure, panel).collections if isinstance(item, EllipseCollection)]
+
+
+def texts(figure: Figure) -> str:
+    """Every text in a figure."""
+    return "\n".join(text.get_text() for text in figure.findobj(matplotlib.text.Text))
+
+
+def test_every_figure_of_the_paper_has_a_function_and_a_caption() -> None:
+    assert sorted(FIGURES) == [1, 2, 3, 4, 5, 6, 7]
+    for draw in FIGURES.values():
+        assert len(caption(draw)) > 60 and "\n" not in caption(draw) and "ValueError" not in caption(draw)
+
+
+def test_particles_are_drawn_at_their_places() -> None:
+    slid = synthetic(translation(-3.0, -1.0))
+    figure = figure_profiles({"a": slid})
+    box, soil = circles(figure)
+    is_soil = slid["kind"].values == SOIL
+    np.testing.assert_allclose(soil.get_offsets(), np.column_stack([slid["x"][-1][is_soil], slid["y"][-1][is_soil]]))
+    np.testing.assert_allclose(soil.get_array(), slid["y0"].values[is_soil])
+    assert len(box.get_offsets()) == 354 and box.get_facecolor()[0].tolist() == [1, 1, 1, 1]
+
+
+def test_particles_touch_and_leave_the_gaps_of_a_lattice_free(standing: xr.Dataset) -> None:
+    figure = figure_profiles({"a": standing})
+    figure.set_dpi(400)
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())
+
+    def colour(x: float, y: float) -> list[int]:
+        column, row = axes(figure).transData.transform((x, y))
+        return pixels[pixels.shape[0] - 1 - round(row), round(column), :3].tolist()
+
+    white = [255, 255, 255]
+    centre, corner = colour(60.5, 5.5), colour(61.0, 6.0)
+    assert corner == white and centre != white
+    assert all(colour(60.5 + dx, 5.5 + dy) == centre for dx, dy in ((0.4, 0.0), (-0.4, 0.0), (0.0, 0.4), (0.0, -0.4)))
+    assert colour(60.5 + 0.42, 5.5 + 0.42) == white
+
+
+def test_profiles_share_the_scale_and_are_lettered(slid: xr.Dataset, standing: xr.Dataset) -> None:
+    figure = figure_profiles({"first": slid, "second": standing}, fidelity="draft")
+    norms = [circles(figure, panel)[1].norm for panel in (0, 1)]
+    assert (norms[0].vmin, norms[0].vmax) == (norms[1].vmin, norms[1].vmax) == (0.0, 34.5)
+    assert axes(figure).get_xlim() == axes(figure, 1).get_xlim() and axes(figure).get_ylim() == axes(figure, 1).get_ylim()
+    shown = texts(figure)
+    assert "(a) first" in shown and "(b) second" in shown and "initial height (m)" in shown
+    assert "fidelity draft · scene paper · spacing 1 m · kernel support 4.6 m · sticky side walls · 15 s" in shown
+
+
+def test_the_initial_surface_is_drawn(slid: xr.Dataset) -> None:
+    line = axes(figure_profiles({"a": slid})).lines[0]
+    np.testing.assert_allclose(line.get_xydata()[[0, 1]], [(0.0, 10.0), (55.0, 10.0)])
+    assert line.get_ydata()[-1] == 35.0 and line.get_xdata()[-1] == 103.0
+
+
+def test_arrangement_shows_the_first_frame(slid: xr.Dataset) -> None:
+    figure = figure_arrangement(slid)
+    soil = circles(figure)[1]
+    np.testing.assert_allclose(soil.get_offsets()[:, 0], slid["x0"].values[slid["kind"].values == SOIL])
+    assert "2050 soil particles, 354 particles of the box" in texts(figure) and "A" in texts(figure).split("\n")
+
+
+def test_geometry_carries_dimensions_material_and_walls(slid: xr.Dataset) -> None:
+    shown = texts(figure_geometry(slid))
+    for text in ("55.0 m", "14.4 m", "34.0 m", "H = 25 m", "10 m", "60°", "1964", "c = 150 kPa, φ = 20°", "fixed side wall", "A"):
+        assert text in shown
+    slip = synthetic(overrides={"walls": {"sides": "free_slip"}})
+    assert "free-slip side wall" in texts(figure_geometry(slip))
+
+
+def test_geometry_of_another_shape_is_refused() -> None:
+    with pytest.raises(ValueError, match="geometry.shape: 'block'"):
+        figure_geometry(synthetic(overrides=BLOCK))
+
+
+def test_motion_is_the_stored_one_with_its_stages(slid: xr.Dataset) -> None:
+    figure = figure_motion(slid)
+    line = axes(figure).lines[0]
+    np.testing.assert_array_equal(line.get_ydata(), slid["ground_acceleration"].values)
+    assert np.ptp(line.get_ydata()) > 11.0
+    shown = texts(figure).split("\n")
+    assert {"gravity", "shaking", "no shaking"} <= set(shown)
+    still = texts(figure_motion(synthetic(overrides={"motion": {"kind": "none"}}))).split("\n")
+    assert "shaking" not in still and "gravity" in still
+
+
+def test_histories_show_the_vertical_displacement_named_and_told_apart_without_colour() -> None:
+    runs = {f"S_R = {depth}": synthetic(translation(-1.0, -depth), step_ramp(4.0, 8.0)) for depth in (5.0, 3.0, 1.0)}
+    figure = figure_strength_histories(runs)
+    ax = axes(figure)
+    curves = ax.lines[:3]
+    assert [curve.get_ydata()[-1] for curve in curves] == pytest.approx([-5.0, -3.0, -1.0])
+    assert curves[0].get_xdata()[0] == pytest.approx(3.0)
+    legend = ax.get_legend()
+    assert legend is not None and [text.get_text() for text in legend.get_texts()] == list(runs)
+    assert len({str(curve.get_linestyle()) + str(curve._dash_pattern) for curve in curves}) == 3
+    band = ax.patches[0].get_extents().transformed(ax.transData.inverted())
+    assert (band.x0, band.x1) == pytest.approx((3.0, 10.0))
+
+
+def test_more_curves_than_line_styles_still_draw(slid: xr.Dataset) -> None:
+    figure = figure_strength_histories({str(number): slid for number in range(len(LINE_STYLES) + 2)})
+    assert len(axes(figure).lines) == len(LINE_STYLES) + 3
+
+
+def test_gamma_panels(slid: xr.Dataset, standing: xr.Dataset) -> None:
+    figure = figure_gamma_histories({"S_R = 0.25": {"γ = 100": slid, "γ = 1": standing}, "S_R = 0.35": {"γ = 100": slid}})
+    assert [len(ax.lines) for ax in figure.axes] == [3, 2]
+    assert "(b) S_R = 0.35" in texts(figure)
+
+
+def test_figures_without_data_or_with_an_unknown_probe_are_refused(slid: xr.Dataset) -> None:
+    with pytest.raises(ValueError, match="trajectories"):
+        figure_profiles({})
+    with pytest.raises(ValueError, match="trajectories"):
+        figure_strength_histories({})
+    with pytest.raises(ValueError, match="probe: 'B'"):
+        figure_gamma_histories({"": {"γ = 1": slid}}, probe="B")
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_plot_of_a_trajectory_colours_by_each_field(slid: xr.Dataset, field: str) -> None:
+    slid["stress_yy"][:] = -3000.0
+    figure = plot_trajectory(slid, 6.2, field)
+    shown = circles(figure)[1].get_array()
+    frame = 12  # the last one not later than 6.2 s
+    is_soil = slid["kind"].values == SOIL
+    np.testing.assert_allclose(shown, FIELDS[field].of(slid, frame)[is_soil])
+    expected = {"initial_height": 34.5, "displacement": 1.5, "speed": 0.75, "beta": 1.0, "pressure": 1.0}
+    assert float(np.max(np.asarray(shown))) == pytest.approx(expected[field])
+    assert "t = 6 s" in texts(figure) and "complete" in texts(figure)
+
+
+def test_plot_refuses_an_unknown_field_and_a_time_outside_the_run(slid: xr.Dataset) -> None:
+    with pytest.raises(ValueError, match="field: 'colour'.*initial_height"):
+        plot_trajectory(slid, field="colour")
+    for time in (-1.0, 15.1):
+        with pytest.raises(ValueError, match=f"time: {time} s"):
+            plot_trajectory(slid, time)
+
+
+def test_a_diverged_run_can_be_plotted(tmp_path: Path, slid: xr.Dataset) -> None:
+    slid.attrs["status"] = "diverged"
+    slid["y"][-1, 5], slid["x"][-1, 6], slid["velocity_x"][-1, 6] = np.nan, 1e9, np.inf
+    figure = plot_trajectory(slid, field="speed")
+    save(figure, tmp_path / "run.png")
+    assert (tmp_path / "run.png").stat().st_size > 10_000 and axes(figure).get_xlim()[1] < 120
+
+
+def test_other_shapes_and_open_boxes_can_be_plotted(tmp_path: Path) -> None:
+    block = synthetic(translation(-3.0), overrides={**BLOCK, "walls": {"base": "none", "sides": "none"}})
+    figure = figure_profiles({"block": block})
+    save(figure, tmp_path / "block.png")
+    assert axes(figure).get_xlim()[0] < -2.5
+
+
+def test_a_constant_field_has_a_scale(standing: xr.Dataset) -> None:
+    norm = field_norm({"": standing}, "speed")
+    assert (norm.vmin, norm.vmax) == (0.0, 1.0)
+
+
+def test_displacement_leaves_out_the_gravity_stage() -> None:
+    settled = synthetic(translation(0.0, -1.0), step_ramp(0.0, 6.0))
+    horizontal, vertical = displacement(settled)
+    top = settled["y0"].values > 10.0
+    top &= settled["kind"].values == SOIL
+    assert vertical[top] == pytest.approx(-0.5) and not horizontal.any()
+
+
+def test_files_are_whole_and_the_same_each_time(tmp_path: Path, slid: xr.Dataset) -> None:
+    for folder in ("one", "two"):
+        save(figure_motion(slid), tmp_path / folder / "fig2.png", tmp_path / folder / "fig2.pdf")
+    for name in ("fig2.png", "fig2.pdf"):
+        assert (tmp_path / "one" / name).read_bytes() == (tmp_path / "two" / name).read_bytes()
+    assert sorted(path.name for path in (tmp_path / "one").iterdir()) == ["fig2.pdf", "fig2.png"]
+
+
+def test_drawing_leaves_matplotlibs_settings_alone(slid: xr.Dataset) -> None:
+    before = dict(matplotlib.rcParams)
+    figure_motion(slid)
+    assert dict(matplotlib.rcParams) == before

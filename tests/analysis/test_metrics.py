@@ -1,0 +1,266 @@
+"""Metrics on hand-made trajectories whose answers are known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+from synthetic import step_ramp, synthetic, translation
+
+from sph.analysis.metrics import METRICS, MetricSettings, collapse_class, largest_mass, measure, outline_area
+from sph.particles import SOIL
+from sph.scene import make_scene
+
+SAMPLE = 0.05  # s
+
+
+def with_final(trajectory: xr.Dataset, particle: int, x: float, y: float) -> xr.Dataset:
+    """The trajectory with one particle somewhere else in the last frame."""
+    changed = trajectory.copy(deep=True)
+    changed["displacement_x"][-1, particle] += x - changed["x"][-1, particle]
+    changed["displacement_y"][-1, particle] += y - changed["y"][-1, particle]
+    changed["x"][-1, particle], changed["y"][-1, particle] = x, y
+    return changed
+
+
+def nan_metrics(values: dict[str, float | int | str]) -> set[str]:
+    return {name for name, value in values.items() if isinstance(value, float) and math.isnan(value)}
+
+
+def test_measure_gives_exactly_the_rows_of_the_table_in_order(slid: xr.Dataset) -> None:
+    values = measure(slid)
+    assert list(values) == [metric.name for metric in METRICS]
+    types = {"f8": float, "i1": int, "str": str}
+    assert {name: type(value) for name, value in values.items()} == {metric.name: types[metric.dtype] for metric in METRICS}
+
+
+class TestProbe:
+    def test_a_rigid_slide_of_3_m_is_reported_as_such(self, slid: xr.Dataset) -> None:
+        values = measure(slid)
+        assert values["displacement_horizontal"] == pytest.approx(-3.0)
+        assert values["displacement_vertical"] == 0.0
+        assert values["displacement_magnitude"] == pytest.approx(3.0)
+        assert values["probe_peak_speed"] == pytest.approx(0.75)
+        assert values["peak_speed"] == pytest.approx(0.75)
+
+    def test_displacement_starts_at_the_end_of_the_gravity_stage(self) -> None:
+        settling = synthetic(translation(0.0, -1.0), step_ramp(0.0, 3.0))
+        values = measure(settling)
+        assert values["displacement_magnitude"] == pytest.approx(0.0, abs=1e-12)
+        assert values["area_moved_10cm"] == 0.0
+        assert values["collapse_class"] == "stable"
+
+    def test_peak_keeps_its_sign_and_differs_from_the_permanent_value(self) -> None:
+        def there_and_back(time: np.ndarray) -> np.ndarray:
+            return np.interp(time, [4.0, 6.0, 8.0], [0.0, 1.5, 1.0])
+
+        values = measure(synthetic(translation(-2.0, -1.0), there_and_back))
+        assert (values["displacement_vertical"], values["peak_displacement_vertical"]) == pytest.approx((-1.0, -1.5))
+        assert (values["displacement_horizontal"], values["peak_displacement_horizontal"]) == pytest.approx((-2.0, -3.0))
+        assert values["peak_displacement_magnitude"] == pytest.approx(1.5 * math.hypot(2.0, 1.0))
+
+    def test_value_at_the_end_of_shaking(self) -> None:
+        values = measure(synthetic(translation(-3.0, -4.0), step_ramp(8.0, 12.0)))
+        assert values["displacement_horizontal_end_of_shaking"] == pytest.approx(-1.5)
+        assert values["displacement_vertical_end_of_shaking"] == pytest.approx(-2.0)
+        assert values["displacement_magnitude_end_of_shaking"] == pytest.approx(2.5)
+
+    def test_no_value_at_the_end_of_shaking_where_the_run_is_shorter_or_not_shaken(self) -> None:
+        short = measure(synthetic(translation(-3.0), overrides={"duration": 9.0}))
+        assert math.isnan(float(short["displacement_magnitude_end_of_shaking"])) and short["shaking_end"] == 10.0
+        still = measure(synthetic(translation(-3.0), overrides={"motion": {"kind": "none"}}))
+        assert math.isnan(float(still["displacement_magnitude_end_of_shaking"])) and math.isnan(float(still["shaking_start"]))
+        assert still["displacement_magnitude"] == pytest.approx(3.0)
+
+    def test_onset_and_arrest_on_a_ramp(self, slid: xr.Dataset) -> None:
+        values = measure(slid)  # 0.75 m/s from 4 to 8 s: 0.05 m are passed 1/15 s after the start and before the end
+        assert values["onset_time"] == pytest.approx(4.1)
+        assert values["arrest_time"] == pytest.approx(7.95)
+
+    def test_thresholds_move_onset_and_arrest(self, slid: xr.Dataset) -> None:
+        values = measure(slid, MetricSettings(onset_threshold=1.0, arrest_tolerance=0.8))
+        assert 4.0 + 1.0 / 0.75 < float(values["onset_time"]) <= 4.0 + 1.0 / 0.75 + SAMPLE
+        assert 8.0 - 0.8 / 0.75 <= float(values["arrest_time"]) <= 8.0 - 0.8 / 0.75 + SAMPLE
+
+    def test_no_onset_and_no_arrest_without_motion(self) -> None:
+        values = measure(synthetic(translation(-0.05)))
+        assert {"onset_time", "arrest_time"} <= nan_metrics(values)
+
+    def test_no_arrest_while_still_moving(self) -> None:
+        values = measure(synthetic(translation(-3.0), step_ramp(4.0, 20.0)))
+        assert values["still_moving"] == 1 and math.isnan(float(values["arrest_time"])) and values["onset_time"] == pytest.approx(4.3)
+
+    def test_unknown_probe_is_refused_by_name(self, slid: xr.Dataset) -> None:
+        with pytest.raises(ValueError, match="'B'.*\\['A'\\]"):
+            measure(slid, MetricSettings(probe="B"))
+
+
+class TestRunout:
+    def test_a_block_moved_by_3_m_runs_out_3_m(self, slid: xr.Dataset) -> None:
+        values = measure(slid)
+        assert values["runout"] == pytest.approx(3.0, abs=1e-5)
+        assert values["runout_over_height"] == pytest.approx(3.0 / 25.0, abs=1e-6)
+
+    def test_the_spacing_does_not_matter(self) -> None:
+        values = measure(synthetic(translation(-3.0), overrides={"numerics": {"spacing": 0.5}}))
+        assert values["runout"] == pytest.approx(3.0, abs=0.5)
+
+    def test_an_isolated_particle_thrown_ahead_does_not_count(self, slid: xr.Dataset) -> None:
+        crest = int(slid["probe_particle"][0])
+        flown = measure(with_final(slid, crest, 20.0, 30.0))
+        assert flown["runout"] == pytest.approx(3.0, abs=1e-5)
+        landed = measure(with_final(slid, crest, 20.5, 10.5))  # on the apron it belongs to the mass
+        assert landed["runout"] == pytest.approx(35.0, abs=1e-5)
+
+    def test_the_apron_and_what_is_heaved_there_is_no_front(self) -> None:
+        def heave(scene: object, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            apron = (x > 30) & (x < 50) & (y > 5) & (y < 10)
+            return np.where(apron, -1.5, 0.0), np.where(apron, 2.0, 0.0)
+
+        values = measure(synthetic(heave))
+        assert values["runout"] == 0.0 and math.isnan(float(values["travel_angle"]))
+        assert values["deposit_height"] == pytest.approx(2.0, abs=1e-5)
+        assert values["area_moved_100cm"] == 20 * 5
+
+    def test_small_motion_gives_no_front(self) -> None:
+        values = measure(synthetic(translation(-0.4)))
+        assert values["runout"] == 0.0 and math.isnan(float(values["travel_angle"]))
+
+    def test_material_drawn_back_has_no_negative_runout(self) -> None:
+        values = measure(synthetic(translation(2.0)))
+        assert values["runout"] == 0.0 and float(values["travel_angle"]) > 60.0
+
+    def test_travel_angle_and_deposit_height(self, slid: xr.Dataset) -> None:
+        values = measure(slid)
+        run = 25.0 / math.tan(math.radians(60.0))
+        assert values["travel_angle"] == pytest.approx(math.degrees(math.atan2(25.0, run + 3.0)), abs=1e-4)
+        assert values["deposit_height"] == pytest.approx(4.0, abs=1e-5)  # the column 2.5 m behind the toe is 4 particles high
+
+    def test_no_deposit_on_a_standing_slope(self, standing: xr.Dataset) -> None:
+        assert measure(standing)["deposit_height"] == 0.0
+
+    def test_other_shapes_have_no_runout(self) -> None:
+        block = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
+        values = measure(synthetic(translation(-3.0), overrides=block))
+        assert nan_metrics(values) == {"runout", "runout_over_height", "travel_angle", "deposit_height", "first_failure_time"}
+        assert values["area_moved_100cm"] == 50.0
+
+    def test_largest_mass_is_the_larger_one_wherever_it_lies(self) -> None:
+        x = np.array([0.0, 1.0, 10.0, 11.0, 12.0, 30.0])
+        assert largest_mass(x, np.zeros(6), 2.0).tolist() == [False, False, True, True, True, False]
+        assert largest_mass(x, np.zeros(6), 9.0).tolist() == [True, True, True, True, True, False]
+        assert largest_mass(x, np.zeros(6), 0.5).sum() == 1
+
+
+class TestSoil:
+    def test_area_counts_what_moved_more_than_each_threshold(self) -> None:
+        def bands(scene: object, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            return np.select([x < 1, x < 3, x < 6], [2.0, 0.7, 0.2], 0.0), np.zeros_like(x)
+
+        block = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}, "numerics": {"spacing": 0.5}}
+        values = measure(synthetic(bands, overrides=block))
+        areas = [values[name] for name in ("area_moved_10cm", "area_moved_50cm", "area_moved_100cm")]
+        assert areas == pytest.approx([30.0, 15.0, 5.0])
+
+    def test_first_failure_counts_the_box_and_is_nan_without_failure(self, standing: xr.Dataset) -> None:
+        assert math.isnan(float(measure(standing)["first_failure_time"]))
+        failed = standing.copy(deep=True)
+        failed["t_f"][0] = 5.0
+        failed["t_f"][-1] = 4.5
+        assert failed["kind"][-1] != SOIL and measure(failed)["first_failure_time"] == 4.5
+
+    def test_failed_fraction_and_cost_are_passed_on(self, standing: xr.Dataset) -> None:
+        standing["failed_fraction"][-1] = 0.25
+        values = measure(standing)
+        assert values["failed_fraction"] == 0.25
+        assert (values["wall_time"], values["particle_steps_per_second"]) == (2.0, 3e6)
+
+    def test_peak_speed_leaves_the_gravity_stage_out(self, standing: xr.Dataset) -> None:
+        standing["maximum_speed"][10] = 9.0
+        standing["maximum_speed"][-20] = 4.0
+        assert measure(standing)["peak_speed"] == 4.0
+
+    def test_area_change_is_that_of_mass_over_density(self, standing: xr.Dataset) -> None:
+        standing["density"][-1] /= 1.05
+        assert measure(standing)["area_change"] == pytest.approx(0.05, rel=1e-4)
+
+    def test_outline_area_sees_a_bulge_and_closes_small_gaps(self) -> None:
+        x, y = (axis.ravel() + 0.5 for axis in np.meshgrid(np.arange(20.0), np.arange(10.0)))
+        full = outline_area(x, y, 1.0)
+        gap = (x == 10.5) & (y == 5.5)
+        assert full == pytest.approx(200.0, rel=0.05)
+        assert outline_area(x[~gap], y[~gap], 1.0) == full
+        assert outline_area(1.1 * x, y, 1.0) == pytest.approx(1.1 * full, rel=0.03)
+
+    def test_nearest_neighbour_falls_with_pairing(self, standing: xr.Dataset) -> None:
+        assert measure(standing)["nearest_neighbour_p05"] == pytest.approx(1.0)
+        soil = np.flatnonzero(standing["kind"].values == SOIL)[::10]
+        for particle in soil:
+            standing["x"][-1, particle] += 0.75
+        assert measure(standing)["nearest_neighbour_p05"] == pytest.approx(0.25, abs=1e-5)
+
+    def test_energy_error_is_the_closing_error_over_the_peak_of_the_energies(self, standing: xr.Dataset) -> None:
+        samples = np.arange(standing.sizes["sample"])
+        assert measure(standing)["energy_error"] == 0.0
+        standing["potential_energy"] = ("sample", -100.0 * samples / samples[-1])
+        standing["dissipated_energy"] = ("sample", 150.0 * samples / samples[-1])
+        standing["shaking_work"] = ("sample", 45.0 * samples / samples[-1])
+        assert measure(standing)["energy_error"] == pytest.approx(5.0 / 250.0)
+        standing["elastic_energy"] = ("sample", np.full(samples.size, 50.0))  # only a change counts
+        assert measure(standing)["energy_error"] == pytest.approx(5.0 / 300.0)
+
+
+class TestVerdicts:
+    @pytest.mark.parametrize(
+        ("relative", "expected"),
+        [
+            (0.0, "stable"),
+            (0.00399, "stable"),
+            (0.004, "minor"),
+            (0.0199, "minor"),
+            (0.02, "damaged"),
+            (0.0999, "damaged"),
+            (0.1, "collapse"),
+        ],
+    )
+    def test_class_limits(self, relative: float, expected: str) -> None:
+        assert collapse_class(relative, MetricSettings()) == expected
+
+    @pytest.mark.parametrize(("ux", "expected"), [(-0.09, "stable"), (-0.3, "minor"), (-2.4, "damaged"), (-2.6, "collapse")])
+    def test_class_of_a_run_follows_the_permanent_displacement_over_the_height(self, ux: float, expected: str) -> None:
+        assert measure(synthetic(translation(ux)))["collapse_class"] == expected
+
+    def test_limits_out_of_order_are_refused_with_their_values(self) -> None:
+        with pytest.raises(ValueError, match="stable_limit \\(0.5\\)"):
+            MetricSettings(stable_limit=0.5)
+
+    def test_still_moving_by_the_soil_alone(self, slid: xr.Dataset) -> None:
+        mass = float(slid["mass"].values[slid["kind"].values == SOIL].sum())
+        assert measure(slid)["still_moving"] == 0
+        slid["kinetic_energy"][-3] = 0.5 * mass * 0.049**2
+        assert measure(slid)["still_moving"] == 0
+        slid["kinetic_energy"][-3] = 0.5 * mass * 0.051**2
+        assert measure(slid)["still_moving"] == 1
+
+    def test_a_diverged_run_has_a_status_and_a_cost_but_no_results(self) -> None:
+        values = measure(synthetic(translation(-3.0), status="diverged"))
+        assert (values["status"], values["diverged"], values["still_moving"]) == ("diverged", 1, 1)
+        assert values["collapse_class"] == "undetermined"
+        kept = {"shaking_start", "shaking_end", "wall_time", "particle_steps_per_second"}
+        assert nan_metrics(values) == {metric.name for metric in METRICS if metric.dtype == "f8"} - kept
+
+    @pytest.mark.parametrize("status", ["paused", "odd"])
+    def test_an_unfinished_run_is_refused(self, status: str) -> None:
+        with pytest.raises(ValueError, match=f"status: '{status}'"):
+            measure(synthetic(status=status))
+
+    def test_an_unfailed_run_is_measured(self) -> None:
+        values = measure(synthetic(status="unfailed"))
+        assert (values["status"], values["diverged"], values["collapse_class"]) == ("unfailed", 0, "stable")
+
+
+def test_synthetic_scene_is_the_papers() -> None:
+    scene = make_scene({"name": "paper", "geometry": {"shape": "slope"}})
+    assert synthetic().sizes["particle"] == 2404 and scene.geometry.toe == (55.0, 10.0)
