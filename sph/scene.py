@@ -272,7 +272,7 @@ class GradientCorrection(Section):
 class ShortRangeRepulsion(Section):
     """A conservative spring between particles that come closer than a fraction of the spacing."""
 
-    range: float = key("range over the spacing", gt=0, le=1, default=0.9)
+    range: float = key("range over the spacing", gt=0, le=1, default=0.8)
     pressure: float = key("pressure-like stiffness of the spring", "kPa", gt=0, le=1e7, default=500.0)
 
 

@@ -73,7 +73,7 @@ def run(
 ) -> None:
     """Simulate a scene and write its trajectory."""
     from sph import trajectory
-    from sph.progress import reporter
+    from sph.command.progress import reporter
     from sph.scene import load_scene
     from sph.solver import run as simulate
 
@@ -99,7 +99,7 @@ def run(
 @app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
 def info(scene: SceneFile, set_: Settings = None) -> None:
     """Show what a scene amounts to: particles, wave speeds, time-step limits, terms, cost."""
-    from sph.info import describe
+    from sph.command.info import describe
     from sph.scene import load_scene
 
     with refusals():
@@ -150,7 +150,7 @@ def metrics(
 @app.command(epilog="Example:  sph keys > keys.md")
 def keys() -> None:
     """Print the table of all scene keys with unit, default, range and source (Markdown)."""
-    from sph.reference import scene_table
+    from sph.command.reference import scene_table
 
     print(scene_table())
 

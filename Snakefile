@@ -1,0 +1,55 @@
+# Slope failure over strength ratio x coupling x amplitude: config/config.yaml -> results/<study>/<fidelity>.
+from pathlib import Path
+
+from snakemake.utils import Paramspace, min_version
+
+from sph.analysis.study import load_study
+
+min_version("9.18")
+
+
+configfile: "config/config.yaml"
+
+
+PLAN = load_study(config, [Path.cwd(), Path(workflow.basedir)])
+RESULTS = PLAN.folder
+GRID = Paramspace(PLAN.study.points, filename_params="*", param_sep="-")
+RUN = f"{RESULTS}/runs/{GRID.wildcard_pattern}.nc"
+# Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
+SOLVER = sorted(str(path) for path in Path(workflow.basedir, "sph").glob("*.py"))
+ANALYSIS = sorted(
+    str(path) for path in Path(workflow.basedir, "sph", "analysis").glob("*.py")
+)
+DRAWING = ANALYSIS + sorted(
+    str(path)
+    for path in Path(workflow.basedir, "sph", "analysis", "figures").glob("*.py")
+)
+
+
+report: "workflow/report/workflow.rst"
+
+
+wildcard_constraints:
+    S_R="[^_/]+",
+    gamma="[^_/]+",
+    amplitude="[^_/]+",
+
+
+include: "workflow/rules/simulate.smk"
+include: "workflow/rules/study.smk"
+include: "workflow/rules/figures.smk"
+
+
+rule all:
+    default_target: True
+    """Everything: tables, claims, Figures 1-7."""
+    input:
+        f"{RESULTS}/study.nc",
+        f"{RESULTS}/study.csv",
+        f"{RESULTS}/claims.csv",
+        expand(
+            "{results}/figures/fig{number}.{kind}",
+            results=RESULTS,
+            number=range(1, 8),
+            kind=["png", "pdf"],
+        ),

@@ -1,0 +1,164 @@
+"""A study: one scene over a grid of S_R, gamma and shaking amplitude at a fidelity (``config/config.yaml``).
+
+Grid values stay the strings they were written as, so that file names and labels are what the user
+wrote; they become numbers in the scene and in the study's tables.  ``load_study`` builds and validates the
+scene of every run, so that a typo is refused before any work.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import pandas as pd
+from pydantic import BeforeValidator, Field, ValidationError, model_validator
+
+from sph.analysis.claims import ClaimSettings
+from sph.analysis.metrics import GRID, MetricSettings
+from sph.scene import Scene, Section, dotted, explain, key, make_scene, merge, read_yaml
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
+GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
+"""The scene key that each dimension of the grid sets."""
+
+
+def _as_written(values: Any) -> Any:
+    """A number that YAML has read becomes its shortest text; quoted numbers keep theirs."""
+    return (
+        [repr(v) if isinstance(v, (int, float)) and not isinstance(v, bool) else v for v in values] if isinstance(values, list) else values
+    )
+
+
+Number = Annotated[str, Field(pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
+Axis = Annotated[tuple[Number, ...], BeforeValidator(_as_written), Field(min_length=1)]
+
+
+class Grid(Section):
+    """Values of the three dimensions, as written; every combination is run."""
+
+    S_R: Axis = key("strength ratios; quote them to keep trailing zeros", source="Fig. 4")
+    gamma: Axis = key("rates of the loss of strength", "1/s", "Fig. 5")
+    amplitude: Axis = key("amplitudes of the shaking", "m/s2", "Sec. 3.2")
+
+    @model_validator(mode="after")
+    def _unique(self) -> Grid:
+        for name in GRID:
+            values = getattr(self, name)
+            if len({float(value) for value in values}) < len(values):
+                raise ValueError(f"{name}: {list(values)} holds one number twice")
+        return self
+
+
+class FigureCases(Section):
+    """Which runs Figs. 4-7 show, at the amplitude of the claims; values as in the grid."""
+
+    strengths: Axis = key("S_R of Figs. 4 and 6", source="Figs. 4, 6", default=("0.10", "0.25", "0.50"))
+    gamma: Number = key("gamma of Figs. 4 and 6", "1/s", "Figs. 4, 6", default="100")
+    compared_gammas: Axis = key("gammas of Figs. 5 and 7", "1/s", "Figs. 5, 7", default=("100", "1"))
+    compared_strengths: Axis = key(
+        "S_R of the panels of Fig. 7, the first also of Fig. 5",
+        source="Fig. 7: 0.25 in the text, 0.35 in the caption",
+        default=("0.25", "0.35"),
+    )
+
+
+class Study(Section):
+    """The configuration of the workflow."""
+
+    study: str = key("name; results go to results/<study>/<fidelity>", pattern=NAME)
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    fidelity: str = key("which of the fidelities to run at")
+    grid: Grid = key("the runs")
+    fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key("scene keys that each fidelity sets, by name")
+    figures: FigureCases = key("runs shown in Figs. 4-7", default=FigureCases())
+    metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
+    claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
+
+    @model_validator(mode="after")
+    def _known(self) -> Study:
+        if self.fidelity not in self.fidelities:
+            raise ValueError(f"fidelity: {self.fidelity!r} is not one of {', '.join(self.fidelities)}")
+        return self
+
+    @property
+    def points(self) -> pd.DataFrame:
+        """Table of all grid points, labels as written."""
+        return pd.DataFrame(list(itertools.product(*(getattr(self.grid, name) for name in GRID))), columns=list(GRID))
+
+    @property
+    def reference_amplitude(self) -> str:
+        """Label of the amplitude at which claims are tested and figures drawn; ValueError if the grid lacks it."""
+        return self.label("amplitude", str(self.claims.amplitude))
+
+    def label(self, name: str, value: str) -> str:
+        """The grid's own writing of a number; ValueError if the grid lacks it."""
+        for label in getattr(self.grid, name):
+            if float(label) == float(value):
+                return str(label)
+        raise ValueError(f"grid.{name}: {value} is needed by the figures, the grid has {', '.join(getattr(self.grid, name))}")
+
+    def figure_runs(self, figure: int) -> Iterator[tuple[tuple[str, ...], dict[str, str]]]:
+        """Titles (panel, then curve) and grid point of every run that Fig. 4, 5, 6 or 7 shows."""
+        cases = self.figures
+        if figure in (4, 6):
+            pairs = [(S_R, cases.gamma) for S_R in cases.strengths]
+        else:
+            strengths = cases.compared_strengths if figure == 7 else cases.compared_strengths[:1]
+            pairs = [(S_R, gamma) for S_R in strengths for gamma in cases.compared_gammas]
+        for wanted_S_R, wanted_gamma in pairs:
+            S_R, gamma = self.label("S_R", wanted_S_R), self.label("gamma", wanted_gamma)
+            first, second = f"$S_R$ = {S_R}", f"γ = {gamma} 1/s"
+            titles = (first, second) if figure == 7 else (f"{first}, {second}",)
+            yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self.reference_amplitude}
+
+
+class Plan:
+    """A study with its scene file read: the scene of every stage and run, as mappings."""
+
+    def __init__(self, study: Study, base: Mapping[str, Any], origin: str) -> None:
+        self.study, self.origin = study, origin
+        self._base = merge(base, study.fidelities[study.fidelity])
+
+    @property
+    def folder(self) -> str:
+        """Where the results go, relative to the working folder."""
+        return f"results/{self.study.study}/{self.study.fidelity}"
+
+    def scene(self, **point: str) -> dict[str, Any]:
+        """Scene with some of S_R, gamma and amplitude set, as a mapping."""
+        return merge(self._base, dotted({GRID_KEYS[name]: float(value) for name, value in point.items()}))
+
+    def validate(self) -> None:
+        """Build every scene; ValueError with file and key for the first that is refused."""
+        for name, overrides in self.study.fidelities.items():
+            make_scene(merge(self._base, overrides), f"{self.origin} at fidelity {name}")
+        for point in self.study.points.to_dict("records"):
+            self.built(**{str(name): str(value) for name, value in point.items()})
+        for figure in (4, 5, 6, 7):
+            list(self.study.figure_runs(figure))
+
+    def built(self, **point: str) -> Scene:
+        """The validated scene of a point."""
+        at = ", ".join(f"{name} = {value}" for name, value in point.items())
+        return make_scene(self.scene(**point), f"{self.origin} at {at}")
+
+
+def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),)) -> Plan:
+    """Validate a configuration and every scene in it; ValueError names file, key and value.
+
+    ``folders`` are searched in order for the scene file.
+    """
+    origin = "config" if isinstance(config, Mapping) else str(config)
+    data = config if isinstance(config, Mapping) else read_yaml(config)
+    try:
+        study = Study.model_validate(data)
+    except ValidationError as error:
+        raise ValueError(explain(error, origin, data)) from error
+    found = [folder / study.scene for folder in folders if (folder / study.scene).is_file()]
+    if not found:
+        raise ValueError(f"{origin}: scene: no file {study.scene!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
+    plan = Plan(study, read_yaml(found[0]), str(found[0]))
+    plan.validate()
+    return plan

@@ -1,0 +1,219 @@
+"""V13: the constitutive laws of single particles: loss of strength after failure, no stress by rotation."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from sph.coupling import cauchy_stress, update_stress
+from sph.integration import make_lists
+from sph.particles import place_particles
+from sph.scene import dotted, make_scene, merge
+from sph.state import ARMED, FAILED, State, initial_state, make_terms
+
+DT = 1e-3
+PRESSURES = np.array([50e3, 150e3, 300e3, 600e3])
+
+
+class Bench(NamedTuple):
+    """Four particles whose velocity gradients are prescribed; no neighbours are involved."""
+
+    state: State
+    terms: Any
+    pairs: Any
+    mass: np.ndarray
+
+    def strain(self, gradient: tuple[float, float, float, float], step: int) -> int:
+        """One step with the velocity gradient (xx, xy, yx, yy) in 1/s; the number of particles that fail."""
+        rows = self.state.density[:, None] * np.array(gradient)
+        return update_stress(self.state, self.pairs, self.terms, self.mass, rows, step)
+
+    def stress(self) -> np.ndarray:
+        """(4, 4) stress xx, yy, zz, xy, tension positive, Pa."""
+        out = np.empty((4, 4))
+        cauchy_stress(self.state, self.terms, out)
+        return out
+
+
+def bench(overrides: dict[str, Any] | None = None) -> Bench:
+    base = {
+        "name": "bench",
+        "geometry": {"shape": "block", "width": 2.0, "height": 2.0},
+        "walls": {"base": "none", "sides": "none"},
+        "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
+        "outputs": {"frame_interval": 0.01, "series_interval": 0.01},
+        "damping": None,
+        "numerics": {"time_step": DT, "artificial_viscosity": None, "short_range_repulsion": None, "gradient_correction": None},
+    }
+    scene = make_scene(merge(base, dotted(overrides or {})))
+    particles = place_particles(scene)
+    assert particles.x.size == 4
+    state, terms = initial_state(particles, scene.soil.density), make_terms(scene, particles)
+    state.density[:] = scene.soil.density * (1 + PRESSURES / scene.soil.bulk_modulus_si)
+    _, pairs = make_lists(state, terms, particles.mass)
+    return Bench(state, terms, pairs, particles.mass)
+
+
+def mohr_coulomb_strength(S_R: float) -> np.ndarray:
+    """c cos(phi) + p sin(phi) of the paper's soil at the four pressures (s_zz stays 0), Eqs. 14-15."""
+    phi = math.radians(20.0 * S_R)
+    return 150e3 * S_R * math.cos(phi) + PRESSURES * math.sin(phi)
+
+
+@pytest.mark.parametrize("S_R", [0.1, 0.5])
+@pytest.mark.parametrize("gamma", [0.0, 1.0, 10.0, 100.0])
+def test_loss_of_strength_in_simple_shear(gamma: float, S_R: float) -> None:
+    # dv_x/dy = 1 1/s at constant pressure.  Particles fail within a few steps of each other; after t_f the
+    # shear stress is tau_f + (tau_s - tau_f) exp(-gamma (t - t_f)) with t_f the step of failure.  Exact but for
+    # eta * rate = 2 Pa, the steady turn of the deviator against the shear plane ((tau/G)^2 / 2 < 1e-6) and rounding: 2e-5.
+    b = bench({"coupling.S_R": S_R, "coupling.gamma": gamma})
+    times, stresses, failed = [], [], 0
+    for step in range(1, 1500):
+        failed += b.strain((0.0, 1.0, 0.0, 0.0), step)
+        times.append(step * DT)
+        stresses.append(b.stress())
+    assert failed == 4
+    assert np.all(b.state.phase == FAILED)
+    tau_s, tau_f = mohr_coulomb_strength(1.0), mohr_coulomb_strength(S_R)
+    time, stress = np.array(times), np.array(stresses)
+    for i in range(4):
+        t_f = b.state.t_f[i]
+        after = time > t_f
+        expected = tau_f[i] + (tau_s[i] - tau_f[i]) * np.exp(-gamma * (time[after] - t_f))
+        np.testing.assert_allclose(stress[after, i, 3], expected, rtol=2e-5)
+        at = np.argmin(np.abs(time - t_f))
+        assert stress[at, i, 3] == pytest.approx(tau_s[i], rel=2e-5), "peak strength at the moment of failure"
+        # Pressure is untouched, sigma_zz stays at -p.
+        np.testing.assert_allclose(stress[:, i, 2], -PRESSURES[i], rtol=1e-9)
+
+
+def test_time_of_failure() -> None:
+    # Elastic shear reaches tau_s at t = tau_s / (G rate), and t_f is the first step at or after it;
+    # arming takes the step before (step 10), so a slow rate is used: tau_s / G of 2.5e-4 to 5.6e-4 at 0.01 1/s.
+    b = bench()
+    for step in range(1, 80):
+        b.strain((0.0, 0.01, 0.0, 0.0), step)
+    exact = mohr_coulomb_strength(1.0) / (b.terms.shear_modulus * 0.01)
+    np.testing.assert_allclose(b.state.t_f, np.ceil(exact / DT) * DT, rtol=1e-9)
+
+
+def test_beta_follows_equation_9() -> None:
+    b = bench({"coupling.gamma": 3.0})
+    for step in range(1, 1000):
+        b.strain((0.0, 1.0, 0.0, 0.0), step)
+    np.testing.assert_allclose(b.state.beta, np.exp(-3.0 * (0.999 - b.state.t_f)), rtol=1e-10)
+
+
+def test_before_failure_neither_S_R_nor_gamma_matters() -> None:
+    results = []
+    for S_R, gamma in ((0.1, 100.0), (0.5, 1.0)):
+        b = bench({"coupling.S_R": S_R, "coupling.gamma": gamma})
+        for step in range(1, 30):
+            b.strain((0.001, 0.005, 0.002, -0.003), step)
+        assert not np.any(b.state.phase == FAILED)
+        results.append(b.stress())
+    np.testing.assert_array_equal(*results)
+
+
+def test_failure_counts_only_after_arming() -> None:
+    # Yield inside the gravity stage leaves a particle unarmed; it stays on the surface and does not fail.
+    b = bench({"gravity.duration": 0.5})
+    for step in range(1, 500):
+        assert b.strain((0.0, 1.0, 0.0, 0.0), step) == 0
+    assert not np.any(b.state.phase == FAILED)
+    np.testing.assert_allclose(b.stress()[:, 3], mohr_coulomb_strength(1.0), rtol=2e-5)
+    # Unloaded clearly below the surface after the stage they are armed, loaded again they fail.
+    for step in range(500, 520):
+        b.strain((0.0, -0.02, 0.0, 0.0), step)
+    assert np.all(b.state.phase == ARMED)
+    for step in range(520, 600):
+        b.strain((0.0, 1.0, 0.0, 0.0), step)
+    assert np.all(b.state.phase == FAILED)
+
+
+def test_extension_fails_at_the_apex() -> None:
+    # Pulled apart uniformly: mean tension is limited to c cot(phi) = 412 kPa, which counts as failure.
+    b = bench({"coupling.gamma": 0.0})
+    failed = 0
+    for step in range(1, 200):
+        failed += b.strain((0.01, 0.0, 0.0, 0.01), step)
+    apex = 150e3 / math.tan(math.radians(20))
+    assert failed == 4
+    stress = b.stress()
+    mean = stress[:, :3].mean(axis=1)
+    assert np.all(mean <= apex * (1 + 1e-9))
+
+
+@pytest.mark.parametrize("state", ["elastic", "failed"])
+def test_rigid_rotation_gives_no_stress(state: str) -> None:
+    # Ten turns in steps of 4 mrad.  The midpoint form keeps the norm to rounding and turns the deviator by
+    # 2 atan(a) instead of 2 a: a^2 / 3 of the turn, 10 * 4 pi * 5.3e-6 = 7e-4 rad in all.
+    b = bench({"coupling.gamma": 0.0 if state == "failed" else 1.0})
+    shear = 30 if state == "failed" else 12
+    for step in range(1, shear):
+        b.strain((0.001, 0.4 if state == "failed" else 0.01, 0.0, -0.001), step)
+    assert np.all((b.state.phase == FAILED) == (state == "failed"))
+    start = b.stress()
+    in_plane = start[:, 3] ** 2 + 0.25 * (start[:, 0] - start[:, 1]) ** 2
+    assert np.all(in_plane > 1e3**2), "stressed, so that the test means something"
+    angle, steps = 4e-3, round(10 * 2 * math.pi / 4e-3)
+    omega = angle / DT
+    for step in range(shear, shear + steps):
+        b.strain((0.0, -omega, omega, 0.0), step)
+    turn = steps * angle
+    c, s = math.cos(turn), math.sin(turn)
+    turned = b.stress()
+    rotation = np.array([[c, -s], [s, c]])
+    for before, after in zip(start, turned, strict=True):
+        tensor = rotation @ np.array([[before[0], before[3]], [before[3], before[1]]]) @ rotation.T
+        deviator = math.hypot(before[3], 0.5 * (before[0] - before[1]))
+        expected = [tensor[0, 0], tensor[1, 1], before[2], tensor[0, 1]]
+        np.testing.assert_allclose(after, expected, rtol=0, atol=2e-3 * deviator)
+        radius = math.hypot(after[3], 0.5 * (after[0] - after[1]))
+        assert radius == pytest.approx(deviator, rel=1e-6), "norm kept"
+        assert after[2] == pytest.approx(before[2], rel=1e-9)
+
+
+def test_half_a_turn_is_seen() -> None:
+    # A quarter turn swaps sigma_xx and sigma_yy: guards the sense of the test above against a code that never turns.
+    b = bench()
+    for step in range(1, 12):
+        b.strain((0.01, 0.0, 0.0, -0.01), step)
+    before = b.stress()
+    omega = 0.5 * math.pi / (500 * DT)
+    for step in range(12, 512):
+        b.strain((0.0, -omega, omega, 0.0), step)
+    after = b.stress()
+    size = np.abs(before[:, 0] - before[:, 1]).max()
+    np.testing.assert_allclose(after[:, 0], before[:, 1], atol=1e-4 * size)
+    np.testing.assert_allclose(after[:, 1], before[:, 0], atol=1e-4 * size)
+    assert size > 1e5
+
+
+def test_eighth_of_a_turn_has_the_right_sense() -> None:
+    # Turned by +45 degrees (counter-clockwise), a tension along x becomes a positive shear stress.
+    b = bench()
+    for step in range(1, 12):
+        b.strain((0.01, 0.0, 0.0, -0.01), step)
+    radius = 0.5 * (b.stress()[:, 0] - b.stress()[:, 1])
+    omega = 0.25 * math.pi / (500 * DT)
+    for step in range(12, 512):
+        b.strain((0.0, -omega, omega, 0.0), step)
+    np.testing.assert_allclose(b.stress()[:, 3], radius, rtol=1e-4)
+
+
+def test_uniaxial_strain_has_the_p_wave_modulus() -> None:
+    # Small strain e = 1e-4 in y: sigma_yy = M e, sigma_xx = sigma_zz = lambda e, to the size of the strain.
+    b = bench()
+    start = b.stress()
+    for step in range(1, 11):
+        b.strain((0.0, 0.0, 0.0, -0.01), step)
+    change = b.stress() - start
+    K, G = b.terms.bulk_modulus, b.terms.shear_modulus
+    e = 1e-4
+    np.testing.assert_allclose(change[:, 1], -(K + 4 / 3 * G) * e, rtol=1e-3)
+    np.testing.assert_allclose(change[:, 0], -(K - 2 / 3 * G) * e, rtol=1e-3)
+    np.testing.assert_allclose(change[:, 2], -(K - 2 / 3 * G) * e, rtol=1e-3)

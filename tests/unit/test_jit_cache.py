@@ -1,0 +1,164 @@
+"""The cache of compiled code: keyed by the sources, and safe when processes compile at the same time."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import sph
+
+PACKAGE = Path(sph.__file__).parent
+
+
+def environment(root: Path, **extra: str) -> dict[str, str]:
+    return os.environ | {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"} | extra
+
+
+def digest_of(root: Path) -> str:
+    command = [sys.executable, "-c", "from sph.jit import solver_digest; print(solver_digest())"]
+    return subprocess.run(command, env=environment(root), cwd=root, check=True, capture_output=True, text=True).stdout.strip()
+
+
+def test_digest_changes_with_a_source_edit(tmp_path: Path) -> None:
+    shutil.copytree(PACKAGE, tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__", "analysis"))
+    before = digest_of(tmp_path)
+    assert digest_of(tmp_path) == before
+    (tmp_path / "sph" / "analysis").mkdir()
+    (tmp_path / "sph" / "analysis" / "metric.py").write_text("x = 1\n")
+    assert digest_of(tmp_path) == before, "editing a metric must not recompile the solver"
+    kernels = tmp_path / "sph" / "kernels.py"
+    kernels.write_text(kernels.read_text() + "\n# edited\n")
+    edited = digest_of(tmp_path)
+    assert edited != before
+    # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
+    kernels.rename(tmp_path / "sph" / "kernel_functions.py")
+    shutil.copy(tmp_path / "sph" / "kernel_functions.py", kernels)
+    assert digest_of(tmp_path) not in (before, edited), "a new file counts too"
+
+
+def test_cache_folder_follows_the_environment(tmp_path: Path) -> None:
+    code = "import numba, sph.jit; print(numba.config.CACHE_DIR); print(sph.jit.cache_folder()); print(sph.jit.solver_digest())"
+    command = [sys.executable, "-c", code]
+    out = subprocess.run(
+        command, env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path)), check=True, capture_output=True, text=True
+    ).stdout.split()
+    assert out[0] == out[1] == str(tmp_path / out[2])
+
+
+# ---------------------------------------------------------------- the race
+
+WORKER = """
+import fcntl, hashlib, json, sys, time
+from numba.core import caching
+
+slow, scene_json = sys.argv[1] == "slow", sys.argv[2]
+outside = []
+
+from sph.integration import active_terms
+from sph.jit import cache_folder
+from sph.scene import make_scene
+from sph.solver import Run
+
+
+def lock_is_free():
+    cache_folder().mkdir(parents=True, exist_ok=True)
+    with open(cache_folder() / "lock", "w") as handle:
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return False
+        return True
+
+
+if slow:
+    # Widen the gap between reading and writing numba's index, in which the race happens.
+    load_index, save = caching.IndexDataCacheFile._load_index, caching.IndexDataCacheFile.save
+
+    def slow_load_index(self):
+        index = load_index(self)
+        if getattr(self, "saving", False):
+            time.sleep(0.1)
+        return index
+
+    def watched_save(self, key, data):
+        if lock_is_free():
+            outside.append(self._index_name.split("-")[0])
+        self.saving = True
+        save(self, key, data)
+        self.saving = False
+
+    caching.IndexDataCacheFile._load_index = slow_load_index
+    caching.IndexDataCacheFile.save = watched_save
+
+run = Run(make_scene(json.loads(scene_json)))
+result = run.go()
+digest = hashlib.sha256()
+for name in ("x", "y", "velocity_x", "velocity_y", "stress_xx", "stress_xy", "density", "elastic_energy"):
+    digest.update(result.trajectory[name].values.tobytes())
+print(json.dumps({
+    "asked": result.trajectory.attrs["active_terms"].split(),
+    "compiled": [bool(t) for t in active_terms(run.terms)],
+    "digest": digest.hexdigest(),
+    "saved outside the lock": sorted(set(outside)),
+}))
+"""
+
+
+def start(scene: dict[str, Any], speed: str, cache: Path) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        [sys.executable, "-c", WORKER, speed, json.dumps(scene)],
+        env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(cache)),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+
+
+def outcome(process: subprocess.Popen[str]) -> dict[str, Any]:
+    out, error = process.communicate(timeout=300)
+    assert process.returncode == 0, error
+    return json.loads(out.splitlines()[-1])
+
+
+@pytest.fixture(scope="module")
+def race(tmp_path_factory: pytest.TempPathFactory, free_block: Callable[..., Any]) -> list[dict[str, Any]]:
+    """Two variants compiled at the same time into one fresh cache, then both loaded from it."""
+    cache = tmp_path_factory.mktemp("cache")
+    bare = {
+        "duration": 0.02,
+        "geometry": {"shape": "block", "width": 4.0, "height": 4.0},
+        "gravity.acceleration": 9.81,
+        "damping": None,
+        "numerics.artificial_viscosity": None,
+        "numerics.short_range_repulsion": None,
+    }
+    scenes = [free_block(bare | {"numerics.kernel": kernel}).model_dump(mode="json") for kernel in ("cubic_spline", "wendland_c2")]
+    compiling = [start(scene, "slow", cache) for scene in scenes]
+    found = [outcome(process) for process in compiling]
+    loading = [start(scene, "plain", cache) for scene in scenes]
+    return found + [outcome(process) for process in loading]
+
+
+def test_each_process_gets_the_variant_it_asked_for(race: list[dict[str, Any]]) -> None:
+    cubic, wendland, cubic_loaded, wendland_loaded = race
+    assert cubic["compiled"] == cubic_loaded["compiled"]
+    assert not cubic_loaded["compiled"][0], "Wendland code where the cubic spline was asked for"
+    assert wendland_loaded["compiled"][0], "cubic spline code where Wendland was asked for"
+    assert "wendland_c2" in wendland_loaded["asked"]
+    # Code from the cache does what the code compiled in the process's own memory did, bit for bit.
+    assert cubic_loaded["digest"] == cubic["digest"]
+    assert wendland_loaded["digest"] == wendland["digest"]
+    assert cubic["digest"] != wendland["digest"]
+
+
+def test_nothing_is_saved_to_the_cache_outside_the_lock(race: list[dict[str, Any]]) -> None:
+    for process in race[:2]:
+        assert process["saved outside the lock"] == []

@@ -1,0 +1,20 @@
+"""Decide the paper's claims from a study."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from sph.analysis.claims import ClaimSettings, write_claims
+from sph.analysis.tables import read_study
+
+
+def decide(path_to_study: str, settings: Mapping[str, Any], path_to_claims: str) -> None:
+    """Write the table of claims: statement, test, measured number, verdict."""
+    write_claims(read_study(path_to_study), path_to_claims, ClaimSettings(**settings))
+
+
+if __name__ == "__main__":
+    decide(
+        snakemake.input.study,  # type: ignore[name-defined]
+        snakemake.params.settings,  # type: ignore[name-defined]
+        snakemake.output[0],  # type: ignore[name-defined]
+    )

@@ -1,0 +1,30 @@
+"""Draw one of Figures 1-7."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sph import trajectory
+from sph.analysis.figures import FIGURES, save
+
+
+def draw_figure(
+    number: int, paths_to_runs: Sequence[str], titles: Sequence[Sequence[str]], fidelity: str, paths_to_pictures: Sequence[str]
+) -> None:
+    """Draw a figure from runs; ``titles`` name each run: nothing, its panel, or its panel and its curve."""
+    runs = [trajectory.read(path) for path in paths_to_runs]
+    shown: Any = runs[0]
+    if titles[0]:
+        shown = {}
+        for (*panel, last), run in zip(titles, runs, strict=True):
+            (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
+    save(FIGURES[number](shown, fidelity=fidelity), *paths_to_pictures)
+
+
+if __name__ == "__main__":
+    draw_figure(
+        int(snakemake.wildcards.number),  # type: ignore[name-defined]
+        snakemake.input.runs if not isinstance(snakemake.input.runs, str) else [snakemake.input.runs],  # type: ignore[name-defined]
+        snakemake.params.titles,  # type: ignore[name-defined]
+        snakemake.params.fidelity,  # type: ignore[name-defined]
+        [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
+    )

@@ -1,0 +1,34 @@
+"""Measure every run of a study and write its table."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph import trajectory
+from sph.analysis.metrics import MetricSettings, measure
+from sph.analysis.tables import study_table, write_study
+
+
+def measure_study(
+    paths_to_runs: Sequence[str],
+    points: Sequence[Mapping[str, str]],
+    settings: Mapping[str, Any],
+    attrs: Mapping[str, str],
+    path_to_nc: str,
+    path_to_csv: str,
+) -> None:
+    """One row a run: its grid point, as written, and its metrics; ``attrs`` go into the netCDF."""
+    chosen = MetricSettings(**settings)
+    rows = [dict(point) | measure(trajectory.read(path), chosen) for path, point in zip(paths_to_runs, points, strict=True)]
+    scene = trajectory.read(paths_to_runs[0]).attrs
+    write_study(study_table(rows), path_to_nc, path_to_csv, dict(attrs) | {name: scene[name] for name in ("source", "versions", "scene")})
+
+
+if __name__ == "__main__":
+    measure_study(
+        snakemake.input.runs,  # type: ignore[name-defined]
+        snakemake.params.points,  # type: ignore[name-defined]
+        snakemake.params.settings,  # type: ignore[name-defined]
+        {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},  # type: ignore[name-defined]
+        snakemake.output.nc,  # type: ignore[name-defined]
+        snakemake.output.csv,  # type: ignore[name-defined]
+    )
