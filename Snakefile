@@ -35,13 +35,7 @@ wildcard_constraints:
     amplitude="[^_/]+",
 
 
-include: "workflow/rules/simulate.smk"
-include: "workflow/rules/study.smk"
-include: "workflow/rules/figures.smk"
-
-
 rule all:
-    default_target: True
     """Everything: tables, claims, Figures 1-7."""
     input:
         f"{RESULTS}/study.nc",
@@ -53,3 +47,8 @@ rule all:
             number=range(1, 8),
             kind=["png", "pdf"],
         ),
+
+
+include: "workflow/rules/simulate.smk"
+include: "workflow/rules/study.smk"
+include: "workflow/rules/figures.smk"

@@ -12,9 +12,9 @@ record of its own coefficients.  There are no on/off flags beside coefficients.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
@@ -103,7 +103,13 @@ class Walls(Section):
         source="Sec. 2.4; free_slip ours",
         default="sticky",
     )
-    layers: int = key("layers of boundary particles", source="Sec. 4 (2,404 particles)", ge=1, le=8, default=2)
+    layers: int = key(
+        "layers of boundary particles; free-slip walls need as many as fill the kernel's support but for one spacing",
+        source="Sec. 4 (2,404 particles)",
+        ge=1,
+        le=8,
+        default=2,
+    )
 
 
 # ---------------------------------------------------------------- material
@@ -351,6 +357,12 @@ class Scene(Section):
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
+        needed = math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
+        if self.walls.sides == "free_slip" and self.walls.layers < needed:
+            raise ValueError(
+                f"walls.layers: {self.walls.layers} layers do not fill the kernel's support of {2 * self.numerics.smoothing_length:g} m; "
+                f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
+            )
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
         return self
@@ -400,12 +412,34 @@ def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
     return nested
 
 
+Model = TypeVar("Model", bound=Section)
+
+
 def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed."""
+    return validated(Scene, data, origin)
+
+
+def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model:
+    """A section built from a mapping; raises ValueError with one line per bad key.
+
+    YAML reads yes, no, on and off as truth values, which would pass for the numbers 1 and 0; no key takes one.
+    """
+    truths = [f"{origin}: {path}: yes, no, on, off, true and false are not values of any key" for path in _truth_values(data)]
+    if truths:
+        raise ValueError("\n".join(truths))
     try:
-        return Scene.model_validate(data)
+        return model.model_validate(data)
     except ValidationError as error:
         raise ValueError(explain(error, origin, data)) from error
+
+
+def _truth_values(value: Any, path: str = "") -> Iterator[str]:
+    items = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, (list, tuple)) else ()
+    if isinstance(value, bool):
+        yield path
+    for name, item in items:
+        yield from _truth_values(item, f"{path}.{name}" if path else str(name))
 
 
 def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str:

@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import pandas as pd
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from sph.analysis.claims import ClaimSettings
 from sph.analysis.metrics import GRID, MetricSettings
-from sph.scene import Scene, Section, dotted, explain, key, make_scene, merge, read_yaml
+from sph.scene import Scene, Section, dotted, key, make_scene, merge, read_yaml, validated
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
 GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
@@ -26,9 +26,7 @@ GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "mot
 
 def _as_written(values: Any) -> Any:
     """A number that YAML has read becomes its shortest text; quoted numbers keep theirs."""
-    return (
-        [repr(v) if isinstance(v, (int, float)) and not isinstance(v, bool) else v for v in values] if isinstance(values, list) else values
-    )
+    return [repr(v) if isinstance(v, (int, float)) else v for v in values] if isinstance(values, list) else values
 
 
 Number = Annotated[str, Field(pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
@@ -100,9 +98,14 @@ class Study(Section):
         raise ValueError(f"grid.{name}: {value} is needed by the figures, the grid has {', '.join(getattr(self.grid, name))}")
 
     def figure_runs(self, figure: int) -> Iterator[tuple[tuple[str, ...], dict[str, str]]]:
-        """Titles (panel, then curve) and grid point of every run that Fig. 4, 5, 6 or 7 shows."""
+        """Titles (panel, then curve) and grid point of every run that a figure shows.
+
+        Figs. 1-3 show what goes in and need one run without a title.
+        """
         cases = self.figures
-        if figure in (4, 6):
+        if figure <= 3:
+            pairs = [(cases.strengths[0], cases.gamma)]
+        elif figure in (4, 6):
             pairs = [(S_R, cases.gamma) for S_R in cases.strengths]
         else:
             strengths = cases.compared_strengths if figure == 7 else cases.compared_strengths[:1]
@@ -110,7 +113,7 @@ class Study(Section):
         for wanted_S_R, wanted_gamma in pairs:
             S_R, gamma = self.label("S_R", wanted_S_R), self.label("gamma", wanted_gamma)
             first, second = f"$S_R$ = {S_R}", f"γ = {gamma} 1/s"
-            titles = (first, second) if figure == 7 else (f"{first}, {second}",)
+            titles = () if figure <= 3 else (first, second) if figure == 7 else (f"{first}, {second}",)
             yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self.reference_amplitude}
 
 
@@ -136,7 +139,7 @@ class Plan:
             make_scene(merge(self._base, overrides), f"{self.origin} at fidelity {name}")
         for point in self.study.points.to_dict("records"):
             self.built(**{str(name): str(value) for name, value in point.items()})
-        for figure in (4, 5, 6, 7):
+        for figure in range(1, 8):
             list(self.study.figure_runs(figure))
 
     def built(self, **point: str) -> Scene:
@@ -152,10 +155,7 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
     """
     origin = "config" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(config)
-    try:
-        study = Study.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(explain(error, origin, data)) from error
+    study = validated(Study, data, origin)
     found = [folder / study.scene for folder in folders if (folder / study.scene).is_file()]
     if not found:
         raise ValueError(f"{origin}: scene: no file {study.scene!r} in {', '.join(str(folder.resolve()) for folder in folders)}")

@@ -147,12 +147,15 @@ def metrics(
     Console().print(table)
 
 
-@app.command(epilog="Example:  sph keys > keys.md")
-def keys() -> None:
-    """Print the table of all scene keys with unit, default, range and source (Markdown)."""
-    from sph.command.reference import scene_table
+@app.command(epilog="Example:  sph reference scene > keys.md")
+def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory or metrics")]) -> None:
+    """Print a table of keys or variables with units, defaults and meaning (Markdown)."""
+    from sph.command.reference import TABLES
 
-    print(scene_table())
+    with refusals():
+        if table not in TABLES:
+            raise ValueError(f"{table!r}: must be one of {', '.join(TABLES)}")
+    print(TABLES[table]())
 
 
 def main() -> None:

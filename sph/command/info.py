@@ -39,7 +39,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls)"),
         (
             "kernel",
-            f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, {neighbours:.0f} neighbours within {2 * numerics.smoothing_length:g} m",
+            f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, {neighbours:.0f} neighbours in {2 * numerics.smoothing_length:g} m",
         ),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),
         ("wave speeds", f"V_s = {soil.s_wave_speed:.1f} m/s, V_p = {soil.p_wave_speed:.1f} m/s"),

@@ -1,36 +1,58 @@
-"""The table of scene keys, generated from their declarations in ``sph.scene``."""
+"""Tables of every key and every variable, generated from their declarations.
+
+``config/README.md`` holds the tables ``scene`` and ``study``, ``results/README.md`` the tables
+``trajectory`` and ``metrics``; a test keeps them in step.
+"""
 
 from __future__ import annotations
 
 import types
 import typing
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from sph.analysis.metrics import METRICS
+from sph.analysis.study import Study
 from sph.scene import Scene
+from sph.trajectory import VARIABLES, Variable
 
 
-def scene_rows(model: type[BaseModel] = Scene, prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
+def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
     """Rows (key, unit, default, allowed, source, meaning), sections first, then what they hold."""
     for name, field in model.model_fields.items():
         extra = typing.cast(dict[str, Any], field.json_schema_extra or {})
         path = prefix + name
         yield path, extra["unit"], _default(field), _allowed(field), extra["source"], field.description or ""
-        for section in _sections(field.annotation):
-            variant = len(_sections(field.annotation)) > 1
-            yield from scene_rows(section, f"{path} ({_tag(section)})." if variant else f"{path}.")
+        sections = _sections(field.annotation)
+        for section in sections:
+            yield from key_rows(section, f"{path} ({_tag(section)})." if len(sections) > 1 else f"{path}.")
 
 
-def scene_table() -> str:
-    """Markdown table of ``scene_rows``."""
-    head = ("key", "unit", "default", "allowed", "source", "meaning")
+def variable_rows(variables: Iterable[Variable]) -> Iterator[tuple[str, str, str, str, str]]:
+    """Rows (variable, dimensions, type, unit, meaning)."""
+    for variable in variables:
+        yield variable.name, ", ".join(variable.dims), variable.dtype, variable.units, variable.text
+
+
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Markdown table; the first column is set as code."""
     lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
-    for key_, *cells in scene_rows():
-        lines.append("| `" + key_ + "` | " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+    lines += ["| `" + first + "` | " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for first, *cells in rows]
     return "\n".join(lines)
+
+
+KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
+VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
+TABLES: dict[str, Callable[[], str]] = {
+    "scene": lambda: markdown(KEY_HEAD, key_rows(Scene)),
+    "study": lambda: markdown(KEY_HEAD, key_rows(Study)),
+    "trajectory": lambda: markdown(VARIABLE_HEAD, variable_rows(VARIABLES)),
+    "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(METRICS)),
+}
+"""The tables by name."""
 
 
 def _sections(annotation: Any) -> list[type[BaseModel]]:

@@ -110,7 +110,7 @@ def test_geometry_carries_dimensions_material_and_walls(slid: xr.Dataset) -> Non
     shown = texts(figure_geometry(slid))
     for text in ("55.0 m", "14.4 m", "34.0 m", "H = 25 m", "10 m", "60°", "1964", "c = 150 kPa, φ = 20°", "fixed side wall", "A"):
         assert text in shown
-    slip = synthetic(overrides={"walls": {"sides": "free_slip"}})
+    slip = synthetic(overrides={"walls": {"sides": "free_slip", "layers": 4}})
     assert "free-slip side wall" in texts(figure_geometry(slip))
 
 

@@ -53,8 +53,8 @@ def test_stages_join_on_the_command_line(scene_file: Path, tmp_path: Path) -> No
 
 
 def test_info_shows_limits_and_terms(scene_file: Path) -> None:
-    shown = call("info", scene_file, "--set", "walls.sides=free_slip").stdout
-    for wanted in ("163", "V_p = 1159.9 m/s", "limit: acoustic", "free_slip [walls.sides]", "not compiled", "estimated cost"):
+    shown = call("info", scene_file, "--set", "walls.sides=free_slip", "--set", "walls.layers=4").stdout
+    for wanted in ("85 soil", "V_p = 1159.9 m/s", "limit: acoustic", "free_slip [walls.sides]", "not compiled", "estimated cost"):
         assert wanted in shown
 
 
@@ -63,6 +63,7 @@ def test_info_shows_limits_and_terms(scene_file: Path) -> None:
     [
         (("--set", "soil.cohesin=3"), ("slope.yaml: soil.cohesin", "no such key", "3")),
         (("--set", "motion.amplitude=-1"), ("slope.yaml: motion.amplitude", "greater than or equal to 0", "-1")),
+        (("--set", "walls.sides=free_slip"), ("walls.layers", "2 layers", "needs 4")),
         (("--set", "coupling.S_R"), ("KEY=VALUE",)),
         (("--set", "numerics.time_step=0.05", "--set", "outputs.series_interval=0.25"), ("numerics.time_step", "limit", "acoustic")),
         (("--until", "tomorrow"), ("--until", "first_failure")),

@@ -56,16 +56,20 @@ def test_cache_folder_follows_the_environment(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- the race
 
 WORKER = """
-import fcntl, hashlib, json, sys, time
+import fcntl, hashlib, json, os, sys, time
+from pathlib import Path
 from numba.core import caching
 
-slow, scene_json = sys.argv[1] == "slow", sys.argv[2]
+role, scene_json = sys.argv[1:]  # "first" or "second" to compile, "load"
 outside = []
 
 from sph.integration import active_terms
 from sph.jit import cache_folder
 from sph.scene import make_scene
 from sph.solver import Run
+
+meetings = Path(os.environ["SPH_CACHE_DIR"])
+met = None
 
 
 def lock_is_free():
@@ -78,25 +82,42 @@ def lock_is_free():
         return True
 
 
-if slow:
-    # Widen the gap between reading and writing numba's index, in which the race happens.
-    load_index, save = caching.IndexDataCacheFile._load_index, caching.IndexDataCacheFile.save
+def meet(name):
+    # Wait until the other process saves the same function; with a lock it never comes, and the wait is given up.
+    global met
+    if met is False:
+        return
+    own, other = (meetings / f"{name}.{who}" for who in (("first", "second") if role == "first" else ("second", "first")))
+    own.touch()
+    end = time.time() + (3.0 if met is None else 1.0)
+    while not other.exists() and time.time() < end:
+        time.sleep(0.002)
+    met = bool(met) or other.exists()
+    if not met:
+        own.unlink()
 
-    def slow_load_index(self):
-        index = load_index(self)
-        if getattr(self, "saving", False):
-            time.sleep(0.1)
-        return index
 
-    def watched_save(self, key, data):
-        if lock_is_free():
-            outside.append(self._index_name.split("-")[0])
-        self.saving = True
-        save(self, key, data)
-        self.saving = False
+def save(self, key, data):
+    # numba's own steps, in the order that hurts: both read the index, the second's index is the last, the
+    # first's data are the last.
+    name = self._index_name.split("-")[0]
+    if lock_is_free():
+        outside.append(name)
+    meet(name)
+    overloads = self._load_index()
+    data_name = overloads.get(key)
+    if data_name is None:
+        data_name = next(n for n in map(self._data_name, range(1, 99)) if n not in set(overloads.values()))
+        overloads[key] = data_name
+        time.sleep(0.15 if met and role == "second" else 0.05 if met else 0.0)
+        self._save_index(overloads)
+    time.sleep(0.2 if met and role == "first" else 0.0)
+    self._save_data(data_name, data)
+    time.sleep(0.1 if met and role == "second" else 0.0)
 
-    caching.IndexDataCacheFile._load_index = slow_load_index
-    caching.IndexDataCacheFile.save = watched_save
+
+if role != "load":
+    caching.IndexDataCacheFile.save = save
 
 run = Run(make_scene(json.loads(scene_json)))
 result = run.go()
@@ -112,9 +133,9 @@ print(json.dumps({
 """
 
 
-def start(scene: dict[str, Any], speed: str, cache: Path) -> subprocess.Popen[str]:
+def start(scene: dict[str, Any], role: str, cache: Path) -> subprocess.Popen[str]:
     return subprocess.Popen(
-        [sys.executable, "-c", WORKER, speed, json.dumps(scene)],
+        [sys.executable, "-c", WORKER, role, json.dumps(scene)],
         env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(cache)),
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -130,7 +151,10 @@ def outcome(process: subprocess.Popen[str]) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def race(tmp_path_factory: pytest.TempPathFactory, free_block: Callable[..., Any]) -> list[dict[str, Any]]:
-    """Two variants compiled at the same time into one fresh cache, then both loaded from it."""
+    """Two variants compiled at the same time into one fresh cache, then both loaded from it.
+
+    Without the lock of ``sph.jit.compile_lock`` the order forced in ``save`` breaks the loading processes.
+    """
     cache = tmp_path_factory.mktemp("cache")
     bare = {
         "duration": 0.02,
@@ -141,9 +165,9 @@ def race(tmp_path_factory: pytest.TempPathFactory, free_block: Callable[..., Any
         "numerics.short_range_repulsion": None,
     }
     scenes = [free_block(bare | {"numerics.kernel": kernel}).model_dump(mode="json") for kernel in ("cubic_spline", "wendland_c2")]
-    compiling = [start(scene, "slow", cache) for scene in scenes]
+    compiling = [start(scene, role, cache) for scene, role in zip(scenes, ("first", "second"), strict=True)]
     found = [outcome(process) for process in compiling]
-    loading = [start(scene, "plain", cache) for scene in scenes]
+    loading = [start(scene, "load", cache) for scene in scenes]
     return found + [outcome(process) for process in loading]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sph.motion import ground_acceleration, gravity_history, make_loading
+from sph.motion import gravity_history, ground_acceleration, make_loading
 from sph.scene import GravityStage, NoMotion, TaperedSine
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)

@@ -124,7 +124,9 @@ def make_pairs(
 def row(pairs: Pairs, i: int) -> dict[int, tuple[float, float, float]]:
     """Neighbour: (gx, gy, inverse norm) of particle i."""
     inside = slice(int(pairs.start[i]), int(pairs.end[i]))
-    return dict(zip(pairs.neighbour[inside].tolist(), zip(pairs.gx[inside], pairs.gy[inside], pairs.inverse_norm[inside], strict=True), strict=True))
+    return dict(
+        zip(pairs.neighbour[inside].tolist(), zip(pairs.gx[inside], pairs.gy[inside], pairs.inverse_norm[inside], strict=True), strict=True)
+    )
 
 
 def test_three_particles_by_hand() -> None:

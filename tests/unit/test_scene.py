@@ -34,6 +34,7 @@ BAD = [
     ({"soil.density": [1, 2]}, ["soil.density", "[1, 2]", "number"]),
     ({"soil": None}, ["soil", "None"]),
     ({"walls": "sticky"}, ["walls", "sticky"]),
+    ({"walls.sides": "free_slip"}, ["walls.layers", "2 layers", "needs 4"]),
     ({"walls.sides": "wet"}, ["walls.sides", "wet", "sticky", "free_slip", "none"]),
     ({"walls.layers": 1.5}, ["walls.layers", "1.5", "integer"]),
     ({"geometry.shape": "round"}, ["geometry", "round", "slope", "block"]),

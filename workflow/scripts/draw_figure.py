@@ -23,7 +23,7 @@ def draw_figure(
 if __name__ == "__main__":
     draw_figure(
         int(snakemake.wildcards.number),  # type: ignore[name-defined]
-        snakemake.input.runs if not isinstance(snakemake.input.runs, str) else [snakemake.input.runs],  # type: ignore[name-defined]
+        snakemake.input.runs,  # type: ignore[name-defined]
         snakemake.params.titles,  # type: ignore[name-defined]
         snakemake.params.fidelity,  # type: ignore[name-defined]
         [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]

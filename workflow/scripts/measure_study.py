@@ -18,7 +18,7 @@ def measure_study(
 ) -> None:
     """One row a run: its grid point, as written, and its metrics; ``attrs`` go into the netCDF."""
     chosen = MetricSettings(**settings)
-    rows = [dict(point) | measure(trajectory.read(path), chosen) for path, point in zip(paths_to_runs, points, strict=True)]
+    rows = [{**point, **measure(trajectory.read(path), chosen)} for path, point in zip(paths_to_runs, points, strict=True)]
     scene = trajectory.read(paths_to_runs[0]).attrs
     write_study(study_table(rows), path_to_nc, path_to_csv, dict(attrs) | {name: scene[name] for name in ("source", "versions", "scene")})
 

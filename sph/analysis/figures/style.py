@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any, ParamSpec
 
 import matplotlib
-from cmcrameri import cm as crameri  # type: ignore[import-untyped]
+from cmcrameri import cm as crameri
 from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
@@ -74,8 +74,8 @@ def note_text(scene: Scene) -> str:
     numerics = scene.numerics
     parts = [
         f"scene {scene.name}",
-        f"spacing {numerics.spacing:g} m",
-        f"kernel support {2 * numerics.smoothing_length:g} m",
+        f"spacing {numerics.spacing:.4g} m",
+        f"kernel support {2 * numerics.smoothing_length:.4g} m",
         f"{scene.walls.sides.replace('_', '-')} side walls",
         f"{scene.duration:g} s",
     ]

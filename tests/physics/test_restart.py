@@ -1,0 +1,184 @@
+"""A run that is paused, resumed and branched equals an uninterrupted one bit for bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from sph import trajectory
+from sph.scene import Scene
+from sph.solver import Result, run
+
+Builder = Callable[[dict[str, Any]], Scene]
+
+TRUNK = {"coupling.S_R": 0.5, "coupling.gamma": 1.0}
+BRANCH = {"coupling.S_R": 0.1, "coupling.gamma": 100.0, "name": "branch"}
+VARIANTS = {
+    "default": {},
+    "gradient_correction": {"numerics.gradient_correction": {"min_determinant": 0.3}},
+    "free_slip": {"walls.sides": "free_slip", "walls.layers": 4},
+}
+
+
+def same_bits(one: Result, other: Result) -> None:
+    for a, b in ((one.trajectory, other.trajectory), (one.restart, other.restart)):
+        assert set(a.variables) == set(b.variables)
+        for name in a.variables:
+            left, right = a[name].values, b[name].values
+            assert left.dtype == right.dtype and left.shape == right.shape, name
+            if left.dtype.kind in "OUT":
+                assert left.tolist() == right.tolist()
+            else:
+                assert left.tobytes() == right.tobytes(), f"{name} differs by up to {np.nanmax(np.abs(left - right))}"
+    assert one.restart.attrs["step"] == other.restart.attrs["step"]
+    assert one.status == other.status
+
+
+def paused(path: Path, result: Result) -> Path:
+    assert result.status == "paused"
+    trajectory.write(path, result.trajectory, result.restart)
+    return path
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_trunk_and_branch_equal_an_unbranched_run(tmp_path: Path, small_slope: Builder, variant: str) -> None:
+    extra = VARIANTS[variant]
+    trunk, branch = small_slope(TRUNK | extra), small_slope(BRANCH | extra)
+    at_rest = paused(tmp_path / "gravity.nc", run(small_slope(TRUNK | extra | {"motion.amplitude": 1.0}), until="gravity"))
+    first = run(trunk, until="first_failure", restart=at_rest)
+    assert not first.trajectory["failed"].values.any()
+    at_failure = paused(tmp_path / "first_failure.nc", first)
+    branched = run(branch, restart=at_failure)
+    unbranched = run(branch)
+    failed = float(branched.trajectory["failed_fraction"][-1])
+    assert branched.status == "complete" and failed > 0.1, "the branch must fail for the test to mean something"
+    assert np.nanmin(branched.trajectory["t_f"].values) > trunk.gravity.duration
+    same_bits(branched, unbranched)
+
+
+def test_branches_differ(tmp_path: Path, small_slope: Builder) -> None:
+    strong, weak = (run(small_slope({"coupling.S_R": s, "coupling.gamma": 100.0})).trajectory for s in (0.9, 0.1))
+    a, b = (float(ds["probe_displacement_y"][-1, 0]) for ds in (strong, weak))
+    assert b < a
+    # Up to the first failure they are the same, bit for bit.
+    t_f = np.nanmin(weak["t_f"].values)
+    before = weak["sample_time"].values < t_f
+    np.testing.assert_array_equal(strong["kinetic_energy"].values[before], weak["kinetic_energy"].values[before])
+
+
+def test_two_runs_are_the_same(small_slope: Builder) -> None:
+    same_bits(run(small_slope(BRANCH)), run(small_slope(BRANCH)))
+
+
+@pytest.fixture(scope="module")
+def gravity_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+    return paused(tmp_path_factory.mktemp("restart") / "gravity.nc", run(small_slope(TRUNK), until="gravity"))
+
+
+@pytest.fixture(scope="module")
+def failed_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+    path = tmp_path_factory.mktemp("restart") / "failed.nc"
+    result = run(small_slope(TRUNK))
+    assert result.status == "complete" and result.trajectory["failed"].values.any()
+    trajectory.write(path, result.trajectory, result.restart)
+    return path
+
+
+@pytest.mark.parametrize(
+    "overrides",
+    [
+        {"soil.density": 2000.0},
+        {"numerics.time_step": 5e-4},
+        {"numerics.gradient_correction": {"min_determinant": 0.3}},
+        {"walls.sides": "free_slip", "walls.layers": 4},
+        {"gravity.damping": 10.0},
+        {"damping": None},
+        {"outputs.series_interval": 0.05},
+        {"probes": {"B": "toe"}},
+        {"geometry.slope_angle": 45.0},
+    ],
+    ids=lambda o: next(iter(o)),
+)
+def test_other_scenes_are_refused_by_key(gravity_file: Path, small_slope: Builder, overrides: dict[str, Any]) -> None:
+    with pytest.raises(ValueError) as raised:
+        run(small_slope(TRUNK | overrides), restart=gravity_file)
+    message = str(raised.value)
+    assert "gravity.nc" in message
+    key, value = next(iter(overrides.items()))
+    assert key in message
+    if isinstance(value, float):
+        assert str(value) in message
+
+
+def test_every_differing_key_is_named(gravity_file: Path, small_slope: Builder) -> None:
+    with pytest.raises(ValueError) as raised:
+        run(small_slope(TRUNK | {"soil.density": 2000.0, "soil.cohesion": 10.0}), restart=gravity_file)
+    assert "soil.density" in str(raised.value) and "soil.cohesion" in str(raised.value)
+
+
+def test_motion_may_change_before_the_shaking_only(tmp_path: Path, gravity_file: Path, small_slope: Builder) -> None:
+    assert run(small_slope(TRUNK | {"motion.amplitude": 7.0}), restart=gravity_file).status == "complete"
+    later = paused(tmp_path / "later.nc", run(small_slope(TRUNK), until="first_failure", restart=gravity_file))
+    with pytest.raises(ValueError, match=r"motion\.amplitude"):
+        run(small_slope(TRUNK | {"motion.amplitude": 7.0}), restart=later)
+
+
+def test_strength_may_not_change_after_a_failure(failed_file: Path, small_slope: Builder) -> None:
+    for change in ({"coupling.S_R": 0.1}, {"coupling.gamma": 100.0}, {"coupling.fluid_tension_limit": 5.0}):
+        with pytest.raises(ValueError, match=next(iter(change))):
+            run(small_slope(TRUNK | change | {"duration": 3.5}), restart=failed_file)
+
+
+def test_strength_may_not_change_after_a_failure_between_frames(tmp_path: Path, small_slope: Builder) -> None:
+    # The run ends after the first failure but before the next frame, which is the first to show it.
+    whole = run(small_slope(TRUNK)).trajectory
+    first = float(np.nanmin(whole["t_f"].values))
+    end = round(first + 0.02, 2)
+    interval = 1.0
+    assert end % interval > 0.02
+    scene = small_slope(TRUNK | {"duration": end, "outputs.frame_interval": interval})
+    result = run(scene)
+    assert float(result.trajectory["failed_fraction"][-1]) > 0
+    assert not result.trajectory["failed"].values.any()
+    trajectory.write(tmp_path / "between.nc", result.trajectory, result.restart)
+    with pytest.raises(ValueError, match=r"coupling\.S_R"):
+        run(small_slope(TRUNK | {"coupling.S_R": 0.1, "outputs.frame_interval": interval}), restart=tmp_path / "between.nc")
+
+
+def test_a_longer_duration_goes_on(failed_file: Path, small_slope: Builder) -> None:
+    longer = small_slope(TRUNK | {"duration": 3.5, "name": "longer", "title": "longer"})
+    same_bits(run(longer, restart=failed_file), run(longer))
+
+
+def test_a_shorter_duration_than_reached_is_refused(failed_file: Path, small_slope: Builder) -> None:
+    with pytest.raises(ValueError, match="duration"):
+        run(small_slope(TRUNK | {"duration": 2.75}), restart=failed_file)
+
+
+def test_unfailed(tmp_path: Path, small_slope: Builder) -> None:
+    calm = small_slope({"motion.amplitude": 0.0, "soil.cohesion": 1e4})
+    for until in ("end", "first_failure"):
+        result = run(calm, until=until)  # type: ignore[arg-type]
+        assert result.status == "unfailed"
+        assert float(result.trajectory["failed_fraction"].max()) == 0
+        assert np.isnan(result.trajectory["t_f"].values).all()
+
+
+def test_foreign_files_are_refused(tmp_path: Path, small_slope: Builder) -> None:
+    xr.Dataset({"x": ("n", np.zeros(2))}).to_netcdf(tmp_path / "foreign.nc")
+    with pytest.raises(ValueError, match=r"foreign\.nc"):
+        run(small_slope({}), restart=tmp_path / "foreign.nc")
+
+
+def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
+    earlier = trajectory.read(gravity_file).attrs
+    result = run(small_slope(TRUNK), restart=gravity_file).trajectory
+    n = result.sizes["particle"]
+    assert result.attrs["particle_steps"] == 3000 * n
+    assert earlier["particle_steps"] == 1000 * n
+    assert result.attrs["wall_time_s"] > earlier["wall_time_s"]

@@ -1,0 +1,145 @@
+"""The workflow as a user runs it: planned, linted, and a small study from end to end."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+
+from sph import trajectory
+from sph.analysis.tables import read_study, read_table
+from sph.scene import Scene
+
+ROOT = Path(__file__).resolve().parents[2]
+STUDY: dict[str, Any] = {
+    "study": "small",
+    "scene": "slope.yaml",
+    "fidelity": "draft",
+    "grid": {"S_R": ["0.10", "0.50"], "gamma": ["1", "100"], "amplitude": ["0.1", "8.0"]},
+    "fidelities": {"draft": {}},
+    "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
+    "claims": {"amplitude": 8.0},
+}
+"""Eight runs of 163 particles; at 0.1 m/s2 nothing fails."""
+
+
+def snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--directory", str(folder), *arguments]
+    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+
+
+def planned_jobs(folder: Path, *arguments: str) -> dict[str, int]:
+    """Rule and number of jobs of a dry run."""
+    result = snakemake(folder, "--dry-run", *arguments)
+    assert result.returncode == 0, result.stderr
+    text = result.stdout + result.stderr
+    if "Nothing to be done" in text:
+        return {}
+    table = text[text.index("Job stats:") :]
+    return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE) if name != "total"}
+
+
+def write_config(folder: Path, **changes: Any) -> tuple[str, str]:
+    path = folder / "study.yaml"
+    path.write_text(yaml.safe_dump(STUDY | changes))
+    return "--configfile", str(path)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+    """Folder of a finished small study."""
+    folder = tmp_path_factory.mktemp("study")
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    config = write_config(folder)
+    assert planned_jobs(folder, *config) == {"all": 1, "gravity": 1, "trunk": 2, "simulate": 8, "study": 1, "claims": 1, "figure": 7}
+    result = snakemake(folder, "--cores", "2", *config)
+    assert result.returncode == 0, result.stderr
+    return folder
+
+
+def test_the_shipped_study_shares_its_stages() -> None:
+    jobs = planned_jobs(ROOT, "--forceall")
+    assert jobs == {"all": 1, "gravity": 1, "trunk": 3, "simulate": 24, "study": 1, "claims": 1, "figure": 7}
+
+
+def test_lint_finds_nothing_but_the_missing_containers() -> None:
+    """The environment is the project's own (pyproject.toml, constraints.txt), not one a rule."""
+    result = snakemake(ROOT, "--lint")
+    lints = {line.strip() for line in (result.stdout + result.stderr).splitlines() if line.strip().startswith("*")}
+    assert lints == {"* Specify a conda environment or container for each rule.:"}
+
+
+def test_tables(finished: Path) -> None:
+    folder = finished / "results" / "small" / "draft"
+    study, table = read_study(folder / "study.nc"), read_table(folder / "study.csv")
+    assert dict(study.sizes) == {"S_R": 2, "gamma": 2, "amplitude": 2}
+    assert list(table["S_R"].unique()) == ["0.10", "0.50"] and len(table) == 8
+    weak, strong = (float(study["displacement_magnitude"].sel(S_R=S_R, gamma=100, amplitude=8)) for S_R in (0.10, 0.50))
+    assert weak > strong > 0
+    row = table[(table["S_R"] == "0.10") & (table["gamma"] == "100") & (table["amplitude"] == "8.0")].iloc[0]
+    assert row["displacement_magnitude"] == weak
+    claims = pd.read_csv(folder / "claims.csv")
+    assert list(claims["claim"]) == list(range(1, 13))
+    assert set(claims["verdict"]) <= {"holds", "fails", "not yet", "not covered"}
+
+
+def test_an_amplitude_that_fails_nothing_needs_no_branches(finished: Path) -> None:
+    folder = finished / "results" / "small" / "draft"
+    study = read_study(folder / "study.nc")
+    assert (study["status"].sel(amplitude=0.1) == "unfailed").all() and (study["status"].sel(amplitude=8.0) == "complete").all()
+    trunk = trajectory.read(folder / "stages" / "amplitude-0.1.nc")
+    run = trajectory.read(folder / "runs" / "S_R-0.50_gamma-1_amplitude-0.1.nc")
+    assert run.attrs["particle_steps"] == trunk.attrs["particle_steps"], "the branch made no step of its own"
+    assert trajectory.scene_of(run).coupling.S_R == 0.5
+    assert run.equals(trunk)
+
+
+def test_branches_start_from_the_shared_trunk(finished: Path) -> None:
+    folder = finished / "results" / "small" / "draft"
+    trunk = trajectory.read(folder / "stages" / "amplitude-8.0.nc")
+    assert trunk.attrs["status"] == "paused" and not trunk["failed"].any()
+    shared = trunk.sizes["sample"]
+    for path in folder.glob("runs/*_amplitude-8.0.nc"):
+        run = trajectory.read(path)
+        assert run["failed"].any()
+        np.testing.assert_array_equal(run["kinetic_energy"][:shared], trunk["kinetic_energy"])
+
+
+def test_figures_are_drawn(finished: Path) -> None:
+    folder = finished / "results" / "small" / "draft" / "figures"
+    for number in range(1, 8):
+        assert (folder / f"fig{number}.png").read_bytes().startswith(b"\x89PNG")
+        assert (folder / f"fig{number}.png").stat().st_size > 10_000
+        assert (folder / f"fig{number}.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_finished_study_has_nothing_to_do(finished: Path) -> None:
+    assert planned_jobs(finished, *write_config(finished)) == {}
+
+
+def test_a_new_grid_value_runs_only_what_is_new(finished: Path) -> None:
+    grid = STUDY["grid"] | {"S_R": ["0.10", "0.30", "0.50"]}
+    assert planned_jobs(finished, *write_config(finished, grid=grid)) == {"all": 1, "simulate": 4, "study": 1, "claims": 1}
+
+
+def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:
+    assert planned_jobs(finished, *write_config(finished, metrics={"link_length": 3.0})) == {"all": 1, "study": 1, "claims": 1}
+
+
+def test_a_scene_key_reruns_the_stages(finished: Path) -> None:
+    jobs = planned_jobs(finished, *write_config(finished, fidelities={"draft": {"soil": {"cohesion": 140.0}}}))
+    assert jobs["gravity"] == 1 and jobs["trunk"] == 2 and jobs["simulate"] == 8
+
+
+def test_a_bad_configuration_is_refused_before_any_job(finished: Path) -> None:
+    result = snakemake(finished, "--cores", "1", *write_config(finished, fidelity="best"))
+    assert result.returncode != 0 and "fidelity: 'best' is not one of draft" in result.stdout + result.stderr
