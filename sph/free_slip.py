@@ -57,5 +57,5 @@ def add_wall_work(term, state, pairs, correction, mass, gradient, dt):  # type: 
         stress_accelerations(state, pairs, correction, term.first, state.vy.size)
         taken = 0.0
         for i in range(term.first, state.vy.size):
-            taken += mass[i] * (power(correction, state, gradient, i) + state.ay[i] * state.vy[i])
+            taken += mass[i] * (power(correction, state, gradient, i) + (state.ay[i] - state.viscous_y[i]) * state.vy[i])
         state.work[WALLS] += taken * dt

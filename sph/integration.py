@@ -74,42 +74,21 @@ def make_lists(state, terms, mass):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach)
     pairs = allocate_pairs(candidates)
-    update_pairs(pairs, candidates, terms.kernel, state.x_pairs, state.y_pairs, mass, state.density, terms.close_range, terms.correction)
+    update_pairs(
+        pairs, candidates, terms.kernel, state.x_pairs, state.y_pairs, mass, state.density_pairs, terms.close_range, terms.correction
+    )
     return candidates, pairs
 
 
-@jit
-def advance(state, candidates, pairs, terms, mass, loading, step, n_steps):  # type: ignore[no-untyped-def]
-    """Advance ``state`` in place from step ``step`` by ``n_steps``.
-
-    Returns the lists, the number of particles that failed, and the number of steps made, which is
-    less than ``n_steps`` only if a particle jumped further than the candidate skin allows or to NaN.
-    """
-    gradient = np.empty((state.x.size, 4))
-    n_soil = terms.n_soil
-    failed = 0
-    for n in range(step, step + n_steps):
-        kick_and_drift(state, terms, mass, loading.ground[n], loading.gravity[n], loading.extra_damping[n])
-        if not largest_move(state.x, state.y, state.x_pairs, state.y_pairs, n_soil) <= terms.pairs_tolerance**2:
-            move = largest_move(state.x, state.y, state.x_candidates, state.y_candidates, n_soil)
-            if not move <= (terms.candidates_tolerance + terms.reach) ** 2:
-                return candidates, pairs, failed, n - step
-            if move > terms.candidates_tolerance**2:
-                state.x_candidates[:] = state.x
-                state.y_candidates[:] = state.y
-                candidates = find_candidates(state.x, state.y, terms.reach)
-                pairs = allocate_pairs(candidates)
-            state.x_pairs[:] = state.x
-            state.y_pairs[:] = state.y
-            update_pairs(pairs, candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction)
-        mirror_velocity(terms.slip, state, pairs, n_soil)
-        velocity_gradients(state, pairs, terms.viscosity, gradient)
-        failed += update_stress(state, pairs, terms, mass, gradient, n + 1)
-        mirror_stress(terms.slip, state, pairs, n_soil)
-        stress_accelerations(state, pairs, terms.correction, 0, n_soil)
-        add_wall_work(terms.slip, state, pairs, terms.correction, mass, gradient, terms.dt)
-        add_repulsion(terms.repulsion, state, pairs, mass, n_soil)
-    return candidates, pairs, failed, n_steps
+TERM_NAMES = (
+    "wendland_c2",
+    "capped_viscosity",
+    "rayleigh_damping",
+    "artificial_viscosity",
+    "gradient_correction",
+    "short_range_repulsion",
+    "free_slip",
+)
 
 
 @jit
@@ -131,12 +110,37 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
     )
 
 
-TERM_NAMES = (
-    "wendland_c2",
-    "capped_viscosity",
-    "rayleigh_damping",
-    "artificial_viscosity",
-    "gradient_correction",
-    "short_range_repulsion",
-    "free_slip",
-)
+@jit
+def advance(state, candidates, pairs, terms, mass, loading, step, n_steps):  # type: ignore[no-untyped-def]
+    """Advance ``state`` in place from step ``step`` by ``n_steps``.
+
+    Returns the lists, the number of particles that failed, the number of steps made, which is less
+    than ``n_steps`` only if a particle jumped further than the candidate skin allows or to NaN, and the
+    terms that this compiled variant holds, so that the caller can check it got the one it asked for.
+    """
+    gradient = np.empty((state.x.size, 4))
+    n_soil = terms.n_soil
+    failed = 0
+    for n in range(step, step + n_steps):
+        kick_and_drift(state, terms, mass, loading.ground[n], loading.gravity[n], loading.extra_damping[n])
+        if not largest_move(state.x, state.y, state.x_pairs, state.y_pairs, n_soil) <= terms.pairs_tolerance**2:
+            move = largest_move(state.x, state.y, state.x_candidates, state.y_candidates, n_soil)
+            if not move <= (terms.candidates_tolerance + terms.reach) ** 2:
+                return candidates, pairs, failed, n - step, active_terms(terms)
+            if move > terms.candidates_tolerance**2:
+                state.x_candidates[:] = state.x
+                state.y_candidates[:] = state.y
+                candidates = find_candidates(state.x, state.y, terms.reach)
+                pairs = allocate_pairs(candidates)
+            state.x_pairs[:] = state.x
+            state.y_pairs[:] = state.y
+            state.density_pairs[:] = state.density
+            update_pairs(pairs, candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction)
+        mirror_velocity(terms.slip, state, pairs, n_soil)
+        velocity_gradients(state, pairs, terms.viscosity, gradient)
+        failed += update_stress(state, pairs, terms, mass, gradient, n + 1)
+        mirror_stress(terms.slip, state, pairs, n_soil)
+        stress_accelerations(state, pairs, terms.correction, 0, n_soil)
+        add_wall_work(terms.slip, state, pairs, terms.correction, mass, gradient, terms.dt)
+        add_repulsion(terms.repulsion, state, pairs, mass, n_soil)
+    return candidates, pairs, failed, n_steps, active_terms(terms)

@@ -67,11 +67,14 @@ def _below_surface(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
-    """Index of the soil particle nearest to each probe's place."""
+    """Index of the soil particle nearest to each probe's place; ValueError for a place away from the soil."""
     places = {"crest_edge": scene.geometry.crest, "toe": scene.geometry.toe}
     soil_x, soil_y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
     found = {}
     for name, place in scene.probes.items():
         px, py = places[place] if isinstance(place, str) else place
-        found[name] = int(np.argmin((soil_x - px) ** 2 + (soil_y - py) ** 2))
+        distance = np.hypot(soil_x - px, soil_y - py)
+        found[name] = int(np.argmin(distance))
+        if distance.min() > 2.0 * scene.numerics.spacing:
+            raise ValueError(f"probes.{name}: ({px:g}, {py:g}) m lies {distance.min():.3g} m from the nearest soil particle")
     return found

@@ -20,8 +20,8 @@ import xarray as xr
 
 from sph import trajectory
 from sph.coupling import cauchy_stress, elastic_energy
-from sph.integration import TERM_NAMES, active_terms, advance, make_lists
-from sph.jit import compile_lock
+from sph.integration import TERM_NAMES, advance, make_lists
+from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
 from sph.particles import Particles, locate_probes, place_particles
 from sph.scene import Scene
@@ -66,6 +66,7 @@ class Run:
         self.loading: Loading = make_loading(scene)
         self.state: State = initial_state(self.particles, scene.soil.density)
         self.probes = locate_probes(scene, self.particles)
+        self.wanted = wanted_terms(scene)
         self.step = 0
         self.earlier_wall_time = 0.0
         self.earlier_particle_steps = 0
@@ -82,19 +83,17 @@ class Run:
             self._advance(0)
             elastic_energy(self.state, self.terms, self.particles.mass)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
-            compiled = active_terms(self.terms)
-        wanted = wanted_terms(self.scene)
-        if tuple(compiled) != wanted:
-            raise RuntimeError(
-                f"the compiled solver holds the terms {dict(zip(TERM_NAMES, compiled, strict=True))}, the scene wants "
-                f"{dict(zip(TERM_NAMES, wanted, strict=True))}; delete the cache folder and run again"
-            )
 
     def _advance(self, n_steps: int) -> tuple[int, int]:
-        self.candidates, self.pairs, failed, done = advance(
+        self.candidates, self.pairs, failed, done, compiled = advance(
             self.state, self.candidates, self.pairs, self.terms, self.particles.mass, self.loading, self.step, n_steps
         )
         self.step += done
+        if tuple(compiled) != self.wanted:
+            raise RuntimeError(
+                f"the compiled solver holds the terms {dict(zip(TERM_NAMES, compiled, strict=True))}, the scene wants "
+                f"{dict(zip(TERM_NAMES, self.wanted, strict=True))}; delete the cache folder {cache_folder()} and run again"
+            )
         return failed, done
 
     def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
@@ -221,7 +220,7 @@ class Run:
             "particle_steps": total,
             "particle_steps_per_second": total / wall_time if wall_time > 0 else 0.0,
             "neighbours_mean": float((self.pairs.end - self.pairs.start[:-1]).mean()),
-            "active_terms": " ".join(n for n, on in zip(TERM_NAMES, wanted_terms(self.scene), strict=True) if on),
+            "active_terms": " ".join(n for n, on in zip(TERM_NAMES, self.wanted, strict=True) if on),
         }
         ds = trajectory.dataset(arrays, list(self.probes), attrs)
         restart = xr.Dataset({name: (("row",) if name == "work" else ("particle",), a) for name, a in self.state._asdict().items()})
@@ -236,7 +235,11 @@ class Run:
     def resume(self, path: Path | str) -> None:
         """Take over state and history of a paused run; ValueError if it belongs to another scene."""
         old, restart = trajectory.read(path), trajectory.read_restart(path)
-        check_restart(trajectory.scene_of(old, str(path)), self.scene, float(old["sample_time"][-1]), bool(old["failed"].any()), path)
+        missing = [name for name in self.state._fields if name not in restart]
+        if missing:
+            raise ValueError(f"{path}: its restart state lacks {', '.join(missing)}; it was written by another version, run it again")
+        failed = bool((restart["phase"] == FAILED).any())
+        check_restart(trajectory.scene_of(old, str(path)), self.scene, float(old["sample_time"][-1]), failed, path)
         for name, array in self.state._asdict().items():
             array[...] = restart[name].values
         self.step = int(restart.attrs["step"])

@@ -54,6 +54,7 @@ class State(NamedTuple):
     viscous_y: np.ndarray
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
+    density_pairs: np.ndarray  # and densities
     x_candidates: np.ndarray  # positions at which the candidates were made
     y_candidates: np.ndarray
     work: np.ndarray  # (7,)
@@ -136,6 +137,7 @@ def initial_state(particles: Particles, density: float) -> State:
         "phase": np.zeros(n, np.uint8),
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
+        "density_pairs": np.full(n, density),
         "x_candidates": particles.x.copy(),
         "y_candidates": particles.y.copy(),
         "work": np.zeros(7),

@@ -112,7 +112,7 @@ class Study(Section):
             pairs = [(S_R, gamma) for S_R in strengths for gamma in cases.compared_gammas]
         for wanted_S_R, wanted_gamma in pairs:
             S_R, gamma = self.label("S_R", wanted_S_R), self.label("gamma", wanted_gamma)
-            first, second = f"$S_R$ = {S_R}", f"γ = {gamma} 1/s"
+            first, second = f"$S_R$ = {S_R}", f"γ = {gamma} s⁻¹"
             titles = () if figure <= 3 else (first, second) if figure == 7 else (f"{first}, {second}",)
             yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self.reference_amplitude}
 

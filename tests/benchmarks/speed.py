@@ -72,7 +72,7 @@ def time_parts(run: Run) -> dict[str, float]:
     candidates, pairs = make_lists(probe, terms, mass)
     for step in range(run.step, run.step + steps):
         before = probe.x_pairs.copy(), probe.y_pairs.copy()
-        candidates, pairs, _, _ = advance(probe, candidates, pairs, terms, mass, loading, step, 1)
+        candidates, pairs, *_ = advance(probe, candidates, pairs, terms, mass, loading, step, 1)
         renewals += not (np.array_equal(before[0], probe.x_pairs) and np.array_equal(before[1], probe.y_pairs))
     found["renewals_per_step"] = renewals / steps if steps else 0.0
     found["update_pairs"] = one_update * found["renewals_per_step"]

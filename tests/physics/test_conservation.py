@@ -60,7 +60,7 @@ class Closed:
         self.drift = np.zeros(3)
         self.failed = self.overlaps = 0
         for step in range(0, 2000, 100):
-            candidates, pairs, failed, done = advance(self.state, candidates, pairs, terms, self.particles.mass, loading, step, 100)
+            candidates, pairs, failed, done, _ = advance(self.state, candidates, pairs, terms, self.particles.mass, loading, step, 100)
             assert done == 100
             self.failed += failed
             self.overlaps = max(self.overlaps, self.state.work[REPULSION])

@@ -50,7 +50,7 @@ def peak_times(scene: Scene, component: str, source: float, stations: list[float
     candidates, pairs = make_lists(state, terms, particles.mass)
     heard = []
     for step in range(scene.steps(duration)):
-        candidates, pairs, failed, done = advance(state, candidates, pairs, terms, particles.mass, loading, step, 1)
+        candidates, pairs, failed, done, _ = advance(state, candidates, pairs, terms, particles.mass, loading, step, 1)
         assert (failed, done) == (0, 1)
         heard.append([velocity[listener].mean() for listener in listeners])
     signal = np.array(heard)
