@@ -50,7 +50,11 @@ def mirror_stress(term, state, pairs, n_soil):  # type: ignore[no-untyped-def]
 
 @jit
 def add_wall_work(term, state, pairs, correction, mass, gradient, dt):  # type: ignore[no-untyped-def]
-    """Energy the walls take from the soil; small, since a frictionless wall should take none."""
+    """Energy the walls take from the soil (J/m, negative: give).
+
+    A frictionless wall should take none.  This one's particles stay where they are while the soil slides
+    past, so the mirror is not exact: in a collapsing slope it gives some per cent of the energy released.
+    """
     if term is None:
         return
     else:

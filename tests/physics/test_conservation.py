@@ -90,14 +90,16 @@ def test_linear_momentum_to_rounding(closed: Closed) -> None:
 
 def test_angular_momentum_drift_is_bounded(closed: Closed) -> None:
     # Stress forces of a pair are not central, so the scheme does not conserve angular momentum exactly (the plain
-    # gradient of a rotation is not one near a free surface).  Within 0.4 s of stirring it should not lose a quarter.
+    # gradient of a rotation is not one near a free surface).  Measured 0.03 % of the scale within 0.4 s of stirring.
     print(f"angular momentum drift {closed.drift[2] / abs(closed.start[2]):.3%}")
-    assert closed.drift[2] < 0.25 * closed.angular_scale
+    assert closed.drift[2] < 0.005 * closed.angular_scale
 
 
-def test_linear_momentum_of_an_elastic_spin(free_block: Any) -> None:
-    # Without failure and friction, at the paper's stiffness: the same bound.
-    c = Closed(free_block, {"soil.cohesion": 1e6, "soil.youngs_modulus": 2e5, "coupling.S_R": 1.0})
+@pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
+def test_linear_momentum_of_an_elastic_spin(free_block: Any, correction: dict[str, float] | None) -> None:
+    # Without failure and friction, with either gradient: the same bound.
+    elastic = {"soil.cohesion": 1e6, "soil.youngs_modulus": 2e5, "coupling.S_R": 1.0}
+    c = Closed(free_block, elastic | {"numerics.gradient_correction": correction})
     assert c.failed == 0
     assert c.drift[:2].max() < 1e-11 * c.scale
 
@@ -106,7 +108,7 @@ def test_linear_momentum_of_an_elastic_spin(free_block: Any) -> None:
 
 
 @cache
-def collapse(sides: str) -> dict[str, np.ndarray]:
+def collapse(sides: str, corrected: bool) -> dict[str, np.ndarray]:
     """Series of a slope of weak soil that is shaken until it collapses."""
     scene = make_scene(
         {
@@ -118,7 +120,11 @@ def collapse(sides: str) -> dict[str, np.ndarray]:
             "coupling": {"S_R": 0.1, "gamma": 100.0},
             "gravity": {"ramp": 0.5, "duration": 1.0},
             "motion": {"kind": "tapered_sine", "amplitude": 8.0, "start": 1.0, "ramp": 0.5, "decay_start": 3.0, "end": 3.5},
-            "numerics": {"spacing": 2.5, "time_step": 5e-4},
+            "numerics": {
+                "spacing": 2.5,
+                "time_step": 5e-4,
+                "gradient_correction": {"min_determinant": 0.3} if corrected else None,
+            },
         }
     )
     ds = run(scene).trajectory
@@ -128,7 +134,7 @@ def collapse(sides: str) -> dict[str, np.ndarray]:
     return {name: ds[name].values for name in ds.data_vars if ds[name].dims == ("sample",)}
 
 
-SIDES = pytest.mark.parametrize("sides", ["sticky", "free_slip"])
+VARIANTS = pytest.mark.parametrize(("sides", "corrected"), [("sticky", False), ("free_slip", False), ("sticky", True)])
 
 
 def released(s: dict[str, np.ndarray]) -> float:
@@ -136,24 +142,24 @@ def released(s: dict[str, np.ndarray]) -> float:
     return float(np.abs(s["potential_energy"]).max() + np.abs(s["shaking_work"]).max())
 
 
-@SIDES
-def test_energy_budget_closes(sides: str) -> None:
-    # Forces and stress power are conjugate, so what is left is the error of time integration: velocities half a step
-    # behind the works, stress power taken with the mean stress of the step: of order omega dt, omega = 10 1/s, that is
-    # 0.5 % of the energies that move; 1 %.
-    s = collapse(sides)
+@VARIANTS
+def test_energy_budget_closes(sides: str, corrected: bool) -> None:
+    # Forces and stress power are conjugate, so what is left is the error of time integration: the last half step's
+    # work, of order omega dt times a small share of the energies.  Measured 0.002 to 0.007 %; a term left out or
+    # counted twice, even mass damping alone, is above 1 %.
+    s = collapse(sides, corrected)
     rest = s["kinetic_energy"] + s["elastic_energy"] + s["potential_energy"] + s["dissipated_energy"] - s["shaking_work"]
     print(f"{sides}: budget closes to {np.abs(rest).max() / released(s):.3%}")
-    assert np.abs(rest).max() < 0.01 * released(s)
+    assert np.abs(rest).max() < 1e-3 * released(s)
 
 
-@SIDES
-def test_dissipated_energy_does_not_decrease(sides: str) -> None:
+@VARIANTS
+def test_dissipated_energy_does_not_decrease(sides: str, corrected: bool) -> None:
     # Yield, damping, loss of strength and artificial viscosity only take energy; the fall from the highest value so far
-    # is bounded by what the budget itself leaves open: 1 % of the energy released.
-    s = collapse(sides)
+    # is bounded by what the budget itself leaves open: 0.1 % of the energy released.
+    s = collapse(sides, corrected)
     lost = s["dissipated_energy"]
     fall = np.maximum.accumulate(lost) - lost
     print(f"{sides}: largest fall {fall.max() / released(s):.3%}, dissipated {lost[-1] / released(s):.1%}")
-    assert fall.max() < 0.01 * released(s)
+    assert fall.max() < 1e-3 * released(s)
     assert lost[-1] > 0.5 * released(s), "a collapse ends in dissipation"
