@@ -3,7 +3,7 @@
 A scene file (YAML) holds the sections below.  Users write kPa and degrees; the
 properties ending in ``_si`` give pascals and radians to the solver.  Every key is
 declared here once, with its unit, allowed range, default and source, and
-``config/README.md`` is generated from these declarations (``sph schema``).
+``config/README.md`` is generated from these declarations (``sph reference scene``).
 
 A term of physics that a scene does not want is ``null``; a term it wants is a small
 record of its own coefficients.  There are no on/off flags beside coefficients.
@@ -12,26 +12,16 @@ record of its own coefficients.  There are no on/off flags beside coefficients.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar
+from typing import Annotated, Any, Literal
 
-import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import Field, model_validator
+
+from sph.configuration import Section, key, merge, read_yaml, validated
 
 GRAVITY = 9.81
 """Gravitational acceleration, m/s2."""
-
-
-class Section(BaseModel):
-    """A frozen part of a scene; unknown keys and non-finite numbers are errors."""
-
-    model_config = ConfigDict(frozen=True, extra="forbid", allow_inf_nan=False)
-
-
-def key(text: str, unit: str = "-", source: str = "ours", **constraints: Any) -> Any:
-    """Declare one key: sentence, unit, source (paper section or 'ours'), default and range."""
-    return Field(description=text, json_schema_extra={"unit": unit, "source": source}, **constraints)
 
 
 # ---------------------------------------------------------------- geometry
@@ -381,91 +371,9 @@ def _whole_multiple(value: float, unit: float, name: str, unit_name: str) -> Non
 # ---------------------------------------------------------------- reading
 
 
-def read_yaml(path: Path | str) -> dict[str, Any]:
-    """Mapping in a YAML file; raises ValueError naming the file when it is none."""
-    path = Path(path)
-    try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise ValueError(f"{path}: cannot be read as YAML: {error}") from error
-    if not isinstance(data, dict):
-        raise ValueError(f"{path}: must hold a mapping of keys, found {type(data).__name__}")
-    return data
-
-
-def merge(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """``base`` with ``overrides`` laid over it, section by section; lists and scalars are replaced."""
-    merged = dict(base)
-    for name, value in overrides.items():
-        old = merged.get(name)
-        merged[name] = merge(old, value) if isinstance(old, Mapping) and isinstance(value, Mapping) else value
-    return merged
-
-
-def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """``{"coupling.S_R": 0.1}`` as ``{"coupling": {"S_R": 0.1}}``."""
-    nested: dict[str, Any] = {}
-    for path, value in settings.items():
-        for part in reversed(path.split(".")):
-            value = {part: value}
-        nested = merge(nested, value)
-    return nested
-
-
-Model = TypeVar("Model", bound=Section)
-
-
 def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed."""
     return validated(Scene, data, origin)
-
-
-def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model:
-    """A section built from a mapping; raises ValueError with one line per bad key.
-
-    YAML reads yes, no, on and off as truth values, which would pass for the numbers 1 and 0; no key takes one.
-    """
-    truths = [f"{origin}: {path}: yes, no, on, off, true and false are not values of any key" for path in _truth_values(data)]
-    if truths:
-        raise ValueError("\n".join(truths))
-    try:
-        return model.model_validate(data)
-    except ValidationError as error:
-        raise ValueError(explain(error, origin, data)) from error
-
-
-def _truth_values(value: Any, path: str = "") -> Iterator[str]:
-    items = value.items() if isinstance(value, Mapping) else enumerate(value) if isinstance(value, (list, tuple)) else ()
-    if isinstance(value, bool):
-        yield path
-    for name, item in items:
-        yield from _truth_values(item, f"{path}.{name}" if path else str(name))
-
-
-def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str:
-    """One line per bad key: origin, key as written, what is allowed and the value found."""
-    lines = []
-    for item in error.errors():
-        where = ".".join(_path_as_written(item["loc"], data))
-        message = item["msg"].removeprefix("Value error, ")
-        if item["type"] == "extra_forbidden":
-            message = "there is no such key here"
-        value = item["input"]
-        shown = f" (found {value!r})" if where and not isinstance(value, (Mapping, BaseModel)) else ""
-        lines.append(f"{origin}: {where + ': ' if where else ''}{message}{shown}")
-    return "\n".join(lines)
-
-
-def _path_as_written(location: tuple[int | str, ...], data: Any) -> list[str]:
-    """Path of a key without the names of variants ('tapered_sine') that the validator puts into it."""
-    path = []
-    for depth, part in enumerate(location):
-        here = data.get(part) if isinstance(data, Mapping) else None
-        if isinstance(data, Mapping) and part not in data and depth < len(location) - 1:
-            continue
-        path.append(str(part))
-        data = here
-    return path
 
 
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from sph.scene import Scene, dotted, make_scene, merge
+from sph.configuration import dotted, merge
+from sph.scene import Scene, make_scene
 
 SceneBuilder = Callable[[dict[str, Any]], Scene]
 

@@ -16,7 +16,7 @@ import pandas as pd
 import xarray as xr
 
 from sph.analysis.tables import write_csv
-from sph.scene import Section, key
+from sph.configuration import Section, key
 
 HOLDS, FAILS, NOT_YET, NOT_COVERED = "holds", "fails", "not yet", "not covered"
 COLUMNS = ("claim", "statement", "test", "measured", "verdict")

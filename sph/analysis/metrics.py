@@ -33,8 +33,9 @@ from scipy.sparse.csgraph import connected_components  # type: ignore[import-unt
 from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.analysis.fields import ProbeHistory, displacement, last_at, probe_history
+from sph.configuration import Section, key
 from sph.particles import SOIL
-from sph.scene import NoMotion, Scene, Section, Slope, key
+from sph.scene import NoMotion, Scene, Slope
 from sph.trajectory import STATUSES, Variable, scene_of
 
 CLASSES = ("stable", "minor", "damaged", "collapse")

@@ -17,7 +17,8 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sph.analysis.claims import ClaimSettings
 from sph.analysis.metrics import GRID, MetricSettings
-from sph.scene import Scene, Section, dotted, key, make_scene, merge, read_yaml, validated
+from sph.configuration import Section, dotted, key, merge, read_yaml, validated
+from sph.scene import Scene, make_scene
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
 GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}

@@ -46,7 +46,7 @@ def refusals() -> Iterator[None]:
 
 def parse_settings(settings: list[str] | None) -> dict[str, Any]:
     """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
-    from sph.scene import dotted
+    from sph.configuration import dotted
 
     pairs = {}
     for setting in settings or []:

@@ -18,11 +18,12 @@ from typing import Any
 
 import numpy as np
 
+from sph.configuration import dotted
 from sph.coupling import update_stress
 from sph.integration import advance, kick_and_drift, make_lists
 from sph.momentum import stress_accelerations, velocity_gradients
 from sph.neighbours import update_pairs
-from sph.scene import Scene, dotted, load_scene
+from sph.scene import Scene, load_scene
 from sph.solver import Progress, Run
 from sph.state import State
 

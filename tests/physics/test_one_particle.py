@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
+from sph.configuration import dotted, merge
 from sph.coupling import cauchy_stress, update_stress
 from sph.integration import make_lists
 from sph.particles import place_particles
-from sph.scene import dotted, make_scene, merge
+from sph.scene import make_scene
 from sph.state import ARMED, FAILED, State, initial_state, make_terms
 
 DT = 1e-3

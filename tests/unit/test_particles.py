@@ -8,8 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from sph.configuration import dotted, merge
 from sph.particles import BASE, SIDE, SOIL, Particles, locate_probes, place_particles
-from sph.scene import Scene, dotted, load_scene, make_scene, merge
+from sph.scene import Scene, load_scene, make_scene
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 

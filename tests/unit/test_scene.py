@@ -12,7 +12,8 @@ import pytest
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from sph.scene import Scene, Slope, dotted, load_scene, make_scene, merge, read_yaml
+from sph.configuration import dotted, merge, read_yaml
+from sph.scene import Scene, Slope, load_scene, make_scene
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 
@@ -209,3 +210,10 @@ def test_slope_dimensions_by_hand() -> None:
     assert slope.height == 27
     assert slope.toe == (10, 2)
     assert slope.crest == pytest.approx((35, 27))
+
+
+def test_an_override_may_choose_another_variant_of_a_section() -> None:
+    assert load_scene(PAPER, dotted({"motion.kind": "none"})).motion.kind == "none"
+    scene = load_scene(PAPER, dotted({"geometry.shape": "block", "geometry.width": 20.0, "geometry.height": 10.0}))
+    assert scene.geometry.height == 10.0
+    assert load_scene(PAPER, dotted({"motion.kind": "tapered_sine", "motion.amplitude": 2.0})).motion.frequency == 1.0

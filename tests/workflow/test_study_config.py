@@ -9,7 +9,7 @@ import pytest
 import yaml
 
 from sph.analysis.study import Plan, load_study
-from sph.scene import merge
+from sph.configuration import merge
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
