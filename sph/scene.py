@@ -347,7 +347,7 @@ class Scene(Section):
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
-        needed = math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
+        needed = self.layers_filling_support
         if self.walls.sides == "free_slip" and self.walls.layers < needed:
             raise ValueError(
                 f"walls.layers: {self.walls.layers} layers do not fill the kernel's support of {2 * self.numerics.smoothing_length:g} m; "
@@ -356,6 +356,11 @@ class Scene(Section):
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
         return self
+
+    @property
+    def layers_filling_support(self) -> int:
+        """Layers of boundary particles that fill the kernel's support but for one spacing, where the gradient fades."""
+        return math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
 
     def steps(self, time: float) -> int:
         """Number of time steps to a time (s)."""

@@ -56,5 +56,18 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
     for name, index in locate_probes(scene, particles).items():
         rows.append((f"probe {name}", f"particle {index} at ({particles.x[index]:g}, {particles.y[index]:g}) m"))
+    rows += [("warning", text) for text in warnings(scene)]
     rows.append(("estimated cost", f"{cost:.0f} s on one core ({n * steps / 1e6:.0f} M particle-steps)"))
     return rows
+
+
+def warnings(scene: Scene) -> list[str]:
+    """What a user should know before trusting a scene's numbers."""
+    found = []
+    walled = scene.walls.base != "none" or scene.walls.sides != "none"
+    if walled and scene.walls.layers < scene.layers_filling_support:
+        found.append(
+            f"{scene.walls.layers} layers of boundary particles do not fill the kernel's support: stresses beside the box alternate "
+            f"from row to row; walls.layers={scene.layers_filling_support} fills it, so does a smaller numerics.smoothing_ratio"
+        )
+    return found

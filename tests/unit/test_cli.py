@@ -52,6 +52,11 @@ def test_stages_join_on_the_command_line(scene_file: Path, tmp_path: Path) -> No
     assert trajectory.read(rest).equals(trajectory.read(whole))
 
 
+def test_info_warns_of_a_thin_box(scene_file: Path) -> None:
+    assert "walls.layers=4" in call("info", scene_file).stdout
+    assert "warning" not in call("info", scene_file, "--set", "walls.layers=4").stdout
+
+
 def test_info_shows_limits_and_terms(scene_file: Path) -> None:
     shown = call("info", scene_file, "--set", "walls.sides=free_slip", "--set", "walls.layers=4").stdout
     for wanted in ("85 soil", "V_p = 1159.9 m/s", "limit: acoustic", "free_slip [walls.sides]", "not compiled", "estimated cost"):
