@@ -42,8 +42,13 @@ numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
 
 
 def jit(function: Callable[..., Any]) -> Any:
-    """Compile for the solver: cached, sums may be reordered, division by zero gives infinity."""
-    return numba.njit(cache=True, fastmath=FASTMATH, error_model="numpy")(function)
+    """Compile for the solver: cached, inlined, sums may be reordered, division by zero gives infinity.
+
+    Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in
+    rounding from the first step (a test compares them), probably because a function called from the cached object
+    is optimised apart from the one compiled here, with sums in another order.
+    """
+    return numba.njit(cache=True, fastmath=FASTMATH, error_model="numpy", forceinline=True)(function)
 
 
 @contextmanager

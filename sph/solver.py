@@ -67,6 +67,7 @@ class Run:
         self.state: State = initial_state(self.particles, scene.soil.density)
         self.probes = locate_probes(scene, self.particles)
         self.wanted = wanted_terms(scene)
+        self.ended = ("", "")
         self.step = 0
         self.earlier_wall_time = 0.0
         self.earlier_particle_steps = 0
@@ -104,7 +105,7 @@ class Run:
         self.prepare()
         started = clock.perf_counter()
         first_step = self.step
-        status, reason = "", ""
+        status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
             self._record()
         while self.step < last and not status:
@@ -233,7 +234,10 @@ class Run:
     # ------------------------------------------------------------ restart
 
     def resume(self, path: Path | str) -> None:
-        """Take over state and history of a paused run; ValueError if it belongs to another scene."""
+        """Take over state and history of a paused run; ValueError if it belongs to another scene.
+
+        A run that diverged stays diverged: it is taken over as it is and not run on.
+        """
         old, restart = trajectory.read(path), trajectory.read_restart(path)
         missing = [name for name in self.state._fields if name not in restart]
         if missing:
@@ -246,6 +250,8 @@ class Run:
         for store in (self._frames, self._series):
             for name in store:
                 store[name] = list(old[name].values)
+        if old.attrs["status"] == "diverged":
+            self.ended = ("diverged", str(old.attrs["status_reason"]))
         self.earlier_wall_time = float(old.attrs["wall_time_s"])
         self.earlier_particle_steps = int(old.attrs["particle_steps"])
 

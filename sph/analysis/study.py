@@ -123,6 +123,7 @@ class Plan:
 
     def __init__(self, study: Study, base: Mapping[str, Any], origin: str) -> None:
         self.study, self.origin = study, origin
+        self._scene_file = base
         self._base = merge(base, study.fidelities[study.fidelity])
 
     @property
@@ -137,7 +138,7 @@ class Plan:
     def validate(self) -> None:
         """Build every scene; ValueError with file and key for the first that is refused."""
         for name, overrides in self.study.fidelities.items():
-            make_scene(merge(self._base, overrides), f"{self.origin} at fidelity {name}")
+            make_scene(merge(self._scene_file, overrides), f"{self.origin} at fidelity {name}")
         for point in self.study.points.to_dict("records"):
             self.built(**{str(name): str(value) for name, value in point.items()})
         for figure in range(1, 8):

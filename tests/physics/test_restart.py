@@ -182,3 +182,16 @@ def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
     assert result.attrs["particle_steps"] == 3000 * n
     assert earlier["particle_steps"] == 1000 * n
     assert result.attrs["wall_time_s"] > earlier["wall_time_s"]
+
+
+def test_a_diverged_run_stays_diverged(tmp_path: Path, small_slope: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its branches are results of the same status; they neither go on nor come back to life."""
+    monkeypatch.setattr("sph.solver.MAX_SPEED_RATIO", 1e-9)
+    stopped = run(small_slope(TRUNK), until="first_failure")
+    assert stopped.status == "diverged"
+    trajectory.write(tmp_path / "diverged.nc", stopped.trajectory, stopped.restart)
+    monkeypatch.undo()
+    branch = run(small_slope(BRANCH), restart=tmp_path / "diverged.nc")
+    assert branch.status == "diverged"
+    assert branch.trajectory.attrs["status_reason"] == stopped.trajectory.attrs["status_reason"] != ""
+    assert branch.restart.attrs["step"] == stopped.restart.attrs["step"]

@@ -186,3 +186,31 @@ def test_each_process_gets_the_variant_it_asked_for(race: list[dict[str, Any]]) 
 def test_nothing_is_saved_to_the_cache_outside_the_lock(race: list[dict[str, Any]]) -> None:
     for process in race[:2]:
         assert process["saved outside the lock"] == []
+
+
+# ---------------------------------------------------------------- compiled here, or loaded
+
+
+DIGEST = """
+import hashlib, json, sys
+from sph.integration import advance
+from sph.scene import make_scene
+from sph.solver import run
+
+result = run(make_scene(json.loads(sys.argv[1])))
+print(sum(advance.stats.cache_misses.values()), hashlib.sha256(b"".join(a.values.tobytes() for a in result.restart.values())).hexdigest())
+"""
+
+
+def test_compiled_and_loaded_code_give_the_same_bits(tmp_path: Path, small_slope: Callable[..., Any]) -> None:
+    """With all terms of the default scene: the first process on a machine compiles, the others of a study load."""
+    scene = json.dumps(small_slope({"duration": 1.2}).model_dump(mode="json"))
+    command = [sys.executable, "-c", DIGEST, scene]
+    (compiled, one), (loaded, other) = (
+        subprocess.run(
+            command, env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path)), check=True, capture_output=True, text=True
+        ).stdout.split()
+        for _ in range(2)
+    )
+    assert (compiled, loaded) == ("1", "0"), "the first must compile and the second load for the test to mean something"
+    assert one == other

@@ -75,3 +75,10 @@ def test_refusals_name_key_and_value(overrides: dict[str, Any], wanted: tuple[st
         plan(overrides)
     for text in wanted:
         assert text in str(error.value)
+
+
+def test_a_fidelity_is_checked_over_the_scene_and_not_over_the_chosen_fidelity() -> None:
+    """An interval of 0.1 ms suits the scene's own time step and not that of the draft."""
+    fine = {"fidelities": {"fine": {"outputs": {"series_interval": 1e-4}}}}
+    assert plan(fine | {"fidelity": "draft"}).built().outputs.series_interval == 0.01
+    assert plan(fine | {"fidelity": "fine"}).built().outputs.series_interval == 1e-4
