@@ -15,16 +15,22 @@ that it does not count as failed by a shaking that has hardly begun.
 
 from __future__ import annotations
 
+import numpy as np
+
 from sph.bingham import fluid_deviator
 from sph.elastic import deviator_square, elastic_increment, pressure, rotate
-from sph.jit import jit
+from sph.jit import jit, rows
 from sph.mohr_coulomb import limit_tension, return_factor, shear_demand, strength
-from sph.state import ARMED, FAILED, INTERNAL, UNARMED
+from sph.state import ARMED, FAILED, UNARMED
 
 BETA_ZERO = 1e-16
 """Below this weight the solid state no longer shows in the sum and is dropped."""
 OFF_THE_SURFACE = 0.95
 """A particle that yielded under gravity is armed when it asks for less than this part of its strength."""
+
+
+CHUNK = 64
+"""Particles treated together: the states that none of them needs are left out, and the loops over them vectorise."""
 
 
 @jit
@@ -59,7 +65,7 @@ def store_stress(term, b, i, state, sxx, syy, sxy):  # type: ignore[no-untyped-d
 def power(term, state, gradient, i):  # type: ignore[no-untyped-def]
     """Power of the momentum equation's stress on the plain gradient sums, W/kg: conjugate to the forces."""
     syx = state.sxy[i] if term is None else state.syx[i]
-    return state.sxx[i] * gradient[i, 0] + state.sxy[i] * gradient[i, 1] + syx * gradient[i, 2] + state.syy[i] * gradient[i, 3]
+    return state.sxx[i] * gradient[0, i] + state.sxy[i] * gradient[1, i] + syx * gradient[2, i] + state.syy[i] * gradient[3, i]
 
 
 @jit
@@ -74,36 +80,81 @@ def damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # 
 
 
 @jit
+def blend(beta, solid, fluid):  # type: ignore[no-untyped-def]
+    """Eq. 8 for one component; with beta = 1, before failure, exactly that of the solid state."""
+    return beta * solid + (1.0 - beta) * fluid
+
+
+@jit
 def blended(state, terms, i):  # type: ignore[no-untyped-def]
     """Pressure and deviator (p, d, q, z) of Eq. 8, Pa."""
     p = pressure(terms.bulk_modulus, state.density[i], terms.reference_density)
-    if state.phase[i] != FAILED:
-        return limit_tension(terms.solid, p), state.solid_d[i], state.solid_q[i], state.solid_z[i]
     b = state.beta[i]
     return (
-        b * limit_tension(terms.solid, p) + (1.0 - b) * limit_tension(terms.fluid, p),
-        b * state.solid_d[i] + (1.0 - b) * state.fluid_d[i],
-        b * state.solid_q[i] + (1.0 - b) * state.fluid_q[i],
-        b * state.solid_z[i] + (1.0 - b) * state.fluid_z[i],
+        blend(b, limit_tension(terms.solid, p), limit_tension(terms.fluid, p)),
+        blend(b, state.solid_d[i], state.fluid_d[i]),
+        blend(b, state.solid_q[i], state.fluid_q[i]),
+        blend(b, state.solid_z[i], state.fluid_z[i]),
     )
 
 
 @jit
-def update_stress(state, pairs, terms, mass, gradient, step):  # type: ignore[no-untyped-def]
-    """Advance density, both states and beta to time ``step`` dt.
+def _update_beta(fluid, state, i, decay):  # type: ignore[no-untyped-def]
+    if fluid is None:
+        return 1.0
+    else:
+        beta = state.beta[i] * decay
+        beta = beta if beta > BETA_ZERO else 0.0
+        state.beta[i] = beta if state.phase[i] == FAILED else 1.0
+        return state.beta[i]
 
-    ``gradient`` (n, 4) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy.  Returns the
-    number of particles that failed in this step.
+
+@jit
+def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
+    if fluid is None:
+        return 0.0, 0.0, 0.0, 0.0
+    else:
+        p = limit_tension(fluid, p)
+        d, q, z = fluid_deviator(law, fluid, p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i], l_xx, l_yy, d_xy, angle, dt)
+        failed = state.phase[i] == FAILED
+        state.fluid_d[i] = d if failed else 0.0
+        state.fluid_q[i] = q if failed else 0.0
+        state.fluid_z[i] = z if failed else 0.0
+        return p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i]
+
+
+@jit
+def _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
+    if solid is None:
+        return 0.0, 0.0, 0.0, 0.0
+    else:
+        d, q = rotate(state.solid_d[i], state.solid_q[i], angle)
+        d += rate_d * dt
+        q += rate_q * dt
+        z = state.solid_z[i] + rate_z * dt
+        p_solid = limit_tension(solid, p)
+        factor = return_factor(solid, p_solid, d, q, z)
+        state.solid_d[i] = d * factor
+        state.solid_q[i] = q * factor
+        state.solid_z[i] = z * factor
+        reached[k] = 1.0 if factor < 1.0 or p_solid > p else 0.0
+        return p_solid, state.solid_d[i], state.solid_q[i], state.solid_z[i]
+
+
+@jit
+def _advance_chunk(solid, fluid, state, pairs, terms, mass, gradient, reached, first, last):  # type: ignore[no-untyped-def]
+    """Density, both states, beta and stress of particles first to last; a state that is None does not matter to any.
+
+    Notes in ``reached`` who reached the failure surface; returns the internal work over dt, W/m.
     """
     dt = terms.dt
     bulk, shear = terms.bulk_modulus, terms.shear_modulus
-    newly_failed = 0
-    internal_work = 0.0
-    for i in range(terms.n_stressed):
+    internal = 0.0
+    for i in rows(first, last):
         density = state.density[i]
         s = 1.0 / density
         l_xx, l_xy, l_yx, l_yy = correct_gradient(
-            terms.correction, pairs.correction, i, gradient[i, 0] * s, gradient[i, 1] * s, gradient[i, 2] * s, gradient[i, 3] * s
+            terms.correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
         )
         trace = l_xx + l_yy
         d_xy = 0.5 * (l_xy + l_yx)
@@ -112,51 +163,67 @@ def update_stress(state, pairs, terms, mass, gradient, step):  # type: ignore[no
         new_density = density * (1.0 - trace * dt)
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
-        phase = state.phase[i]
-
-        if phase == FAILED:
-            p_fluid = limit_tension(terms.fluid, p)
-            state.fluid_d[i], state.fluid_q[i], state.fluid_z[i] = fluid_deviator(
-                terms.fluid_law, terms.fluid, p_fluid,
-                state.fluid_d[i], state.fluid_q[i], state.fluid_z[i], l_xx, l_yy, d_xy, angle, dt,
-            )  # fmt: skip
-            beta = state.beta[i] * terms.beta_decay
-            state.beta[i] = beta if beta > BETA_ZERO else 0.0
-
-        if state.beta[i] > 0.0:
-            d, q = rotate(state.solid_d[i], state.solid_q[i], angle)
-            d += rate_d * dt
-            q += rate_q * dt
-            z = state.solid_z[i] + rate_z * dt
-            p_solid = limit_tension(terms.solid, p)
-            factor = return_factor(terms.solid, p_solid, d, q, z)
-            state.solid_d[i] = d * factor
-            state.solid_q[i] = q * factor
-            state.solid_z[i] = z * factor
-            if phase != FAILED and step >= terms.armed_from_step:
-                reached = factor < 1.0 or p_solid > p
-                if phase == UNARMED:
-                    limit = 1.0 if step == terms.armed_from_step else OFF_THE_SURFACE
-                    if not reached and shear_demand(terms.solid, d, q, z) <= limit * strength(terms.solid, p_solid):
-                        state.phase[i] = ARMED
-                elif reached:
-                    state.phase[i] = FAILED
-                    state.t_f[i] = step * dt
-                    state.fluid_d[i] = state.solid_d[i]
-                    state.fluid_q[i] = state.solid_q[i]
-                    state.fluid_z[i] = state.solid_z[i]
-                    newly_failed += 1
-
-        p, d, q, z = blended(state, terms, i)
-        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh, state.beta[i], bulk, rate_d, rate_q, rate_z, trace)
+        beta = _update_beta(fluid, state, i, terms.beta_decay)
+        p_f, d_f, q_f, z_f = _update_fluid(fluid, terms.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
+        p_s, d_s, q_s, z_s = _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first))
+        d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
+        mean = -blend(beta, p_s, p_f) - 0.5 * z
+        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh, beta, bulk, rate_d, rate_q, rate_z, trace)
         s = 1.0 / (new_density * new_density)
-        mean = -p - 0.5 * z
         half = 0.5 * mass[i]
-        internal_work += half * power(terms.correction, state, gradient, i)
+        internal += half * power(terms.correction, state, gradient, i)
         store_stress(terms.correction, pairs.correction, i, state, (mean + d + damp_xx) * s, (mean - d + damp_yy) * s, (q + damp_xy) * s)
-        internal_work += half * power(terms.correction, state, gradient, i)
-    state.work[INTERNAL] += internal_work * dt
+        internal += half * power(terms.correction, state, gradient, i)
+    return internal
+
+
+@jit
+def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
+    """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
+    newly_failed = 0
+    for i in range(first, last):
+        if state.phase[i] == UNARMED:
+            limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
+            p = limit_tension(terms.solid, pressure(terms.bulk_modulus, state.density[i], terms.reference_density))
+            demand = shear_demand(terms.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
+            if reached[i - first] == 0.0 and demand <= limit * strength(terms.solid, p):
+                state.phase[i] = ARMED
+        elif state.phase[i] == ARMED and reached[i - first] > 0.0:
+            state.phase[i] = FAILED
+            state.t_f[i] = time
+            state.fluid_d[i] = state.solid_d[i]
+            state.fluid_q[i] = state.solid_q[i]
+            state.fluid_z[i] = state.solid_z[i]
+            newly_failed += 1
     return newly_failed
+
+
+@jit
+def update_stress(state, pairs, terms, mass, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
+    """Advance density, both states and beta of particles first to last to ``time`` (s).
+
+    ``gradient`` (4, n) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy; ``reached``
+    (CHUNK,) is room to work in.  Returns the number of particles that failed and the internal work over dt, W/m.
+    """
+    failed = 0
+    internal = 0.0
+    for begin in range(first, min(last, terms.n_stressed), CHUNK):
+        end = min(begin + CHUNK, last, terms.n_stressed)
+        some_failed = some_armed = some_unarmed = some_solid = False
+        for i in rows(begin, end):
+            some_failed |= state.phase[i] == FAILED
+            some_armed |= state.phase[i] == ARMED
+            some_unarmed |= state.phase[i] == UNARMED
+            some_solid |= state.beta[i] > 0.0
+        if not some_failed:
+            internal += _advance_chunk(terms.solid, None, state, pairs, terms, mass, gradient, reached, begin, end)
+        elif some_solid:
+            internal += _advance_chunk(terms.solid, terms.fluid, state, pairs, terms, mass, gradient, reached, begin, end)
+        else:
+            internal += _advance_chunk(None, terms.fluid, state, pairs, terms, mass, gradient, reached, begin, end)
+        if time >= terms.armed_from and (some_unarmed or some_armed and reached[: end - begin].max() > 0.0):
+            failed += _arm_and_fail(state, terms, reached, begin, end, time)
+    return failed, internal
 
 
 @jit

@@ -12,7 +12,7 @@ from __future__ import annotations
 from sph.coupling import power
 from sph.jit import jit
 from sph.momentum import stress_accelerations
-from sph.state import WALLS
+from sph.team import wait
 
 
 @jit
@@ -28,38 +28,40 @@ def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
 
 
 @jit
-def mirror_velocity(term, state, pairs, n_soil):  # type: ignore[no-untyped-def]
-    """Vertical velocity of the wall particles from the soil beside them, m/s."""
+def mirror_velocity(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
+    """Vertical velocity of the wall particles among first to last from the soil beside them, m/s."""
     if term is None:
         return
     else:
-        for i in range(term.first, state.vy.size):
+        for i in range(max(term.first, first), last):
             state.vy[i] = _mean_of_soil(pairs, i, n_soil, state.vy)
+        wait(team)
 
 
 @jit
-def mirror_stress(term, state, pairs, n_soil):  # type: ignore[no-untyped-def]
-    """Normal stresses of the wall particles from the soil beside them; no shear."""
+def mirror_stress(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
+    """Normal stresses of the wall particles among first to last from the soil beside them; no shear."""
     if term is None:
         return
     else:
-        for i in range(term.first, state.vy.size):
+        for i in range(max(term.first, first), last):
             state.sxx[i] = _mean_of_soil(pairs, i, n_soil, state.sxx)
             state.syy[i] = _mean_of_soil(pairs, i, n_soil, state.syy)
+        wait(team)
 
 
 @jit
-def add_wall_work(term, state, pairs, correction, mass, gradient, dt):  # type: ignore[no-untyped-def]
-    """Energy the walls take from the soil (J/m, negative: give).
+def wall_work(term, state, pairs, correction, mass, gradient, first, last):  # type: ignore[no-untyped-def]
+    """Energy that the walls among particles first to last take from the soil, over dt (W/m, negative: give).
 
     A frictionless wall should take none.  This one's particles stay where they are while the soil slides
     past, so the mirror is not exact: in a collapsing slope it gives some per cent of the energy released.
     """
     if term is None:
-        return
+        return 0.0
     else:
-        stress_accelerations(state, pairs, correction, term.first, state.vy.size)
         taken = 0.0
-        for i in range(term.first, state.vy.size):
+        for i in range(max(term.first, first), last):
+            stress_accelerations(state, pairs, correction, i, i + 1)
             taken += mass[i] * (power(correction, state, gradient, i) + (state.ay[i] - state.viscous_y[i]) * state.vy[i])
-        state.work[WALLS] += taken * dt
+        return taken

@@ -10,14 +10,13 @@ stable step (``sph.timestep``).
 
 from __future__ import annotations
 
-import numpy as np
-
 from sph.coupling import update_stress
-from sph.free_slip import add_wall_work, mirror_stress, mirror_velocity
-from sph.jit import jit
+from sph.free_slip import mirror_stress, mirror_velocity, wall_work
+from sph.jit import jit, rows
 from sph.momentum import add_repulsion, stress_accelerations, velocity_gradients
 from sph.neighbours import allocate_pairs, find_candidates, update_pairs
-from sph.state import GRAVITY, MASS_DAMPING, SHAKING, VISCOUS
+from sph.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
+from sph.team import BLOCK, own_blocks, wait
 
 
 @jit
@@ -29,12 +28,15 @@ def _mass_damping(term):  # type: ignore[no-untyped-def]
 
 
 @jit
-def kick_and_drift(state, terms, mass, ground, gravity, extra_damping):  # type: ignore[no-untyped-def]
-    """Move the soil by one step; works of loads and dampings go into ``state.work``."""
+def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
+    """Move the soil among particles first to last by one step.
+
+    Returns the works of shaking and gravity and the energies taken by mass damping and artificial viscosity (J/m).
+    """
     dt = terms.dt
     alpha = _mass_damping(terms.rayleigh)
     shaking = falling = damped = viscous = 0.0
-    for i in range(terms.n_soil):
+    for i in rows(first, min(last, terms.n_soil)):
         rate = alpha * state.beta[i] + extra_damping
         keep = 1.0 - 0.5 * rate * dt
         lose = 1.0 / (1.0 + 0.5 * rate * dt)
@@ -52,32 +54,78 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping):  # type:
         falling -= mass[i] * gravity * mean_y
         damped += mass[i] * rate * (mean_x * mean_x + mean_y * mean_y)
         viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
-    state.work[SHAKING] += shaking * dt
-    state.work[GRAVITY] += falling * dt
-    state.work[MASS_DAMPING] += damped * dt
-    state.work[VISCOUS] += viscous * dt
+    return shaking * dt, falling * dt, damped * dt, viscous * dt
 
 
 @jit
-def largest_move(x, y, x_ref, y_ref, n):  # type: ignore[no-untyped-def]
-    """Largest squared distance (m2) of the first n particles from reference positions; NaN if any is NaN."""
-    largest = 0.0
-    for i in range(n):
+def largest_move(x, y, x_ref, y_ref, first, last):  # type: ignore[no-untyped-def]
+    """Largest squared distance (m2) of particles first to last from reference positions; NaN if any is NaN or infinite."""
+    largest = total = 0.0
+    for i in rows(first, last):
         square = (x[i] - x_ref[i]) ** 2 + (y[i] - y_ref[i]) ** 2
-        if not square <= largest:
-            largest = square
-    return largest
+        largest = max(largest, square)
+        total += square
+    return largest + 0.0 * total
+
+
+@jit
+def _note_moves(team, row, x, y, x_ref, y_ref, n):  # type: ignore[no-untyped-def]
+    """Largest move of this thread's rows among the first n, for ``_moved``."""
+    begin, end = own_blocks(team)
+    team.move[row, team.rank] = largest_move(x, y, x_ref, y_ref, min(n, begin * BLOCK), min(n, end * BLOCK))
+
+
+@jit
+def _moved(team, row):  # type: ignore[no-untyped-def]
+    """Largest move of all threads' rows, m2; NaN if any is."""
+    largest = total = 0.0
+    for rank in range(team.size):
+        largest = max(largest, team.move[row, rank])
+        total += team.move[row, rank]
+    return largest + 0.0 * total
+
+
+@jit
+def _add_up(sums, work):  # type: ignore[no-untyped-def]
+    """Add a step's sums, blocks in order, to ``State.work``; returns how many particles failed."""
+    work[REPULSION] = 0.0
+    failed = 0.0
+    for block in range(sums.shape[0]):
+        for column in range(FAILURES):
+            work[column] += sums[block, column]
+        failed += sums[block, FAILURES]
+    return int(failed)
+
+
+@jit
+def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
+    """Candidates at the present positions, and room for their pairs."""
+    state.x_candidates[:] = state.x
+    state.y_candidates[:] = state.y
+    candidates = find_candidates(state.x, state.y, terms.reach)
+    return candidates, allocate_pairs(candidates, terms.zero)
 
 
 @jit
 def make_lists(state, terms, mass):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach)
-    pairs = allocate_pairs(candidates)
+    pairs = allocate_pairs(candidates, terms.zero)
     update_pairs(
-        pairs, candidates, terms.kernel, state.x_pairs, state.y_pairs, mass, state.density_pairs, terms.close_range, terms.correction
-    )
+        pairs, candidates, terms.kernel, state.x_pairs, state.y_pairs, mass, state.density_pairs,
+        terms.close_range, terms.correction, 0, state.x.size,
+    )  # fmt: skip
     return candidates, pairs
+
+
+@jit
+def renew_pairs(state, candidates, pairs, terms, mass, first, last):  # type: ignore[no-untyped-def]
+    """Pairs of particles first to last at the present positions."""
+    for i in range(first, last):
+        state.x_pairs[i] = state.x[i]
+        state.y_pairs[i] = state.y[i]
+        state.density_pairs[i] = state.density[i]
+    update_pairs(pairs, candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction, first, last)
 
 
 TERM_NAMES = (
@@ -111,36 +159,63 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
 
 
 @jit
-def advance(state, candidates, pairs, terms, mass, loading, step, n_steps):  # type: ignore[no-untyped-def]
-    """Advance ``state`` in place from step ``step`` by ``n_steps``.
+def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicked, team):  # type: ignore[no-untyped-def]
+    """Advance ``state`` in place from step ``step`` by ``n_steps``, as one of a team's threads.
 
-    Returns the lists, the number of particles that failed, the number of steps made, which is less
-    than ``n_steps`` only if a particle jumped further than the candidate skin allows or to NaN, and the
-    terms that this compiled variant holds, so that the caller can check it got the one it asked for.
+    Returns the number of particles that failed (to the first thread), the number of steps made, whether
+    the candidates are spent, and the terms that this compiled variant holds, so that the caller can check
+    it got the one it asked for.  Spent candidates stop the run between the drift and the rest of a step;
+    renewed, it goes on from there with ``kicked``.  Fewer steps without that mean that a particle jumped
+    further than the candidates' skin allows or to NaN.
     """
-    gradient = np.empty((state.x.size, 4))
-    n_soil = terms.n_soil
-    failed = 0
-    for n in range(step, step + n_steps):
-        kick_and_drift(state, terms, mass, loading.ground[n], loading.gravity[n], loading.extra_damping[n])
-        if not largest_move(state.x, state.y, state.x_pairs, state.y_pairs, n_soil) <= terms.pairs_tolerance**2:
-            move = largest_move(state.x, state.y, state.x_candidates, state.y_candidates, n_soil)
-            if not move <= (terms.candidates_tolerance + terms.reach) ** 2:
-                return candidates, pairs, failed, n - step, active_terms(terms)
-            if move > terms.candidates_tolerance**2:
-                state.x_candidates[:] = state.x
-                state.y_candidates[:] = state.y
-                candidates = find_candidates(state.x, state.y, terms.reach)
-                pairs = allocate_pairs(candidates)
-            state.x_pairs[:] = state.x
-            state.y_pairs[:] = state.y
-            state.density_pairs[:] = state.density
-            update_pairs(pairs, candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction)
-        mirror_velocity(terms.slip, state, pairs, n_soil)
-        velocity_gradients(state, pairs, terms.viscosity, gradient)
-        failed += update_stress(state, pairs, terms, mass, gradient, n + 1)
-        mirror_stress(terms.slip, state, pairs, n_soil)
-        stress_accelerations(state, pairs, terms.correction, 0, n_soil)
-        add_wall_work(terms.slip, state, pairs, terms.correction, mass, gradient, terms.dt)
-        add_repulsion(terms.repulsion, state, pairs, mass, n_soil)
-    return candidates, pairs, failed, n_steps, active_terms(terms)
+    n_soil, n = terms.n_soil, state.x.size
+    first_block, last_block = own_blocks(team)
+    first_row, last_row = first_block * BLOCK, min(n, last_block * BLOCK)
+    failed = done = 0
+    spent = False
+    for s in range(step, step + n_steps):
+        # Those of one step are added up while other threads are already at the next.
+        sums = team.sums[s % 2]
+        renew = kicked and s == step
+        if not renew:
+            for block in range(first_block, last_block):
+                (
+                    sums[block, SHAKING],
+                    sums[block, GRAVITY],
+                    sums[block, MASS_DAMPING],
+                    sums[block, VISCOUS],
+                ) = kick_and_drift(
+                    state, terms, mass, loading.ground[s], loading.gravity[s], loading.extra_damping[s], block * BLOCK, (block + 1) * BLOCK
+                )
+            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_soil)
+            wait(team)
+            renew = not _moved(team, 0) <= terms.pairs_tolerance**2
+            if renew:
+                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_soil)
+                wait(team)
+                move = _moved(team, 1)
+                spent = terms.candidates_tolerance**2 < move <= (terms.candidates_tolerance + terms.reach) ** 2
+                if not move <= terms.candidates_tolerance**2:
+                    break
+        if renew:
+            renew_pairs(state, candidates, pairs, terms, mass, first_row, last_row)
+        mirror_velocity(terms.slip, state, pairs, n_soil, first_row, last_row, team)
+        for block in range(first_block, last_block):
+            first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+            velocity_gradients(state, pairs, terms.viscosity, team.gradient, first, last)
+            sums[block, FAILURES], internal = update_stress(
+                state, pairs, terms, mass, team.gradient, team.reached, loading.time[s + 1], first, last
+            )
+            sums[block, INTERNAL] = internal * terms.dt
+        wait(team)
+        mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
+        for block in range(first_block, last_block):
+            first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+            stress_accelerations(state, pairs, terms.correction, first, min(last, n_soil))
+            sums[block, WALLS] = terms.dt * wall_work(terms.slip, state, pairs, terms.correction, mass, team.gradient, first, last)
+            sums[block, REPULSION] = add_repulsion(terms.repulsion, state, pairs, mass, n_soil, first, min(last, n_soil))
+        wait(team)
+        if team.rank == 0:
+            failed += _add_up(sums, state.work)
+        done += 1
+    return failed, done, spent, active_terms(terms)

@@ -18,10 +18,16 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import llvmlite.binding
 import numba
+import numpy as np
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
+
+OVERLAP_CHECKS = 1000
+"""How many pairs of arrays LLVM may test for overlap before a loop in order to vectorise it; the loop over the stress
+state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
 
 
 def solver_digest() -> str:
@@ -38,6 +44,9 @@ def cache_folder() -> Path:
     return Path(home) / solver_digest()
 
 
+llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")
+# One vector a turn: rows of neighbours are short, and what does not fill a turn is done one by one (a fifth at 19 neighbours).
+llvmlite.binding.set_option("sph", "-force-vector-interleave=1")
 numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
 
 
@@ -48,7 +57,13 @@ def jit(function: Callable[..., Any]) -> Any:
     rounding from the first step (a test compares them), probably because a function called from the cached object
     is optimised apart from the one compiled here, with sums in another order.
     """
-    return numba.njit(cache=True, fastmath=FASTMATH, error_model="numpy", forceinline=True)(function)
+    return numba.njit(cache=True, fastmath=FASTMATH, error_model="numpy", forceinline=True, nogil=True)(function)
+
+
+@jit
+def rows(first, last):  # type: ignore[no-untyped-def]
+    """Range of rows as unsigned numbers: signed indices are tested for wrap-around, and loops with that test do not vectorise."""
+    return range(np.uint64(first), np.uint64(max(first, last)))
 
 
 @contextmanager

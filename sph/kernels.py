@@ -30,27 +30,23 @@ def make_kernel(name: str, h: float) -> Kernel:
 
 @jit
 def _cubic_spline(h, r):  # type: ignore[no-untyped-def]
-    """W (1/m2) and W'/r (1/m4)."""
+    """W (1/m2) and W'/r (1/m4); without branches, so that loops over pairs vectorise."""
     q = r / h
-    sigma = 10.0 / (7.0 * math.pi * h * h)
-    if q < 1.0:
-        return sigma * (1.0 - 1.5 * q * q + 0.75 * q * q * q), sigma / (h * h) * (2.25 * q - 3.0)
-    if q < 2.0:
-        rest = 2.0 - q
-        return 0.25 * sigma * rest * rest * rest, -0.75 * sigma * rest * rest / (h * h * q)
-    return 0.0, 0.0
+    far = 2.0 - q if q < 2.0 else 0.0
+    near = 1.0 - q if q < 1.0 else 0.0
+    scale = 10.0 / (28.0 * math.pi * h * h)
+    slope = (12.0 * near * near - 3.0 * far * far) / q if q > 0.0 else -12.0
+    return scale * (far * far * far - 4.0 * near * near * near), scale / (h * h) * slope
 
 
 @jit
 def _wendland_c2(term, h, r):  # type: ignore[no-untyped-def]
     """W (1/m2) and W'/r (1/m4)."""
     q = r / h
-    if q < 2.0:
-        sigma = term.constant / (h * h)
-        rest = 1.0 - 0.5 * q
-        cube = rest * rest * rest
-        return sigma * cube * rest * (1.0 + 2.0 * q), -5.0 * sigma / (h * h) * cube
-    return 0.0, 0.0
+    rest = 1.0 - 0.5 * q if q < 2.0 else 0.0
+    scale = term.constant / (h * h)
+    cube = rest * rest * rest
+    return scale * cube * rest * (1.0 + 2.0 * q), -5.0 * scale / (h * h) * cube
 
 
 @jit

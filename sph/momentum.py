@@ -14,8 +14,7 @@ from __future__ import annotations
 
 import math
 
-from sph.jit import jit
-from sph.state import REPULSION
+from sph.jit import jit, rows
 
 
 @jit
@@ -37,14 +36,14 @@ def _scale(term, value):  # type: ignore[no-untyped-def]
 
 
 @jit
-def velocity_gradients(state, pairs, term, gradient):  # type: ignore[no-untyped-def]
-    """Sums of (v_j - v_i) g into ``gradient`` (n, 4), and the artificial viscosity's acceleration.
+def velocity_gradients(state, pairs, term, gradient, first, last):  # type: ignore[no-untyped-def]
+    """Sums of (v_j - v_i) g into ``gradient`` (4, n), and the artificial viscosity's acceleration, of particles first to last.
 
     Artificial viscosity in the signal-speed form of Monaghan (1997): it acts along the line between
     two approaching particles, with alpha V_p times their approach speed.
     """
     vx, vy = state.vx, state.vy
-    for i in range(vx.size):
+    for i in rows(first, last):
         vx_i = vx[i]
         vy_i = vy[i]
         l_xx = l_xy = l_yx = l_yy = 0.0
@@ -60,10 +59,10 @@ def velocity_gradients(state, pairs, term, gradient):  # type: ignore[no-untyped
             l_yx += dvy * gx
             l_yy += dvy * gy
             sum_x, sum_y = _dissipation(term, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
-        gradient[i, 0] = l_xx
-        gradient[i, 1] = l_xy
-        gradient[i, 2] = l_yx
-        gradient[i, 3] = l_yy
+        gradient[0, i] = l_xx
+        gradient[1, i] = l_xy
+        gradient[2, i] = l_yx
+        gradient[3, i] = l_yy
         state.viscous_x[i] = _scale(term, sum_x)
         state.viscous_y[i] = _scale(term, sum_y)
 
@@ -82,7 +81,7 @@ def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-un
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = _transposed_shear(term, state)
-    for i in range(first, last):
+    for i in rows(first, last):
         ax = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i]
         ay = syx[i] * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
         for k in range(pairs.start[i], pairs.end[i]):
@@ -96,31 +95,27 @@ def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-un
 
 
 @jit
-def add_repulsion(term, state, pairs, mass, n_soil):  # type: ignore[no-untyped-def]
-    """Add the short-range repulsion's acceleration, and note the energy it stores.
+def add_repulsion(term, state, pairs, mass, n_soil, first, last):  # type: ignore[no-untyped-def]
+    """Add the short-range repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
 
     A linear spring that pushes once two particles are nearer than its range; a lattice at its
     initial spacing does not feel it.  It is conservative and cures pairing, where the gradient of
-    the cubic spline fades at short distance.
+    the cubic spline fades at short distance.  Soil shares a spring's energy with soil, and has that with the box.
     """
     if term is None:
-        return
+        return 0.0
     else:
         energy = 0.0
-        for k in range(pairs.close_count[0]):
-            i = pairs.close_i[k]
-            j = pairs.close_j[k]
-            dx = state.x[i] - state.x[j]
-            dy = state.y[i] - state.y[j]
-            r = math.sqrt(dx * dx + dy * dy)
-            if 0.0 < r < term.range:
-                overlap = term.range - r
-                force = term.stiffness * overlap / r
-                energy += 0.5 * term.stiffness * overlap * overlap
-                if i < n_soil:
+        for i in rows(first, last):
+            for k in range(pairs.start[i], pairs.close_end[i]):
+                j = pairs.close[k]
+                dx = state.x[i] - state.x[j]
+                dy = state.y[i] - state.y[j]
+                r = math.sqrt(dx * dx + dy * dy)
+                if 0.0 < r < term.range:
+                    overlap = term.range - r
+                    force = term.stiffness * overlap / r
+                    energy += (0.25 if j < n_soil else 0.5) * term.stiffness * overlap * overlap
                     state.ax[i] += force * dx / mass[i]
                     state.ay[i] += force * dy / mass[i]
-                if j < n_soil:
-                    state.ax[j] -= force * dx / mass[j]
-                    state.ay[j] -= force * dy / mass[j]
-        state.work[REPULSION] = energy
+        return energy

@@ -12,6 +12,7 @@ from sph.scene import GravityStage, Motion, Scene, TaperedSine
 class Loading(NamedTuple):
     """Loads at every time step; the box's frame is used, so shaking is a body force."""
 
+    time: np.ndarray  # (steps + 1,) s
     ground: np.ndarray  # (steps + 1,) horizontal acceleration of the box, m/s2
     gravity: np.ndarray  # (steps + 1,) downward acceleration, m/s2
     extra_damping: np.ndarray  # (steps + 1,) mass-proportional damping of the gravity stage, 1/s
@@ -44,4 +45,4 @@ def make_loading(scene: Scene) -> Loading:
     """Histories for the whole run; one entry a step, so a restarted run reads the same numbers."""
     time = np.arange(scene.steps(scene.duration) + 1) * scene.numerics.time_step
     gravity, extra = gravity_history(scene.gravity, time)
-    return Loading(ground_acceleration(scene.motion, time), gravity, extra)
+    return Loading(time, ground_acceleration(scene.motion, time), gravity, extra)

@@ -4,8 +4,12 @@ Two lists are kept.  The *candidates* reach a skin beyond the support and are re
 particle has moved half the skin.  The *pairs* are the candidates inside the support with their
 kernel gradients times the neighbour's mass, g_ij = m_j grad_i W_ij; they are renewed when a
 particle has moved the gradient tolerance, so that a time step only gathers fields.  Storing the
-directed pair (i, j) and (j, i) separately keeps both loops free of scatter and lets them
-vectorise; indices are unsigned, since signed ones test for wrap-around and do not.
+directed pair (i, j) and (j, i) separately keeps both loops free of scatter, so that they vectorise
+and threads share them by rows; indices are unsigned, since signed ones test for wrap-around and do not.
+
+The gradients may be kept in single precision (``numerics.precision``): the loops over them are bound by
+memory, while the fields and all sums stay double.  Rounding is the same for (i, j) and (j, i) and for both
+loops, so that momentum and energy are conserved as before.
 """
 
 from __future__ import annotations
@@ -15,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sph.jit import jit
+from sph.jit import jit, rows
 from sph.kernels import evaluate, support
 
 
@@ -29,18 +33,17 @@ class Candidates(NamedTuple):
 class Pairs(NamedTuple):
     """Neighbours within the support, by rows start[i] to end[i], and their gradients."""
 
-    start: np.ndarray  # (n + 1,) uint32, of the candidates
+    start: np.ndarray  # (n,) uint32
     end: np.ndarray  # (n,) uint32
     neighbour: np.ndarray  # (m,) uint32
-    gx: np.ndarray  # (m,) m_j dW/dx, kg/m3
-    gy: np.ndarray  # (m,)
-    inverse_norm: np.ndarray  # (m,) 1/|g|, 0 where g = 0
+    gx: np.ndarray  # (m,) m_j dW/dx, kg/m3, single or double precision
+    gy: np.ndarray  # (m,) likewise
+    inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 where g = 0
     sum_x: np.ndarray  # (n,) sum of gx over the row, kg/m3
     sum_y: np.ndarray  # (n,)
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
-    close_i: np.ndarray  # (c,) uint32, pairs i < j that can come within the short range
-    close_j: np.ndarray  # (c,) uint32
-    close_count: np.ndarray  # (1,) how many of them are in use
+    close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
+    close_end: np.ndarray  # (n,) uint32
 
 
 @jit
@@ -49,59 +52,58 @@ def find_candidates(x, y, reach):  # type: ignore[no-untyped-def]
     n = x.size
     x_min, y_min = x.min(), y.min()
     columns = np.int64((x.max() - x_min) / reach) + 1
-    rows = np.int64((y.max() - y_min) / reach) + 1
+    rows_of_cells = np.int64((y.max() - y_min) / reach) + 1
     cell = np.empty(n, np.int64)
-    first = np.zeros(columns * rows + 1, np.int64)
+    first = np.zeros(columns * rows_of_cells + 1, np.int64)
     for i in range(n):
-        cell[i] = np.int64((x[i] - x_min) / reach) * rows + np.int64((y[i] - y_min) / reach)
+        cell[i] = np.int64((x[i] - x_min) / reach) * rows_of_cells + np.int64((y[i] - y_min) / reach)
         first[cell[i] + 1] += 1
-    for c in range(columns * rows):
+    for c in range(columns * rows_of_cells):
         first[c + 1] += first[c]
     fill = first[:-1].copy()
-    order = np.empty(n, np.int64)
+    order = np.empty(n, np.uint32)
     for i in range(n):
         order[fill[cell[i]]] = i
         fill[cell[i]] += 1
 
     start = np.zeros(n + 1, np.uint32)
-    index = np.empty(0, np.uint32)
-    for count_only in (True, False):
-        if not count_only:
-            index = np.empty(start[n], np.uint32)
-        total = 0
-        for i in range(n):
-            column, row = cell[i] // rows, cell[i] % rows
-            start[i] = total
-            for c in range(max(column - 1, 0), min(column + 2, columns)):
-                low, high = max(row - 1, 0), min(row + 1, rows - 1)
-                for k in range(first[c * rows + low], first[c * rows + high + 1]):
-                    j = order[k]
-                    if j != i and (x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach * reach:
-                        if not count_only:
-                            index[total] = j
-                        total += 1
-        start[n] = total
-    return Candidates(start, index)
+    index = np.empty(64 * n, np.uint32)
+    reach_square = reach * reach
+    total = np.uint64(0)
+    for i in range(n):
+        column, row = cell[i] // rows_of_cells, cell[i] % rows_of_cells
+        start[i] = total
+        low, high = max(row - 1, 0), min(row + 1, rows_of_cells - 1)
+        for c in range(max(column - 1, 0), min(column + 2, columns)):
+            begin, end = first[c * rows_of_cells + low], first[c * rows_of_cells + high + 1]
+            if total + np.uint64(end - begin) > np.uint64(index.size):
+                index = np.concatenate((index, np.empty(index.size + end - begin, np.uint32)))
+            for k in rows(begin, end):
+                j = order[k]
+                # Without branches: written always, kept where the count goes on.
+                index[total] = j
+                total += np.uint64((j != i) & ((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
+    start[n] = total
+    return Candidates(start, index[:total].copy())
 
 
 @jit
-def allocate_pairs(candidates):  # type: ignore[no-untyped-def]
-    """Room for the pairs of a candidate list."""
+def allocate_pairs(candidates, zero):  # type: ignore[no-untyped-def]
+    """Room for the pairs of a candidate list; gradients get the type of the number ``zero``."""
     n = candidates.start.size - 1
     size = candidates.neighbour.size
     return Pairs(
-        candidates.start,
+        np.zeros(n, np.uint32),
         np.zeros(n, np.uint32),
         np.empty(size, np.uint32),
-        np.empty(size),
-        np.empty(size),
-        np.empty(size),
+        np.full(size, zero),
+        np.full(size, zero),
+        np.full(size, zero),
         np.empty(n),
         np.empty(n),
         np.empty((n, 3)),
-        np.empty(size // 2, np.uint32),
-        np.empty(size // 2, np.uint32),
-        np.zeros(1, np.int64),
+        np.empty(size, np.uint32),
+        np.zeros(n, np.uint32),
     )
 
 
@@ -119,43 +121,65 @@ def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
 
 
 @jit
-def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, correction):  # type: ignore[no-untyped-def]
-    """Fill ``pairs`` with the candidates inside the support at positions x, y (m).
+def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, correction, first, last):  # type: ignore[no-untyped-def]
+    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).
 
-    Pairs nearer than ``close_range`` (m) are listed once more, each once, for short-range forces.
+    The rows follow each other without gaps, since reading them is what a large scene
+    spends its time on.  Pairs nearer than ``close_range`` (m) are listed once more for short-range forces.
     """
     reach = support(kernel)
-    close = 0
-    for i in range(x.size):
-        k_out = candidates.start[i]
-        sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
-        for k in range(candidates.start[i], candidates.start[i + 1]):
+    reach_square = reach * reach
+    close_square = close_range * close_range
+    longest = np.uint32(1)
+    for i in rows(first, last):
+        longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
+    # One row's neighbours side by side: loops that gather and store at once do not vectorise.
+    row_dx, row_dy, row_mass = np.empty(longest), np.empty(longest), np.empty(longest)
+    begin = np.uint64(candidates.start[first])
+    for i in rows(first, last):
+        x_i = x[i]
+        y_i = y[i]
+        count = close = np.uint64(0)
+        for k in rows(candidates.start[i], candidates.start[i + np.uint64(1)]):
             j = candidates.neighbour[k]
-            dx = x[i] - x[j]
-            dy = y[i] - y[j]
-            r2 = dx * dx + dy * dy
-            if r2 < reach * reach:
-                r = math.sqrt(r2)
-                factor = mass[j] * evaluate(kernel, r)[1]
-                gx = factor * dx
-                gy = factor * dy
-                norm = -factor * r
-                pairs.neighbour[k_out] = j
-                pairs.gx[k_out] = gx
-                pairs.gy[k_out] = gy
-                pairs.inverse_norm[k_out] = 1.0 / norm if norm > 0.0 else 0.0
-                if r < close_range and i < j:
-                    pairs.close_i[close] = i
-                    pairs.close_j[close] = j
-                    close += 1
-                sum_x += gx
-                sum_y += gy
-                m_xx -= gx * dx
-                m_xy -= gx * dy
-                m_yy -= gy * dy
-                k_out += np.uint32(1)
-        pairs.end[i] = k_out
+            dx = x_i - x[j]
+            dy = y_i - y[j]
+            r_square = dx * dx + dy * dy
+            # Without branches: written always, kept where the count goes on.
+            pairs.neighbour[begin + count] = j
+            pairs.close[begin + close] = j
+            row_dx[count] = dx
+            row_dy[count] = dy
+            row_mass[count] = mass[j]
+            count += np.uint64(r_square < reach_square)
+            close += np.uint64(r_square < close_square)
+        gxs, gys, inverse_norms = (
+            pairs.gx[begin : begin + count],
+            pairs.gy[begin : begin + count],
+            pairs.inverse_norm[begin : begin + count],
+        )
+        sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
+        for k in range(count):
+            dx = row_dx[k]
+            dy = row_dy[k]
+            r = math.sqrt(dx * dx + dy * dy)
+            factor = row_mass[k] * evaluate(kernel, r)[1]
+            norm = -factor * r
+            gxs[k] = factor * dx
+            gys[k] = factor * dy
+            inverse_norms[k] = 1.0 / norm if norm > 0.0 else 0.0
+            # The rounded values: the sums must be those of what is stored.
+            gx = np.float64(gxs[k])
+            gy = np.float64(gys[k])
+            sum_x += gx
+            sum_y += gy
+            m_xx -= gx * dx
+            m_xy -= gx * dy
+            m_yy -= gy * dy
+        pairs.start[i] = begin
+        pairs.close_end[i] = begin + close
+        begin += count
+        pairs.end[i] = begin
         pairs.sum_x[i] = sum_x
         pairs.sum_y[i] = sum_y
         pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = _invert(correction, density[i], m_xx, m_xy, m_yy)
-    pairs.close_count[0] = close

@@ -289,6 +289,9 @@ class Numerics(Section):
         le=0.1,
         default=0.01,
     )
+    precision: Literal["mixed", "double"] = key(
+        "mixed: kernel gradients are kept in single precision, all fields and sums in double; double: all in double", default="mixed"
+    )
     artificial_viscosity: ArtificialViscosity | None = key("pairwise artificial viscosity", default=ArtificialViscosity())
     gradient_correction: GradientCorrection | None = key("corrected velocity gradients", default=None)
     short_range_repulsion: ShortRangeRepulsion | None = key("cure of particle pairing", default=ShortRangeRepulsion())

@@ -19,13 +19,28 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
-from sph.coupling import cauchy_stress, elastic_energy
-from sph.integration import TERM_NAMES, advance, make_lists
+from sph.coupling import CHUNK, cauchy_stress, elastic_energy
+from sph.integration import TERM_NAMES, advance, make_lists, renew_candidates
 from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
 from sph.particles import Particles, locate_probes, place_particles
 from sph.scene import Scene
-from sph.state import FAILED, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State, Terms, initial_state, make_terms
+from sph.state import (
+    FAILED,
+    FAILURES,
+    GRAVITY,
+    INTERNAL,
+    MASS_DAMPING,
+    REPULSION,
+    SHAKING,
+    VISCOUS,
+    WALLS,
+    State,
+    Terms,
+    initial_state,
+    make_terms,
+)
+from sph.team import make_team, together
 from sph.timestep import check_time_step
 
 Until = Literal["end", "gravity", "first_failure"]
@@ -59,7 +74,7 @@ class Result(NamedTuple):
 class Run:
     """One simulation under way: state, lists, and what has been recorded."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, scene: Scene, threads: int = 1) -> None:
         self.scene = scene
         self.particles: Particles = place_particles(scene)
         self.terms: Terms = make_terms(scene, self.particles)
@@ -67,6 +82,7 @@ class Run:
         self.state: State = initial_state(self.particles, scene.soil.density)
         self.probes = locate_probes(scene, self.particles)
         self.wanted = wanted_terms(scene)
+        self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
         self.ended = ("", "")
         self.step = 0
         self.earlier_wall_time = 0.0
@@ -82,20 +98,29 @@ class Run:
             check_time_step(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
             self._advance(0)
+            renew_candidates(State(*(a.copy() for a in self.state)), self.terms)
             elastic_energy(self.state, self.terms, self.particles.mass)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
 
     def _advance(self, n_steps: int) -> tuple[int, int]:
-        self.candidates, self.pairs, failed, done, compiled = advance(
-            self.state, self.candidates, self.pairs, self.terms, self.particles.mass, self.loading, self.step, n_steps
-        )
-        self.step += done
-        if tuple(compiled) != self.wanted:
-            raise RuntimeError(
-                f"the compiled solver holds the terms {dict(zip(TERM_NAMES, compiled, strict=True))}, the scene wants "
-                f"{dict(zip(TERM_NAMES, self.wanted, strict=True))}; delete the cache folder {cache_folder()} and run again"
-            )
-        return failed, done
+        """Advance by a number of steps; how many particles failed, and how many steps were made."""
+        failed = made = 0
+        kicked = False
+        while True:
+            new, done, spent, compiled = together(
+                advance, self.team, self.state, self.candidates, self.pairs, self.terms, self.particles.mass,
+                self.loading, self.step, n_steps - made, kicked,
+            )[0]  # fmt: skip
+            if tuple(compiled) != self.wanted:
+                raise RuntimeError(
+                    f"the compiled solver holds the terms {dict(zip(TERM_NAMES, compiled, strict=True))}, the scene wants "
+                    f"{dict(zip(TERM_NAMES, self.wanted, strict=True))}; delete the cache folder {cache_folder()} and run again"
+                )
+            failed, made, self.step = failed + new, made + done, self.step + done
+            if not spent:
+                return failed, made
+            self.candidates, self.pairs = renew_candidates(self.state, self.terms)
+            kicked = True
 
     def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
         """Run to the wanted point; the status says how it ended."""
@@ -220,7 +245,7 @@ class Run:
             "wall_time_s": wall_time,
             "particle_steps": total,
             "particle_steps_per_second": total / wall_time if wall_time > 0 else 0.0,
-            "neighbours_mean": float((self.pairs.end - self.pairs.start[:-1]).mean()),
+            "neighbours_mean": float((self.pairs.end - self.pairs.start).mean()),
             "active_terms": " ".join(n for n, on in zip(TERM_NAMES, self.wanted, strict=True) if on),
         }
         ds = trajectory.dataset(arrays, list(self.probes), attrs)
@@ -261,9 +286,10 @@ def run(
     until: Until = "end",
     restart: Path | str | None = None,
     report: Callable[[Progress], None] | None = None,
+    threads: int = 1,
 ) -> Result:
-    """Simulate a scene, from the start or from a paused run's file."""
-    simulation = Run(scene)
+    """Simulate a scene, from the start or from a paused run's file; the number of threads does not change a bit of the result."""
+    simulation = Run(scene, threads)
     if restart is not None:
         simulation.resume(restart)
     return simulation.go(until, report)

@@ -8,7 +8,7 @@ None; numba types the two differently, so a term that is absent is not compiled.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,6 +25,8 @@ SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
 """Rows of ``State.work`` (J/m): work of the shaking and of gravity on the soil, of strain on the
 stress, and energy taken by mass-proportional damping, by artificial viscosity and by free-slip
 walls; energy stored in the short-range repulsion (the last is a level, not a sum)."""
+FAILURES = REPULSION + 1
+"""Column of ``Team.sums`` after those of the works: particles that failed in the step."""
 
 
 class State(NamedTuple):
@@ -101,10 +103,11 @@ class SlipTerm(NamedTuple):
 class Terms(NamedTuple):
     """All coefficients of a run."""
 
+    zero: np.floating[Any]  # of the type in which kernel gradients are kept
     dt: float
     n_soil: int
     n_stressed: int  # particles with a stress of their own; free-slip walls have none
-    armed_from_step: int
+    armed_from: float  # s, half a step before the end of the gravity stage
     pairs_tolerance: float  # m
     candidates_tolerance: float  # m
     reach: float  # support and skin, m
@@ -158,10 +161,11 @@ def make_terms(scene: Scene, particles: Particles) -> Terms:
     skin = numerics.neighbour_skin * dx
     pairs_tolerance = numerics.gradient_tolerance * dx
     return Terms(
+        zero=np.float32(0) if numerics.precision == "mixed" else np.float64(0),
         dt=float(dt),
         n_soil=particles.n_soil,
         n_stressed=particles.x.size if slip is None else slip.first,
-        armed_from_step=scene.steps(scene.gravity.duration),
+        armed_from=float(scene.gravity.duration - 0.5 * dt),
         pairs_tolerance=float(pairs_tolerance),
         candidates_tolerance=float(0.5 * skin),
         reach=float(2.0 * numerics.smoothing_length + skin),

@@ -70,6 +70,7 @@ def run(
     out: Annotated[Path | None, typer.Option(help="trajectory to write; NAME.nc in this folder by default")] = None,
     restart: Annotated[Path | None, typer.Option(help="go on from this trajectory instead of from the start")] = None,
     until: Annotated[str, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure")] = "end",
+    threads: Annotated[int, typer.Option(min=1, help="for a large scene; below some 10,000 particles a thread a run is faster")] = 1,
 ) -> None:
     """Simulate a scene and write its trajectory."""
     from sph import trajectory
@@ -85,7 +86,7 @@ def run(
         if not path.parent.is_dir():
             raise ValueError(f"--out {path}: the folder {path.parent} does not exist")
         with reporter(loaded.name) as report:
-            result = simulate(loaded, until, restart, report)  # type: ignore[arg-type]
+            result = simulate(loaded, until, restart, report, threads)  # type: ignore[arg-type]
         trajectory.write(path, result.trajectory, result.restart)
     attrs = result.trajectory.attrs
     reason = f" ({attrs['status_reason']})" if attrs["status_reason"] else ""
