@@ -3,15 +3,12 @@
 # Outputs: results/trade: runs/*.nc, trade.nc, trade.csv, convergence.csv, figures/tradeoff, figures/convergence
 import functools
 
-from sph.analysis import trade as ladder_of
+from sph.analysis.trade import FOLDER as TRADE, load_trade
 
-TRADE = ladder_of.FOLDER
-
-
-@functools.cache
-def ladder():
-    """The ladder, read and checked once it is asked for."""
-    return ladder_of.load_trade(PLAN.study.trade, PLAN.study.fidelities, FOLDERS)
+# Read and checked once a rule of the ladder is asked for.
+LADDER = functools.cache(
+    functools.partial(load_trade, PLAN.study.trade, PLAN.study.fidelities, FOLDERS)
+)
 
 
 rule trade:
@@ -42,7 +39,7 @@ rule trade_run:
         run=".+",
     threads: 1
     params:
-        scene=lambda wildcards: ladder().runs[wildcards.run],
+        scene=lambda wildcards: LADDER().runs[wildcards.run],
         until="end",
     script:
         "../scripts/simulate.py"
@@ -52,7 +49,7 @@ rule trade_table:
     """Measure every run of the ladder: costs, deviations from the reference, order of convergence."""
     input:
         sources=SOLVER + ANALYSIS,
-        runs=lambda wildcards: [f"{TRADE}/runs/{run}.nc" for run in ladder().runs],
+        runs=lambda wildcards: [f"{TRADE}/runs/{run}.nc" for run in LADDER().runs],
     output:
         nc=f"{TRADE}/trade.nc",
         csv=report(
@@ -66,10 +63,10 @@ rule trade_table:
     log:
         f"{TRADE}/logs/trade.log",
     params:
-        names=lambda wildcards: list(ladder().runs),
-        rows=lambda wildcards: [row._asdict() for row in ladder().rows],
-        baseline=lambda wildcards: ladder().trade.baseline,
-        convergence=lambda wildcards: ladder().trade.convergence,
+        names=lambda wildcards: list(LADDER().runs),
+        rows=lambda wildcards: [row._asdict() for row in LADDER().rows],
+        baseline=lambda wildcards: LADDER().trade.baseline,
+        convergence=lambda wildcards: LADDER().trade.convergence,
         settings=PLAN.study.metrics.model_dump(),
     script:
         "../scripts/measure_trade.py"
