@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import json
+import math
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
+import yaml
 
 from sph.analysis.advice import Advice, percent
 from sph.analysis.trade_table import WORDS, summary
@@ -25,7 +26,7 @@ def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.Data
         f"  {found.rung.name}, {found.rung.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
         f"  {errors}, against {reference.name} ({reference.cost:.3g} s), which has an error of its own",
         f"  command line  {options}",
-        f"  fidelity      {json.dumps(found.settings)}",
+        f"  fidelity      {one_line(found.settings)}",
     ]
 
 
@@ -35,4 +36,9 @@ def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, s
         if isinstance(value, Mapping):
             yield from flat(value, f"{prefix}{name}.")
         else:
-            yield prefix + name, shlex.quote(value if isinstance(value, str) else json.dumps(value))
+            yield prefix + name, shlex.quote(one_line(value))
+
+
+def one_line(value: Any) -> str:
+    """A value as YAML on one line."""
+    return yaml.safe_dump(value, default_flow_style=True, width=math.inf).removesuffix("...\n").strip()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -26,6 +27,7 @@ from sph.analysis.tables import flat_dataset, write_csv
 from sph.analysis.trade import Rung, load_trade, scheme
 from sph.analysis.trade_table import COLUMNS, ladder_table, measured_run, non_dominated, read_trade, summary
 from sph.analysis.trade_table import TRADE as VARIABLES
+from sph.command.advise import flat
 from sph.command.cli import app, parse_settings
 from sph.command.reference import TABLES
 from sph.configuration import dotted, merge
@@ -74,6 +76,10 @@ class TestConfiguration:
             make_scene(made).model_dump_json(exclude={"name", "title"}) for name, made in shipped.runs.items() if name.endswith("_1")
         ]
         assert len(set(contents)) == len(contents), "equal scenes are run once"
+
+    def test_the_settings_of_every_shipped_rung_survive_the_command_line(self) -> None:
+        for row in load_trade("config/trade.yaml", {"paper": {}}, [ROOT]).rows:
+            assert parse_settings([f"{name}={' '.join(shlex.split(text))}" for name, text in flat(row.settings)]) == row.settings
 
     def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
         rows = {(row.knob, row.rung, row.case): row.runs for row in ladder().rows}
