@@ -11,14 +11,17 @@ min_version("9.18")
 configfile: "config/config.yaml"
 
 
-PLAN = load_study(config, [Path.cwd(), Path(workflow.basedir)])
+FOLDERS = [Path.cwd(), Path(workflow.basedir)]
+PLAN = load_study(config, FOLDERS)
 RESULTS = PLAN.folder
 GRID = Paramspace(PLAN.study.points, filename_params="*", param_sep="-")
 RUN = f"{RESULTS}/runs/{GRID.wildcard_pattern}.nc"
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
 SOLVER = sorted(str(path) for path in Path(workflow.basedir, "sph").glob("*.py"))
 ANALYSIS = sorted(
-    str(path) for path in Path(workflow.basedir, "sph", "analysis").glob("*.py")
+    str(path)
+    for pattern in ("*.py", "measured/*.csv")
+    for path in Path(workflow.basedir, "sph", "analysis").glob(pattern)
 )
 DRAWING = ANALYSIS + sorted(
     str(path)
@@ -52,3 +55,4 @@ rule all:
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/trade.smk"

@@ -74,6 +74,7 @@ class Study(Section):
     figures: FigureCases = key("runs shown in Figs. 4-7", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
+    trade: str = key("file of the ladder that 'snakemake trade' runs, searched for as the scene", default="config/trade.yaml")
 
     @model_validator(mode="after")
     def _known(self) -> Study:

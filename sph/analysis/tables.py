@@ -1,4 +1,6 @@
-"""The table of a study and its files: one row a run in the CSV, one value a grid point in the netCDF.
+"""Tables and their files: that of a study, and flat ones of any columns.
+
+A study has one row a run in the CSV and one value a grid point in the netCDF.
 
 Grid values are written as in the configuration ("0.10") in the CSV and become numbers once, here, as coordinates
 of the dataset; the labels travel with them as ``S_R_label`` and so on.
@@ -24,7 +26,20 @@ AXES: tuple[Variable, ...] = (
     Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),
     Variable("amplitude", ("amplitude",), "f8", "m s-2", "amplitude of the ground acceleration"),
 )
-COLUMNS = [row.name for row in AXES + METRICS]
+EXPECTED: tuple[Variable, ...] = tuple(
+    Variable(
+        f"expected_{name}_error",
+        GRID,
+        "f8",
+        "1",
+        f"largest relative deviation of {what} from the reference of the ladder, over its cases, measured on the ladder's slope with "
+        "the same numerics, walls, damping, fluid and gravity stage; NaN if no rung of the measured table has these",
+    )
+    for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
+)
+"""What the ladder lets one expect of a run; see ``sph.analysis.advice``."""
+VALUES = METRICS + EXPECTED
+COLUMNS = [row.name for row in AXES + VALUES]
 
 
 def study_table(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
@@ -59,7 +74,7 @@ def study_dataset(frame: pd.DataFrame, attrs: Mapping[str, Any] | None = None) -
         ds = ds.assign_coords({f"{axis.name}_label": (axis.dims, np.array(labels[axis.name], dtype=object), label_attrs)})
     at = tuple(np.array([labels[name].index(label) for label in frame[name]]) for name in GRID)
     shape = tuple(len(labels[name]) for name in GRID)
-    for metric in METRICS:
+    for metric in VALUES:
         values = np.full(shape, "", dtype=object) if metric.dtype == "str" else np.full(shape, np.nan)
         values[at] = frame[metric.name].to_numpy(dtype=values.dtype)
         ds[metric.name] = (metric.dims, values, {"long_name": metric.text} if metric.dtype == "str" else _cf(metric))
@@ -99,16 +114,29 @@ def read_study(path: Path | str) -> xr.Dataset:
 
 def read_table(path: Path | str) -> pd.DataFrame:
     """Table of a study from its CSV, grid values and strings as written; ValueError names a file that is none."""
-    text = {row.name: "str" for row in AXES + METRICS if row.name in GRID or row.dtype == "str"}
-    types: dict[Hashable, Any] = {name: text.get(name, "float64") for name in COLUMNS}
-    types |= {row.name: "int64" for row in METRICS if row.dtype == "i1"}
+    return read_csv(path, [row._replace(dtype="str") for row in AXES] + list(VALUES), "a study")
+
+
+def read_csv(path: Path | str, variables: Sequence[Variable], what: str) -> pd.DataFrame:
+    """Table with the columns ``variables`` from its CSV, strings as written; ValueError names a file that is no table of ``what``."""
+    columns, text = [row.name for row in variables], [row.name for row in variables if row.dtype == "str"]
+    types: dict[Hashable, Any] = {row.name: {"s": "str", "i": "int64", "f": "float64"}[row.dtype[0]] for row in variables}
     try:
-        frame = pd.read_csv(path, dtype=types, keep_default_na=False, na_values={name: ["NaN"] for name in COLUMNS if name not in text})
+        frame = pd.read_csv(path, dtype=types, keep_default_na=False, na_values={name: ["NaN"] for name in columns if name not in text})
     except (OSError, ValueError) as error:
-        raise ValueError(f"{path}: cannot be read as the table of a study: {error}") from error
-    if list(frame.columns) != COLUMNS:
-        raise ValueError(f"{path}: columns {list(frame.columns)} are not those of a study {COLUMNS}")
+        raise ValueError(f"{path}: cannot be read as the table of {what}: {error}") from error
+    if list(frame.columns) != columns:
+        raise ValueError(f"{path}: columns {list(frame.columns)} are not those of {what} {columns}")
     return frame
+
+
+def flat_dataset(frame: pd.DataFrame, variables: Sequence[Variable], attrs: Mapping[str, Any] | None = None) -> xr.Dataset:
+    """Dataset of a flat table: every column is a variable along its only dimension."""
+    ds = xr.Dataset(attrs={"Conventions": "CF-1.10", **(attrs or {})})
+    for row in variables:
+        values = frame[row.name].to_numpy(dtype=object if row.dtype == "str" else row.dtype)
+        ds[row.name] = (row.dims, values, {"long_name": row.text} if row.dtype == "str" else _cf(row))
+    return ds
 
 
 def _cf(row: Variable) -> dict[str, str]:

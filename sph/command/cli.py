@@ -1,6 +1,6 @@
 """The command ``sph``.
 
-Exit codes: 0 done; 2 the scene, the command line or a file was refused, nothing was computed;
+Exit codes: 0 done; 2 the scene, the command line or a file was refused, nothing was computed, or nothing measured is as good as asked;
 3 the run was stopped by its guard (status ``diverged``), and what there is was written.
 """
 
@@ -58,6 +58,15 @@ def parse_settings(settings: list[str] | None) -> dict[str, Any]:
         except yaml.YAMLError as error:
             raise ValueError(f"--set {setting!r}: the value is not readable: {error}") from error
     return dotted(pairs)
+
+
+def parse_error(text: str) -> float:
+    """``"10%"`` or ``"0.1"`` as 0.1; ValueError for anything else."""
+    number, percent = text.strip().removesuffix("%"), text.strip().endswith("%")
+    try:
+        return float(number) / (100 if percent else 1)
+    except ValueError as error:
+        raise ValueError(f"--error {text!r}: write 10% or 0.1") from error
 
 
 @app.command(
@@ -148,9 +157,34 @@ def metrics(
     Console().print(table)
 
 
+@app.command(epilog="Examples:  sph advise --error 10%  |  sph advise --error 0.05 --quantity runout --table results/trade/trade.csv")
+def advise(
+    error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
+    quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
+    table: Annotated[Path | None, typer.Option(help="a ladder's trade.csv; the one measured for this release by default")] = None,
+) -> None:
+    """Name the cheapest measured setting within an error; exit code 2 and the best there is if none is."""
+    from sph.analysis import advice
+    from sph.analysis.trade_table import QUANTITIES, WORDS, read_trade
+    from sph.command.advise import lines
+
+    with refusals():
+        limit = parse_error(error)
+        if quantity not in (*QUANTITIES, "both"):
+            raise ValueError(f"--quantity {quantity!r}: must be {', '.join(QUANTITIES)} or both")
+        measured = read_trade(table) if table else advice.shipped_table()
+        if measured is None:
+            raise ValueError(advice.NOT_MEASURED_YET)
+        wanted = tuple(QUANTITIES) if quantity == "both" else (quantity,)
+        found = advice.advise(measured, limit, wanted)
+    print("\n".join(lines(found, limit, [WORDS[name] for name in wanted], measured)))
+    if not found.fits:
+        raise typer.Exit(REFUSED)
+
+
 @app.command(epilog="Example:  sph reference scene > keys.md")
-def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory or metrics")]) -> None:
-    """Print a table of keys or variables with units, defaults and meaning (Markdown)."""
+def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, presets, ...")]) -> None:
+    """Print a table of keys, variables or measured results (Markdown)."""
     from sph.command.reference import TABLES
 
     with refusals():

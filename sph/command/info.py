@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from sph.analysis.advice import expected_sentence
 from sph.particles import BASE, SIDE, SOIL, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
@@ -57,6 +58,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for name, index in locate_probes(scene, particles).items():
         rows.append((f"probe {name}", f"particle {index} at ({particles.x[index]:g}, {particles.y[index]:g}) m"))
     rows += [("warning", text) for text in warnings(scene)]
+    rows.append(("expected error", expected_sentence(scene)))
     rows.append(("estimated cost", f"{cost:.0f} s on one core ({n * steps / 1e6:.0f} M particle-steps)"))
     return rows
 

@@ -1,7 +1,7 @@
-"""Tables of every key and every variable, generated from their declarations.
+"""Tables of every key and every variable, generated from their declarations, and of what the ladder measured.
 
-``config/README.md`` holds the tables ``scene`` and ``study``, ``results/README.md`` the tables
-``trajectory`` and ``metrics``; a test keeps them in step.
+``config/README.md`` holds the tables ``scene``, ``study`` and ``trade_keys``, ``results/README.md`` the tables ``trajectory``,
+``metrics``, ``trade_variables`` and ``convergence``, ``README.md`` the tables ``presets`` and ``trade``; a test keeps them in step.
 """
 
 from __future__ import annotations
@@ -11,11 +11,17 @@ import typing
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
+import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from sph.analysis.metrics import METRICS
+from sph.analysis import advice
+from sph.analysis.advice import percent
+from sph.analysis.convergence import CONVERGENCE
 from sph.analysis.study import Study
+from sph.analysis.tables import VALUES
+from sph.analysis.trade import PRESETS, Trade
+from sph.analysis.trade_table import QUANTITIES, TRADE, Summary, summary
 from sph.scene import Scene
 from sph.trajectory import VARIABLES, Variable
 
@@ -29,6 +35,8 @@ def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, st
         sections = _sections(field.annotation)
         for section in sections:
             yield from key_rows(section, f"{path} ({_tag(section)})." if len(sections) > 1 else f"{path}.")
+        for section in _named_sections(field.annotation):
+            yield from key_rows(section, f"{path}.<name>.")
 
 
 def variable_rows(variables: Iterable[Variable]) -> Iterator[tuple[str, str, str, str, str]]:
@@ -44,13 +52,46 @@ def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "\n".join(lines)
 
 
+def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (rung, particle-steps/s, time of a run, errors, class) of a ladder."""
+    for rung in summary(table):
+        errors = ("reference", "reference") if rung.reference else _errors(rung)
+        speed = f"{rung.particle_steps_per_second / 1e6:.1f} M"
+        yield rung.name, speed, f"{rung.cost:.3g} s", *errors, f"{rung.classes_agree} of {rung.cases}"
+
+
+def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a ladder."""
+    presets = table[table["knob"] == PRESETS]
+    for rung in summary(presets):
+        own = presets[presets["rung"] == rung.rung]
+        values = [" / ".join(f"{value:.3g}" for value in own[metric]) + " m" for metric in QUANTITIES.values()]
+        yield rung.rung, f"{rung.cost:.3g} s", *values, *_errors(rung), f"{rung.classes_agree} of {rung.cases}"
+
+
+def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]]) -> str:
+    """Markdown table of the shipped ladder with the machine below it; a sentence while there is none."""
+    table = advice.shipped_table()
+    if table is None:
+        return f"*{advice.NOT_MEASURED_YET[0].upper()}{advice.NOT_MEASURED_YET[1:]}.*"
+    cases = ", ".join(dict.fromkeys(table["case"]))
+    return markdown(head, rows(table)) + f"\n\nCases {cases}; one core of {table['machine'].iloc[0]}, runs side by side."
+
+
+RUNG_HEAD = ("rung", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
+PRESET_HEAD = ("fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "class as the reference")
 KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
 VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
 TABLES: dict[str, Callable[[], str]] = {
     "scene": lambda: markdown(KEY_HEAD, key_rows(Scene)),
     "study": lambda: markdown(KEY_HEAD, key_rows(Study)),
+    "trade_keys": lambda: markdown(KEY_HEAD, key_rows(Trade)),
     "trajectory": lambda: markdown(VARIABLE_HEAD, variable_rows(VARIABLES)),
-    "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(METRICS)),
+    "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(VALUES)),
+    "trade_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TRADE)),
+    "convergence": lambda: markdown(VARIABLE_HEAD, variable_rows(CONVERGENCE)),
+    "presets": lambda: measured(PRESET_HEAD, preset_rows),
+    "trade": lambda: measured(RUNG_HEAD, rung_rows),
 }
 """The tables by name."""
 
@@ -62,6 +103,15 @@ def _sections(annotation: Any) -> list[type[BaseModel]]:
     if origin in (typing.Union, types.UnionType, typing.Annotated):
         return [section for part in typing.get_args(annotation) for section in _sections(part)]
     return []
+
+
+def _named_sections(annotation: Any) -> list[type[BaseModel]]:
+    """Sections that a mapping holds under names of the user's choice."""
+    return _sections(typing.get_args(annotation)[1]) if typing.get_origin(annotation) is dict else []
+
+
+def _errors(rung: Summary) -> tuple[str, ...]:
+    return tuple(percent(error) if rung.finished else "diverged" for error in rung.errors.values())
 
 
 def _tag(section: type[BaseModel]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
-from sph.analysis.metrics import METRICS
+from sph.analysis.tables import VALUES
 from sph.motion import ground_acceleration
 from sph.particles import SOIL, locate_probes, place_particles
 from sph.scene import Scene, make_scene
@@ -94,6 +94,6 @@ def synthetic(
 def study_row(S_R: str, gamma: str, amplitude: str, **metrics: Any) -> dict[str, Any]:
     """Row of a study: a finished run of the paper's motion with the given metrics, all others NaN."""
     fixed = {"status": "complete", "collapse_class": "stable", "still_moving": 0, "diverged": 0}
-    values = {metric.name: fixed.get(metric.name, np.nan) for metric in METRICS}
+    values = {metric.name: fixed.get(metric.name, np.nan) for metric in VALUES}
     values |= {"shaking_start": 3.0, "shaking_end": 10.0}
     return {"S_R": S_R, "gamma": gamma, "amplitude": amplitude, **values, **metrics}

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from synthetic import study_row
 
-from sph.analysis.metrics import METRICS
-from sph.analysis.tables import AXES, COLUMNS, read_study, read_table, study_dataset, study_table, write_study
+from sph.analysis.tables import AXES, COLUMNS, VALUES, read_study, read_table, study_dataset, study_table, write_study
 
 ROWS = [
     study_row("0.50", "100", "6.0", runout=0.5, collapse_class="minor", still_moving=1),
@@ -31,7 +30,7 @@ def test_dataset_has_numbers_as_coordinates_and_every_metric_with_units() -> Non
     assert dict(ds.sizes) == {"S_R": 2, "gamma": 2, "amplitude": 2} and ds.attrs["title"] == "a study"
     assert ds["S_R"].values.tolist() == [0.1, 0.5] and ds["S_R_label"].values.tolist() == ["0.10", "0.50"]
     assert ds["amplitude"].values.tolist() == [6.0, 10.0]
-    for row in AXES + METRICS:
+    for row in AXES + VALUES:
         assert ds[row.name].attrs["long_name"] == row.text
         assert row.dtype == "str" or ds[row.name].attrs["units"] == row.units
 

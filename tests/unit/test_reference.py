@@ -7,23 +7,45 @@ from pathlib import Path
 import pytest
 
 from sph.analysis.study import Study
+from sph.analysis.trade import Trade
 from sph.command.reference import TABLES, key_rows
+from sph.configuration import Section
 from sph.scene import Scene, load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
-HOMES = {"scene": "config", "study": "config", "trajectory": "results", "metrics": "results"}
+HOMES = {
+    "scene": "config",
+    "study": "config",
+    "trade_keys": "config",
+    "trajectory": "results",
+    "metrics": "results",
+    "trade_variables": "results",
+    "convergence": "results",
+}
+MEASURED = ("presets", "trade")
 
 
-@pytest.mark.parametrize("table", TABLES)
+def test_every_table_has_a_home() -> None:
+    assert set(TABLES) == {*HOMES, *MEASURED}
+
+
+@pytest.mark.parametrize("table", HOMES)
 def test_the_documentation_holds_the_generated_tables(table: str) -> None:
     text = (ROOT / HOMES[table] / "README.md").read_text(encoding="utf-8")
     assert TABLES[table]() in text, f"{HOMES[table]}/README.md is out of step: put the output of 'sph reference {table}' into it"
 
 
-@pytest.mark.parametrize("model", [Scene, Study])
-def test_every_key_says_what_it_is(model: type[Scene] | type[Study]) -> None:
+@pytest.mark.parametrize("table", MEASURED)
+def test_the_readme_holds_what_was_measured_for_this_release(table: str) -> None:
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    block = text.partition(f"<!-- sph reference {table} -->\n")[2].partition("\n<!-- end -->")[0]
+    assert block == TABLES[table](), f"README.md is out of step: put the output of 'sph reference {table}' between its marks"
+
+
+@pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (Study, 25), (Trade, 15)])
+def test_every_key_says_what_it_is(model: type[Section], keys: int) -> None:
     rows = list(key_rows(model))
-    assert len(rows) > 25
+    assert len(rows) > keys
     assert all(unit and source and text for _, unit, _, _, source, text in rows)
     assert len({row[0] for row in rows}) == len(rows)
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sph import trajectory
+from sph.analysis.advice import expected_metrics, expected_sentence
 from sph.analysis.metrics import MetricSettings, measure
 from sph.analysis.tables import study_table, write_study
 
@@ -18,9 +19,12 @@ def measure_study(
 ) -> None:
     """One row a run: its grid point, as written, and its metrics; ``attrs`` go into the netCDF."""
     chosen = MetricSettings(**settings)
-    rows = [{**point, **measure(trajectory.read(path), chosen)} for path, point in zip(paths_to_runs, points, strict=True)]
-    scene = trajectory.read(paths_to_runs[0]).attrs
-    write_study(study_table(rows), path_to_nc, path_to_csv, dict(attrs) | {name: scene[name] for name in ("source", "versions", "scene")})
+    first = trajectory.read(paths_to_runs[0])
+    scene = trajectory.scene_of(first)
+    expected = expected_metrics(scene)
+    rows = [{**point, **measure(trajectory.read(path), chosen), **expected} for path, point in zip(paths_to_runs, points, strict=True)]
+    facts = {name: first.attrs[name] for name in ("source", "versions", "scene")} | {"expected_error": expected_sentence(scene)}
+    write_study(study_table(rows), path_to_nc, path_to_csv, dict(attrs) | facts)
 
 
 if __name__ == "__main__":

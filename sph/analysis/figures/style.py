@@ -86,7 +86,12 @@ def add_note(figure: Figure, scenes: Iterable[Scene], fidelity: str = "") -> Non
     """Small grey note at the lower right: where the figure comes from.  Different scenes all appear."""
     notes = list(dict.fromkeys(note_text(scene) for scene in scenes))
     prefix = f"fidelity {fidelity} · " if fidelity else ""
-    figure.supxlabel(prefix + " | ".join(notes), x=0.995, ha="right", fontsize=6, color=GREY)
+    write_note(figure, prefix + " | ".join(notes))
+
+
+def write_note(figure: Figure, text: str) -> None:
+    """Small grey line at the lower right."""
+    figure.supxlabel(text, x=0.995, ha="right", fontsize=6, color=GREY)
 
 
 def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:

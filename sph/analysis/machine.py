@@ -1,0 +1,26 @@
+"""The machine that a cost was measured on: its processor as the operating system names it, and its cores."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+from pathlib import Path
+
+
+def machine_class() -> str:
+    """Processor and number of cores in one phrase."""
+    return f"{processor()}, {os.cpu_count()} cores"
+
+
+def processor() -> str:
+    """Model name of the processor; the architecture where the operating system gives none."""
+    try:
+        if platform.system() == "Darwin":
+            asked = subprocess.run(["sysctl", "-n", "machdep.cpu.brand_string"], capture_output=True, text=True, check=True)
+            return asked.stdout.strip()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except (OSError, subprocess.CalledProcessError):
+        lines = []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.processor() or platform.machine()

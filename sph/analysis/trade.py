@@ -1,0 +1,225 @@
+"""The ladder: which runs measure what each saving of computing time costs in accuracy (``config/trade.yaml``).
+
+A *knob* is one thing to turn, a *rung* one of its positions, a *case* a point of the study.  Every rung is run in
+every case, whole and on its own; the case that is timed is run several times.  ``load_trade`` builds and checks the scene of every run,
+so that a typo or a time step above its limit is refused before any work.  Equal scenes are run once, whichever rungs they belong to.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, model_validator
+
+from sph.analysis.study import NAME
+from sph.configuration import Section, key, merge, read_yaml, validated
+from sph.particles import locate_probes, place_particles
+from sph.scene import Scene, make_scene
+from sph.timestep import check_time_step
+
+FOLDER = "results/trade"
+"""Where the results go, relative to the working folder."""
+PRESETS = "preset"
+"""Knob whose rungs are the study's fidelities."""
+NOT_SCHEME = ("name", "title", "duration", "geometry", "soil", "motion", "probes", "outputs")
+"""Sections and keys of a scene that say what is simulated, not how."""
+CASE_KEYS = ("S_R", "gamma")
+"""Keys of ``coupling`` that say what is simulated."""
+
+Overrides = dict[str, Any]
+Label = Annotated[str, Field(pattern=r"^\S(.{0,38}\S)?$")]
+Name = Annotated[str, Field(pattern=NAME)]
+
+
+class Extent(Section):
+    """How much of the ladder is run."""
+
+    repeats: int | None = key("runs of the timed case; null: as one level up", ge=1, le=100, default=None)
+    cases: tuple[str, ...] | None = key("cases that are run, the timed one among them; null: as one level up", min_length=1, default=None)
+
+
+class Knob(Extent):
+    """One thing to turn, and its positions."""
+
+    about: str = key("what the knob does, one sentence", min_length=1)
+    base: Overrides = key("scene keys of all its rungs", default={})
+    rungs: dict[Label, Overrides] = key("scene keys of each rung, by label", min_length=1)
+    exceptions: dict[Label, Extent] = key("rungs that are run less than the others, by label", default={})
+
+    @model_validator(mode="after")
+    def _known(self) -> Knob:
+        unknown = sorted(set(self.exceptions) - set(self.rungs))
+        if unknown:
+            raise ValueError(f"exceptions: {unknown[0]!r} is not one of the rungs {', '.join(self.rungs)}")
+        files = [file_name(label) for label in self.rungs]
+        twice = [label for label in self.rungs if files.count(file_name(label)) > 1]
+        if twice:
+            raise ValueError(f"rungs: {' and '.join(map(repr, twice))} give the same file name {file_name(twice[0])!r}")
+        return self
+
+
+class Reference(Section):
+    """The rung from which deviations are measured."""
+
+    knob: str = key("its knob")
+    rung: str = key("its label")
+
+
+class Trade(Section):
+    """The configuration of the ladder."""
+
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    overrides: Overrides = key("scene keys of every run", default={})
+    cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
+    timed_case: str = key("case whose runs are repeated and whose computing time is a rung's cost")
+    repeats: int = key("runs of the timed case", ge=1, le=100, default=3)
+    reference: Reference = key("the rung from which deviations are measured, the finest that runs in every case")
+    baseline: str = key("fidelity from which deviations are given as well", default="paper")
+    convergence: str = key("knob whose rungs differ in spacing: the order of convergence is measured on it", default="spacing")
+    knobs: dict[Name, Knob] = key(f"the knobs, by name; the fidelities of the study are added as the knob '{PRESETS}'", min_length=1)
+
+    @model_validator(mode="after")
+    def _known(self) -> Trade:
+        if PRESETS in self.knobs:
+            raise ValueError(f"knobs: {PRESETS!r} is the knob of the study's fidelities, choose another name")
+        if self.convergence not in self.knobs:
+            raise ValueError(f"convergence: {self.convergence!r} is not one of the knobs {', '.join(self.knobs)}")
+        self._check_case("timed_case", self.timed_case)
+        for name, knob in self.knobs.items():
+            for label in knob.rungs:
+                for case in self.extent(name, label).cases or ():
+                    self._check_case(f"knobs.{name}, rung {label!r}: cases", case)
+                if self.timed_case not in (self.extent(name, label).cases or ()):
+                    raise ValueError(f"knobs.{name}, rung {label!r}: cases: the timed case {self.timed_case!r} must be among them")
+        return self
+
+    def _check_case(self, where: str, case: str) -> None:
+        if case not in self.cases:
+            raise ValueError(f"{where}: {case!r} is not one of the cases {', '.join(self.cases)}")
+
+    def extent(self, knob: str, rung: str) -> Extent:
+        """Cases and repeats of a rung: its own, else its knob's, else the ladder's."""
+        asked: list[Extent] = []
+        if knob in self.knobs:
+            asked = [self.knobs[knob].exceptions.get(rung, Extent()), self.knobs[knob]]
+        asked.append(Extent(repeats=self.repeats, cases=tuple(self.cases)))
+        return Extent(
+            repeats=next(extent.repeats for extent in asked if extent.repeats),
+            cases=next(extent.cases for extent in asked if extent.cases),
+        )
+
+
+class Rung(NamedTuple):
+    """One rung in one case: a row of the ladder's table."""
+
+    knob: str
+    rung: str
+    case: str
+    settings: Overrides  # scene keys of the rung over the scene file
+    scheme: Overrides  # see the function
+    timed: bool
+    reference: bool
+    runs: tuple[str, ...]  # keys of ``Ladder.runs``, one a repeat
+
+
+class Ladder:
+    """A ladder with its scene file read: every row of its table, and the scene of every run."""
+
+    def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str) -> None:
+        if trade.baseline not in fidelities:
+            raise ValueError(f"{origin}: baseline: {trade.baseline!r} is not one of the fidelities {', '.join(fidelities)}")
+        self.trade, self.origin = trade, origin
+        self._base, self._fidelities = base, fidelities
+        self.runs: dict[str, dict[str, Any]] = {}
+        stems: dict[str, str] = {}
+        repeats: dict[str, int] = {}
+        found = []
+        for knob, label, settings in self._rungs():
+            extent = trade.extent(knob, label)
+            for case in extent.cases or ():
+                scene = merge(merge(base, settings), trade.cases[case])
+                built = self._checked(scene, f"{origin}: knob {knob}, rung {label!r}, case {case!r}")
+                content = built.model_dump_json(exclude={"name", "title"})
+                stem = stems.setdefault(content, f"{knob}/{file_name(label)}/{file_name(case)}")
+                repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
+                found.append((knob, label, case, settings, scheme(built), stem))
+                self.runs |= {f"{stem}_{number}": scene for number in range(1, repeats[stem] + 1) if f"{stem}_{number}" not in self.runs}
+        reference = (trade.reference.knob, trade.reference.rung)
+        self.rows = [
+            Rung(
+                knob,
+                label,
+                case,
+                settings,
+                how,
+                case == trade.timed_case,
+                (knob, label) == reference,
+                tuple(f"{stem}_{number}" for number in range(1, repeats[stem] + 1)),
+            )
+            for knob, label, case, settings, how, stem in found
+        ]
+        missing = set(trade.cases) - {row.case for row in self.rows if row.reference}
+        if missing:
+            raise ValueError(
+                f"{origin}: reference: knob {reference[0]!r}, rung {reference[1]!r} is no rung that runs in every case "
+                f"(missing: {', '.join(sorted(missing))})"
+            )
+
+    def _rungs(self) -> Iterator[tuple[str, str, Overrides]]:
+        for label, settings in self._fidelities.items():
+            yield PRESETS, label, merge(self.trade.overrides, settings)
+        for name, knob in self.trade.knobs.items():
+            for label, settings in knob.rungs.items():
+                yield name, label, merge(merge(self.trade.overrides, knob.base), settings)
+
+    def _checked(self, scene: Mapping[str, Any], where: str) -> Scene:
+        """The scene, built as a run would build it; ValueError says where it is refused."""
+        built = make_scene(scene, where)
+        try:
+            check_time_step(built)
+            locate_probes(built, place_particles(built))
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from error
+        return built
+
+
+def scheme(scene: Scene) -> Overrides:
+    """How a scene is simulated, as the keys that differ from their defaults: everything but ``NOT_SCHEME`` and ``CASE_KEYS``.
+
+    Two scenes of one scheme differ in what is simulated only.
+    """
+    kept = scene.model_dump(mode="json", exclude_defaults=True, exclude={*NOT_SCHEME})
+    coupling = {name: value for name, value in kept.pop("coupling", {}).items() if name not in CASE_KEYS}
+    return kept | ({"coupling": coupling} if coupling else {})
+
+
+def file_name(label: str) -> str:
+    """A label as part of a file name."""
+    return re.sub(r"[^A-Za-z0-9_.-]+", "-", label)
+
+
+def load_trade(config: Mapping[str, Any] | Path | str, fidelities: Mapping[str, Overrides], folders: Sequence[Path] = (Path(),)) -> Ladder:
+    """Validate a ladder and every scene in it; ValueError names file, key and value.
+
+    ``fidelities`` are those of the study; ``folders`` are searched in order for the ladder's and the scene's file.
+    """
+    origin = "trade" if isinstance(config, Mapping) else str(config)
+    data = config if isinstance(config, Mapping) else read_yaml(_found(folders, str(config), "trade"))
+    trade = validated(Trade, data, origin)
+    return Ladder(trade, read_yaml(_found(folders, trade.scene, f"{origin}: scene")), fidelities, origin)
+
+
+def _found(folders: Sequence[Path], name: str, where: str) -> Path:
+    for folder in folders:
+        if (folder / name).is_file():
+            return folder / name
+    raise ValueError(f"{where}: no file {name!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
+
+
+def settings_text(settings: Mapping[str, Any]) -> str:
+    """Scene keys as one line of JSON, for a table."""
+    return json.dumps(settings, sort_keys=True, separators=(", ", ": "))

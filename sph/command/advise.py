@@ -1,0 +1,44 @@
+"""What ``sph advise`` prints: a rung of the ladder, its cost, and the settings that give it."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+import yaml
+
+from sph.analysis.advice import Advice, percent
+from sph.analysis.trade_table import WORDS, summary
+
+
+def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
+    """Lines of text for an answer; ``quantities`` in words."""
+    reference = next(rung for rung in summary(table) if rung.reference)
+    asked = f"{' and '.join(quantities)} within {percent(error)} and the class of the reference in every case"
+    head = f"cheapest with {asked}:" if found.fits else f"no measured setting has {asked}; the best there is:"
+    errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in found.rung.errors.items())
+    options = " ".join(f"--set {name}={value}" for name, value in flat(found.settings)) or "the scene file as it is"
+    return [
+        head,
+        f"  {found.rung.name}, {found.rung.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
+        f"  {errors}, against {reference.name} ({reference.cost:.3g} s), which has an error of its own",
+        f"  command line  {options}",
+        f"  fidelity      {one_line(found.settings)}",
+    ]
+
+
+def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    """Dotted keys and their values, fit for ``--set`` in a shell."""
+    for name, value in settings.items():
+        if isinstance(value, Mapping):
+            yield from flat(value, f"{prefix}{name}.")
+        else:
+            yield prefix + name, shlex.quote(one_line(value))
+
+
+def one_line(value: Any) -> str:
+    """A value as YAML on one line."""
+    return yaml.safe_dump(value, default_flow_style=True, width=math.inf).removesuffix("...\n").strip()

@@ -1,0 +1,356 @@
+"""The ladder: what is accepted, what is run, the table, and what it answers."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from matplotlib.figure import Figure
+from synthetic import PAPER, synthetic, translation
+from synthetic_ladder import FIDELITIES, SCENE, TRADE, ladder, ladder_frame, runs_of
+from typer.testing import CliRunner, Result
+
+from sph.analysis import advice
+from sph.analysis.advice import advise, expected_error, expected_sentence
+from sph.analysis.convergence import convergence_table
+from sph.analysis.figures.trade import figure_convergence, figure_tradeoff
+from sph.analysis.machine import machine_class
+from sph.analysis.metrics import MetricSettings
+from sph.analysis.tables import flat_dataset, write_csv
+from sph.analysis.trade import Rung, load_trade, scheme
+from sph.analysis.trade_table import COLUMNS, ladder_table, measured_run, non_dominated, read_trade, summary
+from sph.analysis.trade_table import TRADE as VARIABLES
+from sph.command.advise import flat
+from sph.command.cli import app, parse_settings
+from sph.command.reference import TABLES
+from sph.configuration import dotted, merge
+from sph.scene import Scene, make_scene
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The hand-made ladder in the place of the one measured for the release."""
+    path = tmp_path / "measured" / "trade.csv"
+    write_csv(ladder_frame(), path)
+    monkeypatch.setattr(advice, "SHIPPED", path)
+    return path
+
+
+@pytest.fixture
+def absent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A release without a measured table."""
+    monkeypatch.setattr(advice, "SHIPPED", tmp_path / "absent.csv")
+
+
+def call(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(a) for a in arguments])
+
+
+def scene(**settings: Any) -> Scene:
+    return make_scene(merge(SCENE, dotted({name.replace("__", "."): value for name, value in settings.items()})))
+
+
+def row_of(frame: pd.DataFrame, knob: str, rung: str, case: str = "weak") -> Mapping[str, Any]:
+    found = frame[(frame["knob"] == knob) & (frame["rung"] == rung) & (frame["case"] == case)]
+    assert len(found) == 1
+    return found.iloc[0].to_dict()
+
+
+class TestConfiguration:
+    def test_the_shipped_ladder_is_valid_and_covers_the_presets(self) -> None:
+        config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+        shipped = load_trade("config/trade.yaml", config["fidelities"], [ROOT])
+        assert {row.rung for row in shipped.rows if row.knob == "preset"} == {"draft", "standard", "paper"}
+        assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
+        assert all(row.runs and set(row.runs) <= set(shipped.runs) for row in shipped.rows)
+        contents = [
+            make_scene(made).model_dump_json(exclude={"name", "title"}) for name, made in shipped.runs.items() if name.endswith("_1")
+        ]
+        assert len(set(contents)) == len(contents), "equal scenes are run once"
+
+    def test_the_settings_of_every_shipped_rung_survive_the_command_line(self) -> None:
+        for row in load_trade("config/trade.yaml", {"paper": {}}, [ROOT]).rows:
+            assert parse_settings([f"{name}={' '.join(shlex.split(text))}" for name, text in flat(row.settings)]) == row.settings
+
+    def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
+        rows = {(row.knob, row.rung, row.case): row.runs for row in ladder().rows}
+        assert rows["skin", "0.3", "weak"] == rows["spacing", "3 m", "weak"] == tuple(f"spacing/3-m/weak_{n}" for n in (1, 2, 3))
+        assert rows["preset", "draft", "weak"] == rows["spacing", "5 m", "weak"]
+        assert rows["skin", "0.6", "weak"] == ("skin/0.6/weak_1",)
+        assert rows["spacing", "3 m", "strong"] == ("spacing/3-m/strong_1",), "only the timed case is repeated"
+        assert rows["spacing", "1.5 m", "weak"] == ("spacing/1.5-m/weak_1",) and ("spacing", "1.5 m", "strong") not in rows
+
+    def test_a_rung_lies_over_its_knob_and_a_case_over_both(self) -> None:
+        made = ladder({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"]
+        assert made["numerics"] == {"spacing": 3.0, "time_step": 1e-3, "smoothing_ratio": 1.3, "neighbour_skin": 0.6}
+        assert made["coupling"] == {"S_R": 0.5} and made["duration"] == 12.0
+
+    @pytest.mark.parametrize(
+        ("overrides", "wanted"),
+        [
+            (
+                {"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacng": 1}}}}}},
+                ("knob spacing, rung 'x', case 'weak'", "numerics.spacng", "no such"),
+            ),
+            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"time_step": 0.01}}}}}}, ("rung 'x'", "numerics.time_step", "limit")),
+            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacing": 60.0}}}}}}, ("rung 'x'", "numerics.spacing", "60")),
+            ({"knobs": {"spacing": {"rungs": {"2 m": {}, "2/m": {}}}}}, ("same file name", "'2 m'", "'2/m'")),
+            ({"knobs": {"spacing": {"exceptions": {"7 m": {}}}}}, ("knobs.spacing", "'7 m'", "5 m, 3 m")),
+            ({"knobs": {"skin": {"cases": ["medium"]}}}, ("knobs.skin", "'medium'", "weak, strong")),
+            ({"knobs": {"skin": {"cases": ["strong"]}}}, ("knobs.skin", "timed case 'weak'")),
+            ({"knobs": {"preset": TRADE["knobs"]["skin"]}}, ("'preset'", "another name")),
+            ({"knobs": {"skin": {"repeats": 0}}}, ("knobs.skin.repeats", "0")),
+            ({"reference": {"rung": "9 m"}}, ("reference", "'9 m'")),
+            ({"reference": {"rung": "1.5 m"}}, ("reference", "'1.5 m'", "missing: strong")),
+            ({"baseline": "best"}, ("baseline", "'best'", "draft, paper")),
+            ({"timed_case": "medium"}, ("timed_case", "'medium'", "weak, strong")),
+            ({"convergence": "depth"}, ("convergence", "'depth'", "spacing, skin")),
+            ({"cases": {"weak": {"coupling": {"S_R": 2}}}}, ("case 'weak'", "coupling.S_R", "2")),
+            ({"extra": 1}, ("trade.yaml: extra", "no such key")),
+        ],
+    )
+    def test_refusals_name_file_key_and_value(self, overrides: dict[str, Any], wanted: tuple[str, ...]) -> None:
+        with pytest.raises(ValueError) as error:
+            ladder(overrides)
+        for text in ("trade.yaml", *wanted):
+            assert text in str(error.value)
+
+    def test_files_are_searched_for_and_named_when_absent(self, tmp_path: Path) -> None:
+        (tmp_path / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
+        with pytest.raises(ValueError, match=r"trade.yaml: scene: no file 'slope.yaml'"):
+            load_trade("trade.yaml", FIDELITIES, [tmp_path])
+        (tmp_path / "slope.yaml").write_text(yaml.safe_dump(SCENE, sort_keys=False))
+        assert load_trade("trade.yaml", FIDELITIES, [tmp_path / "elsewhere", tmp_path]).rows == ladder().rows
+        with pytest.raises(ValueError, match="no file 'absent.yaml'"):
+            load_trade("absent.yaml", FIDELITIES, [tmp_path])
+
+
+class TestScheme:
+    def test_it_leaves_out_what_is_simulated(self) -> None:
+        other = {"coupling__S_R": 0.3, "soil__cohesion": 10.0, "motion__amplitude": 1.0, "duration": 12.0, "outputs__frame_interval": 0.5}
+        assert scheme(scene(**other)) == scheme(scene()) == {"numerics": {"spacing": 5.0, "time_step": 1e-3}}
+
+    @pytest.mark.parametrize(
+        "change",
+        [
+            {"numerics__smoothing_ratio": 1.3},
+            {"numerics__artificial_viscosity": None},
+            {"walls__layers": 4},
+            {"damping": None},
+            {"coupling__fluid_tension_limit": None},
+            {"coupling__fluid": {"law": "capped_viscosity", "max_viscosity": 1e5}},
+            {"gravity__ramp": 0.5},
+        ],
+    )
+    def test_it_holds_how_it_is_simulated(self, change: dict[str, Any]) -> None:
+        assert scheme(scene(**change)) != scheme(scene())
+
+    def test_a_default_written_out_is_the_default(self) -> None:
+        assert scheme(scene(numerics__kernel="cubic_spline", walls__layers=2, damping={"ratio": 0.02})) == scheme(scene())
+
+
+class TestTable:
+    def test_deviations_are_relative_to_reference_and_baseline_in_the_same_case(self) -> None:
+        frame = ladder_frame()
+        assert list(frame.columns) == COLUMNS
+        coarse = row_of(frame, "spacing", "5 m", "strong")
+        assert coarse["displacement_deviation"] == pytest.approx(1.2 / 1.0 - 1)
+        assert coarse["runout_deviation"] == pytest.approx(2.2 / 2.0 - 1)
+        assert coarse["displacement_deviation_from_baseline"] == pytest.approx(1.2 / 1.5 - 1)
+        assert coarse["onset_after_start"] == 1.5
+        reference = row_of(frame, "spacing", "2 m")
+        assert reference["reference"] == 1 and reference["displacement_deviation"] == 0.0 and reference["class_as_reference"] == 1
+
+    def test_costs_are_the_median_of_the_repeats(self) -> None:
+        row = row_of(ladder_frame(), "spacing", "3 m")
+        assert (row["repeats"], row["timed"]) == (3, 1)
+        assert [row[name] for name in ("wall_time", "wall_time_min", "wall_time_max")] == pytest.approx([4.4, 4.0, 4.8])
+
+    def test_repeats_that_differ_are_told(self) -> None:
+        made = ladder()
+        runs = runs_of(made)
+        runs["preset/draft/weak_2"]["displacement_magnitude"] = np.nextafter(12.0, 13.0)
+        frame = ladder_table(made.rows, runs, "paper", "m")
+        assert row_of(frame, "spacing", "5 m")["reproducible"] == 0.0
+        assert row_of(frame, "spacing", "3 m")["reproducible"] == 1.0
+        assert math.isnan(row_of(frame, "skin", "0.6")["reproducible"])
+
+    def test_a_diverged_run_has_no_deviation_and_another_class(self) -> None:
+        gone = {"status": "diverged", "collapse_class": "undetermined", "displacement_magnitude": math.nan, "runout": math.nan}
+        frame = ladder_frame(**{"skin_0.6": gone})
+        row = row_of(frame, "skin", "0.6")
+        assert math.isnan(row["displacement_deviation"]) and row["class_as_reference"] == 0
+        assert not next(rung for rung in summary(frame) if rung.name == "skin: 0.6").finished
+
+    def test_nothing_moved_in_both_is_no_deviation(self) -> None:
+        still = {"runout": 0.0}
+        frame = ladder_frame(**{"spacing_2_m": still, "spacing_3_m": still})
+        assert row_of(frame, "spacing", "3 m")["runout_deviation"] == 0.0
+        assert row_of(frame, "spacing", "5 m")["runout_deviation"] == math.inf
+
+    def test_files_hold_what_was_written(self, tmp_path: Path) -> None:
+        frame = ladder_frame()
+        write_csv(frame, tmp_path / "trade.csv")
+        pd.testing.assert_frame_equal(read_trade(tmp_path / "trade.csv"), frame, check_dtype=False)
+        ds = flat_dataset(frame, VARIABLES, {"machine": "m"})
+        assert ds.attrs["machine"] == "m" and list(ds.data_vars) == COLUMNS and ds["wall_time"].attrs["units"] == "s"
+        (tmp_path / "empty.csv").write_text(",".join(COLUMNS) + "\n")
+        with pytest.raises(ValueError, match=r"empty.csv.*without a row"):
+            read_trade(tmp_path / "empty.csv")
+        (tmp_path / "other.csv").write_text("a\n1\n")
+        with pytest.raises(ValueError, match="other.csv"):
+            read_trade(tmp_path / "other.csv")
+
+    def test_a_trajectory_gives_what_a_row_needs(self) -> None:
+        run = synthetic(translation(-3.0))
+        run.attrs["particle_steps"] = 2404 * 30
+        values = measured_run(run, MetricSettings())
+        assert (values["particles"], values["steps"], values["spacing"]) == (2404, 30, 1.0)
+        frame = ladder_table([Rung("preset", "paper", "only", {}, {}, True, True, ("a", "b"))], {"a": values, "b": values}, "paper", "m")
+        assert frame.iloc[0]["displacement_magnitude"] == pytest.approx(3.0) and frame.iloc[0]["reproducible"] == 1.0
+
+    def test_the_machine_has_a_name(self) -> None:
+        assert "cores" in machine_class()
+
+
+class TestSummary:
+    def test_the_largest_deviation_over_the_cases_counts(self) -> None:
+        rungs = {rung.name: rung for rung in summary(ladder_frame(**{"skin_0.6": {"collapse_class": "collapse"}}))}
+        coarse = rungs["spacing: 5 m"]
+        assert coarse.errors == pytest.approx({"displacement": 0.2, "runout": 13 / 11 - 1}) and coarse.cost == pytest.approx(1.1)
+        assert (rungs["skin: 0.6"].classes_agree, rungs["skin: 0.6"].cases) == (1, 2)
+        assert not rungs["spacing: 1.5 m"].every_case and rungs["spacing: 2 m"].reference
+
+    def test_the_front_holds_what_nothing_beats(self) -> None:
+        cost, error = np.array([4.0, 1.0, 2.0, 3.0, 1.0]), np.array([0.1, 0.9, 0.5, 0.6, math.nan])
+        assert non_dominated(cost, error).tolist() == [1, 2, 0]
+
+
+class TestAdvice:
+    def test_the_cheapest_within_the_error_is_named(self) -> None:
+        frame = ladder_frame()
+        for error, name in ((0.25, "preset: draft"), (0.1, "spacing: 3 m")):
+            found = advise(frame, error)
+            assert found.fits and found.rung.name == name
+
+    def test_one_quantity_alone_may_allow_more(self) -> None:
+        assert advise(ladder_frame(), 0.19, ("runout",)).rung.cost == pytest.approx(1.1)
+        assert advise(ladder_frame(), 0.19, ("displacement",)).rung.cost == pytest.approx(4.4)
+
+    def test_a_rung_of_another_class_is_no_answer(self) -> None:
+        changed = ladder_frame(**{"preset_draft": {"collapse_class": "minor"}})
+        assert advise(changed, 0.25).rung.name == "spacing: 3 m"
+
+    def test_neither_the_reference_nor_a_rung_of_some_cases_is_an_answer(self) -> None:
+        found = advise(ladder_frame(), 0.001)
+        assert not found.fits and found.rung.name == "spacing: 3 m"
+
+    @pytest.mark.parametrize(("error", "quantities"), [(-0.1, ("runout",)), (math.nan, ("runout",)), (0.1, ("speed",))])
+    def test_bad_questions_are_refused(self, error: float, quantities: tuple[str, ...]) -> None:
+        with pytest.raises(ValueError):
+            advise(ladder_frame(), error, quantities)
+
+    def test_the_command_prints_settings_that_give_it(self, shipped: Path) -> None:
+        result = call("advise", "--error", "10%")
+        assert result.exit_code == 0 and "spacing: 3 m, 4.4 s" in result.stdout and "test machine" in result.stdout
+        line = next(line for line in result.stdout.splitlines() if "--set" in line)
+        settings = [word for word in line.split() if "=" in word]
+        assert parse_settings(settings) == {"numerics": {"smoothing_ratio": 1.3, "spacing": 3.0}}
+        assert call("advise", "--error", "0.1", "--table", shipped).stdout == result.stdout
+
+    def test_the_command_says_when_nothing_is_good_enough(self, shipped: Path) -> None:
+        result = call("advise", "--error", "1%")
+        assert result.exit_code == 2 and "no measured setting" in result.stdout and "spacing: 3 m" in result.stdout
+
+    @pytest.mark.parametrize(
+        ("arguments", "wanted"),
+        [
+            (("--error", "little"), "little"),
+            (("--error", "10%", "--quantity", "speed"), "speed"),
+            (("--error", "1", "--table", "no.csv"), "no.csv"),
+        ],
+    )
+    def test_the_command_refuses_by_name(self, shipped: Path, arguments: tuple[str, ...], wanted: str) -> None:
+        result = call("advise", *arguments)
+        assert result.exit_code == 2 and wanted in result.stderr and "Traceback" not in result.stderr
+
+    def test_without_a_table_the_command_says_so(self, absent: None) -> None:
+        result = call("advise", "--error", "10%")
+        assert result.exit_code == 2 and "snakemake --cores 2 trade" in result.stderr
+
+
+class TestExpectedError:
+    def test_it_is_that_of_the_rung_with_the_same_scheme(self, shipped: Path) -> None:
+        other_soil = scene(numerics__smoothing_ratio=1.3, numerics__spacing=3.0, soil__cohesion=50.0, coupling__S_R=0.4)
+        found = expected_error(other_soil)
+        assert found is not None and found.displacement == pytest.approx(0.09) and found.rung == "spacing: 3 m"
+        assert "A's displacement within 9 %, run-out within 8.2 %" in expected_sentence(other_soil)
+        row = advice.expected_metrics(other_soil)
+        assert row["expected_displacement_error"] == pytest.approx(0.09) and row["expected_runout_error"] == pytest.approx(0.9 / 11)
+
+    def test_other_numerics_are_not_measured(self, shipped: Path) -> None:
+        other = scene(numerics__smoothing_ratio=1.4)
+        assert expected_error(other) is None and "not measured: no rung" in expected_sentence(other)
+        assert all(math.isnan(value) for value in advice.expected_metrics(other).values())
+
+    def test_a_rung_of_some_cases_gives_none(self, shipped: Path) -> None:
+        assert expected_error(scene(numerics__smoothing_ratio=1.3, numerics__spacing=1.5)) is None
+
+    def test_without_a_table_nothing_is_expected(self, absent: None) -> None:
+        assert expected_error(scene()) is None and "not measured yet" in expected_sentence(scene())
+
+    def test_info_prints_it(self, shipped: Path, tmp_path: Path) -> None:
+        path = tmp_path / "slope.yaml"
+        path.write_text(yaml.safe_dump(SCENE, sort_keys=False))
+        shown = call("info", path, "--set", "numerics.smoothing_ratio=1.3").stdout
+        assert "expected error" in shown and "A's displacement within 20 %" in shown and "preset: draft" in shown
+
+
+class TestReference:
+    def test_the_tables_of_the_readme_come_from_the_shipped_table(self, shipped: Path) -> None:
+        rungs, presets = TABLES["trade"](), TABLES["presets"]()
+        assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in rungs and "test machine, 2 cores" in rungs
+        assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in rungs
+        assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 2 of 2 |" in presets
+
+    def test_without_a_table_they_say_so(self, absent: None) -> None:
+        assert TABLES["trade"]() == TABLES["presets"]() and "Not measured yet" in TABLES["trade"]()
+
+
+class TestFigures:
+    def test_every_rung_but_the_reference_has_a_point_and_presets_their_name(self) -> None:
+        figure = figure_tradeoff(ladder_frame(**{"skin_0.6": {"collapse_class": "minor"}}))
+        for ax in figure.axes:
+            points = [line for line in ax.lines if line.get_marker() not in (None, "None")]
+            assert len(points) == 6, "draft, paper, 5 m, 3 m and two skins; not the reference, not the rung of one case"
+            assert [line.get_markerfacecolor() for line in points].count("white") == 1
+            assert {text.get_text() for text in ax.texts} == {"draft", "paper"}
+        front = next(line for line in figure.axes[0].lines if line.get_marker() in (None, "None"))
+        assert front.get_xydata().tolist() == pytest.approx(np.array([[1.1, 0.2], [4.4, 0.09]]))
+
+    def test_the_curves_of_convergence_are_those_of_the_table(self) -> None:
+        frame = ladder_frame()
+        figure = figure_convergence(convergence_table(frame, "spacing"), frame)
+        assert isinstance(figure, Figure) and len(figure.axes) == 3
+        curve = figure.axes[0].lines[0]
+        assert np.asarray(curve.get_xydata()).tolist() == [[1.5, 9.7], [2.0, 10.0], [3.0, 10.9], [5.0, 12.0]]
+
+    def test_nothing_to_draw_is_refused(self) -> None:
+        frame = ladder_frame()
+        with pytest.raises(ValueError, match="nothing to draw"):
+            figure_tradeoff(frame[frame["reference"] == 1])
+        with pytest.raises(ValueError, match="no row"):
+            figure_convergence(convergence_table(frame, "walls"), frame)
+
+
+def test_the_paper_scene_of_the_tests_has_the_papers_scheme() -> None:
+    assert scheme(make_scene(PAPER)) == {}

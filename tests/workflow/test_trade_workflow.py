@@ -1,0 +1,116 @@
+"""The ladder from end to end, as a user runs it, with scenes of a few hundred particles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+import yaml
+from test_workflow import ROOT, planned_jobs, snakemake, write_config
+from typer.testing import CliRunner
+
+from sph import trajectory
+from sph.analysis.trade_table import COLUMNS, read_trade
+from sph.command.cli import app
+from sph.scene import Scene
+
+TRADE: dict[str, Any] = {
+    "scene": "slope.yaml",
+    "cases": {"S_R 0.10": {"coupling": {"S_R": 0.1}}, "S_R 0.50": {"coupling": {"S_R": 0.5}}},
+    "timed_case": "S_R 0.10",
+    "repeats": 2,
+    "reference": {"knob": "spacing", "rung": "3 m"},
+    "baseline": "draft",
+    "knobs": {
+        "spacing": {
+            "about": "Particle spacing.",
+            "rungs": {
+                "5 m": {"numerics": {"spacing": 5.0}},
+                "4 m": {"numerics": {"spacing": 4.0}},
+                "3 m": {"numerics": {"spacing": 3.0}},
+            },
+            "exceptions": {"4 m": {"repeats": 1}, "3 m": {"repeats": 1}},
+        },
+    },
+}
+"""Three spacings; the preset 'draft' is the coarsest."""
+
+
+@pytest.fixture(scope="module")
+def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+    """Folder of a finished small ladder."""
+    folder = tmp_path_factory.mktemp("ladder")
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    (folder / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
+    config = write_config(folder, trade="trade.yaml")
+    assert planned_jobs(folder, *config, "--", "trade") == {"trade": 1, "trade_run": 7, "trade_table": 1, "trade_figure": 2}
+    result = snakemake(folder, "--cores", "2", *config, "--", "trade")
+    assert result.returncode == 0, result.stderr
+    return folder
+
+
+def test_the_shipped_ladder_is_planned() -> None:
+    jobs = planned_jobs(ROOT, "--forceall", "--", "trade")
+    assert jobs["trade_run"] > 100 and jobs["trade_table"] == 1 and jobs["trade_figure"] == 2 and "gravity" not in jobs
+
+
+def test_the_tables_hold_every_rung_and_case(climbed: Path) -> None:
+    table = read_trade(climbed / "results" / "trade" / "trade.csv")
+    assert len(table) == 8 and set(table["status"]) <= {"complete", "unfailed"}
+    twice = table[(table["rung"].isin(["draft", "5 m"])) & (table["case"] == "S_R 0.10")]
+    assert twice["repeats"].tolist() == [2, 2] and twice["reproducible"].tolist() == [1.0, 1.0]
+    assert twice["displacement_magnitude"].nunique() == 1
+    reference = table[table["reference"] == 1]
+    assert (reference["displacement_deviation"] == 0).all() and len(reference) == 2
+    assert (table["steps"] == 3000).all() and (table["wall_time"] > 0).all()
+    with xr.open_dataset(climbed / "results" / "trade" / "trade.nc") as ds:
+        assert list(ds.data_vars) == COLUMNS
+        assert {"machine", "timing", "versions", "scene", "baseline"} <= set(ds.attrs)
+        np.testing.assert_array_equal(ds["runout"].values, table["runout"].to_numpy())
+
+
+def test_runs_are_whole_and_share_no_stage(climbed: Path) -> None:
+    folder = climbed / "results" / "trade"
+    run = trajectory.read(folder / "runs" / "preset" / "draft" / "S_R-0.10_2.nc")
+    assert run.attrs["particle_steps"] == 3000 * run.sizes["particle"]
+    assert not (folder / "stages").exists()
+
+
+def test_convergence_has_a_verdict_a_quantity_and_case(climbed: Path) -> None:
+    found = pd.read_csv(climbed / "results" / "trade" / "convergence.csv")
+    assert len(found) == 6 and found["verdict"].str.len().min() > 10
+
+
+def test_figures_are_drawn(climbed: Path) -> None:
+    for name in ("tradeoff", "convergence"):
+        picture = climbed / "results" / "trade" / "figures" / f"{name}.png"
+        assert picture.read_bytes().startswith(b"\x89PNG") and picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_the_table_answers_the_command(climbed: Path) -> None:
+    asked = ["advise", "--error", "1000%", "--table", str(climbed / "results" / "trade" / "trade.csv")]
+    result = CliRunner().invoke(app, asked)
+    assert result.exit_code in (0, 2) and "s a run on one core" in result.stdout
+
+
+def test_a_finished_ladder_has_nothing_to_do_and_a_new_rung_runs_alone(climbed: Path) -> None:
+    config = write_config(climbed, trade="trade.yaml")
+    assert planned_jobs(climbed, *config, "--", "trade") == {}
+    skin = {"about": "Skin.", "repeats": 1, "rungs": {"0.6": {"numerics": {"neighbour_skin": 0.6}}}}
+    more = TRADE | {"knobs": TRADE["knobs"] | {"skin": skin}}
+    (climbed / "more.yaml").write_text(yaml.safe_dump(more, sort_keys=False))
+    jobs = planned_jobs(climbed, *write_config(climbed, trade="more.yaml"), "--", "trade")
+    assert jobs == {"trade": 1, "trade_run": 2, "trade_table": 1, "trade_figure": 2}
+
+
+def test_a_bad_ladder_is_refused_before_any_job(climbed: Path) -> None:
+    bad = TRADE | {"reference": {"knob": "spacing", "rung": "1 m"}}
+    (climbed / "bad.yaml").write_text(yaml.safe_dump(bad, sort_keys=False))
+    result = snakemake(climbed, "--cores", "1", *write_config(climbed, trade="bad.yaml"), "--", "trade")
+    assert result.returncode != 0 and "bad.yaml: reference: knob 'spacing', rung '1 m'" in result.stdout + result.stderr

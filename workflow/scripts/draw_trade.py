@@ -1,0 +1,28 @@
+"""Draw a figure of the ladder."""
+
+from collections.abc import Sequence
+
+from sph.analysis.convergence import CONVERGENCE
+from sph.analysis.figures import save
+from sph.analysis.figures.trade import figure_convergence, figure_tradeoff
+from sph.analysis.tables import read_csv
+from sph.analysis.trade_table import read_trade
+
+
+def draw_trade(figure: str, path_to_table: str, path_to_convergence: str, paths_to_pictures: Sequence[str]) -> None:
+    """Draw 'tradeoff', error against cost, or 'convergence', results against spacing."""
+    table = read_trade(path_to_table)
+    if figure == "tradeoff":
+        drawn = figure_tradeoff(table)
+    else:
+        drawn = figure_convergence(read_csv(path_to_convergence, CONVERGENCE, "orders of convergence"), table)
+    save(drawn, *paths_to_pictures)
+
+
+if __name__ == "__main__":
+    draw_trade(
+        snakemake.wildcards.figure,  # type: ignore[name-defined]
+        snakemake.input.table,  # type: ignore[name-defined]
+        snakemake.input.convergence,  # type: ignore[name-defined]
+        [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
+    )

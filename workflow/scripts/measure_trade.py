@@ -1,0 +1,50 @@
+"""Measure every run of the ladder and write its tables."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph import trajectory
+from sph.analysis.convergence import convergence_table
+from sph.analysis.machine import machine_class
+from sph.analysis.metrics import MetricSettings
+from sph.analysis.tables import flat_dataset, write_csv
+from sph.analysis.trade import Rung
+from sph.analysis.trade_table import TRADE, ladder_table, measured_run
+
+TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
+
+
+def measure_trade(
+    paths_to_runs: Mapping[str, str],
+    rows: Sequence[Mapping[str, Any]],
+    baseline: str,
+    convergence_knob: str,
+    settings: Mapping[str, Any],
+    path_to_nc: str,
+    path_to_csv: str,
+    path_to_convergence: str,
+) -> None:
+    """One row a rung and case; paths by the name of the run."""
+    chosen = MetricSettings(**settings)
+    runs = {name: measured_run(trajectory.read(path), chosen) for name, path in paths_to_runs.items()}
+    ladder, machine = [Rung(**row) for row in rows], machine_class()
+    frame = ladder_table(ladder, runs, baseline, machine)
+    of_reference = next(row.runs[0] for row in ladder if row.reference)
+    attrs = trajectory.read(paths_to_runs[of_reference]).attrs
+    facts = {name: attrs[name] for name in ("source", "versions", "scene")} | {"machine": machine, "timing": TIMING, "baseline": baseline}
+    write_csv(convergence_table(frame, convergence_knob), path_to_convergence)
+    trajectory.write(path_to_nc, flat_dataset(frame, TRADE, facts))
+    write_csv(frame, path_to_csv)
+
+
+if __name__ == "__main__":
+    measure_trade(
+        dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+        snakemake.params.rows,  # type: ignore[name-defined]
+        snakemake.params.baseline,  # type: ignore[name-defined]
+        snakemake.params.convergence,  # type: ignore[name-defined]
+        snakemake.params.settings,  # type: ignore[name-defined]
+        snakemake.output.nc,  # type: ignore[name-defined]
+        snakemake.output.csv,  # type: ignore[name-defined]
+        snakemake.output.convergence,  # type: ignore[name-defined]
+    )
