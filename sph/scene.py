@@ -250,6 +250,25 @@ class RayleighDamping(Section):
         return 2 * self.ratio / (w1 + w2)
 
 
+class EarlyStop(Section):
+    """When a run may end before its duration: after the shaking, once the soil has stood still and its loss of strength is over."""
+
+    speed: float = key(
+        "the soil (root mean square over its mass) and every probe are slower than this through the window",
+        "m/s",
+        gt=0,
+        le=100,
+        default=0.02,
+    )
+    window: float = key("length of the interval at rest, after the shaking, at whose end the run ends", "s", gt=0, le=1000, default=1.0)
+    solid_weight: float = key(
+        "no failed particle has a larger weight of its solid state (beta), or the slope may stand now and fail later",
+        ge=0,
+        lt=1,
+        default=0.05,
+    )
+
+
 # ---------------------------------------------------------------- numerics
 
 
@@ -323,6 +342,7 @@ class Scene(Section):
     motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
     gravity: GravityStage = key("gravity stage", default=GravityStage())
     damping: RayleighDamping | None = key("Rayleigh damping", source="Sec. 2.5", default=RayleighDamping())
+    early_stop: EarlyStop | None = key("end of a run whose soil has come to rest, before its duration", default=None)
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
     probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
@@ -339,6 +359,8 @@ class Scene(Section):
         _whole_multiple(self.outputs.frame_interval, self.outputs.series_interval, "outputs.frame_interval", "outputs.series_interval")
         _whole_multiple(self.duration, self.outputs.series_interval, "duration", "outputs.series_interval")
         _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
+        if self.early_stop is not None:
+            _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
         if isinstance(self.motion, TaperedSine) and self.motion.start < self.gravity.duration:
             raise ValueError(
                 f"motion.start: {self.motion.start} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)"

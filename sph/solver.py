@@ -20,6 +20,7 @@ import xarray as xr
 
 from sph import trajectory
 from sph.coupling import cauchy_stress, elastic_energy
+from sph.early_stop import quiet_from, rest_reason
 from sph.integration import TERM_NAMES, advance, make_lists
 from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
@@ -108,7 +109,7 @@ class Run:
         status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
             self._record()
-        while self.step < last and not status:
+        while self.step < last and not status and not self._rest():
             saved = self._copy() if until == "first_failure" else None
             failed, done = self._advance(block)
             if saved is not None and failed:
@@ -133,12 +134,18 @@ class Run:
                     )
                 )
         if not status:
-            done_all = self.step >= scene.steps(scene.duration)
+            rest = self._rest()
+            done_all = bool(rest) or self.step >= scene.steps(scene.duration)
             unfailed = not np.any(self.state.phase == FAILED)
             status = ("unfailed" if unfailed else "complete") if done_all else "paused"
-            reason = "" if done_all else "at the end of the gravity stage"
+            reason = rest if done_all else "at the end of the gravity stage"
+            if rest and self._frames["time"][-1] < self.step * self.terms.dt:
+                self._record_frame(self.step * self.terms.dt)
         elapsed = clock.perf_counter() - started
         return self._result(status, reason, elapsed, (self.step - first_step) * self.state.x.size)
+
+    def _rest(self) -> str:
+        return rest_reason(self.scene, self.step, self._series, self.state, float(self.particles.mass[: self.particles.n_soil].sum()))
 
     def _copy(self) -> tuple[Any, ...]:
         return State(*(a.copy() for a in self.state)), self.candidates, self.step
@@ -288,6 +295,8 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
     free = FREE_KEYS + (() if failed else BRANCH_KEYS)
     if time <= old.gravity.duration + 0.5 * old.numerics.time_step:
         free += ("motion",)
+    if time <= quiet_from(old) + 0.5 * old.numerics.time_step:
+        free += ("early_stop",)
     past, future = _flat(old.model_dump()), _flat(new.model_dump())
     bad = [
         f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"

@@ -50,6 +50,7 @@ BAD = [
     ({"duration": 3.005}, ["duration", "3.005", "multiple", "outputs.series_interval"]),
     ({"outputs.series_interval": 0.0105}, ["outputs.series_interval", "0.0105", "multiple", "numerics.time_step"]),
     ({"outputs.frame_interval": 0.015}, ["outputs.frame_interval", "0.015", "multiple", "outputs.series_interval"]),
+    ({"early_stop.window": 0.505}, ["early_stop.window", "0.505", "multiple", "outputs.series_interval"]),
     ({"numerics.spacing": 30.0}, ["numerics.spacing", "30", "fewer than two particles"]),
     ({"name": "a/b"}, ["name", "a/b", "A-Za-z0-9"]),
     ({"name": ""}, ["name", "A-Za-z0-9"]),
