@@ -51,6 +51,12 @@ class Slope(Section):
         return self.base_depth + self.slope_height
 
     @property
+    def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners (x, y) of the ground from left to right, m."""
+        (toe_x, toe_y), (crest_x, crest_y) = self.toe, self.crest
+        return (0.0, toe_x, crest_x, self.width), (toe_y, toe_y, crest_y, crest_y)
+
+    @property
     def toe(self) -> tuple[float, float]:
         """Toe of the slope, m."""
         return self.apron_length, self.base_depth
@@ -67,6 +73,11 @@ class Block(Section):
     shape: Literal["block"] = key("rectangular block")
     width: float = key("width", "m", gt=0, le=2000)
     height: float = key("height", "m", gt=0, le=1000)
+
+    @property
+    def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners (x, y) of the ground from left to right, m."""
+        return (0.0, self.width), (self.height, self.height)
 
     @property
     def toe(self) -> tuple[float, float]:
@@ -223,6 +234,9 @@ class GravityStage(Section):
     duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", ge=0, le=1000, default=3.0)
     damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
     acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
+    initial_stress: Literal["none", "geostatic"] = key(
+        "stress at the start: none, or that of level ground at rest at the depth below the surface (needs ramp: 0)", default="none"
+    )
 
 
 class RayleighDamping(Section):
@@ -367,6 +381,11 @@ class Scene(Section):
             )
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
+        if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
+            raise ValueError(
+                f"gravity.ramp: {self.gravity.ramp} s with gravity.initial_stress: geostatic, "
+                "which balances gravity in full from the start; set gravity.ramp: 0"
+            )
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
         needed = self.layers_filling_support

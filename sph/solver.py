@@ -21,6 +21,7 @@ import xarray as xr
 from sph import trajectory
 from sph.coupling import cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
+from sph.initial_stress import NO_LOADING, impose_geostatic_stress
 from sph.integration import TERM_NAMES, advance, make_lists
 from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
@@ -66,6 +67,8 @@ class Run:
         self.terms: Terms = make_terms(scene, self.particles)
         self.loading: Loading = make_loading(scene)
         self.state: State = initial_state(self.particles, scene.soil.density)
+        if scene.gravity.initial_stress == "geostatic":
+            impose_geostatic_stress(self.state, scene, self.particles, self.terms.n_stressed)
         self.probes = locate_probes(scene, self.particles)
         self.wanted = wanted_terms(scene)
         self.ended = ("", "")
@@ -98,6 +101,17 @@ class Run:
             )
         return failed, done
 
+    def balance(self) -> None:
+        """Make the initial stress act from the first kick on: a step without loads, before the first, in which nothing moves.
+
+        It returns the stress to the yield surface and computes the accelerations.  The energy stored so far counts as work done.
+        """
+        loading, self.loading = self.loading, NO_LOADING
+        self.step = -1
+        self._advance(1)
+        self.loading = loading
+        self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
+
     def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
         """Run to the wanted point; the status says how it ended."""
         scene = self.scene
@@ -108,6 +122,8 @@ class Run:
         first_step = self.step
         status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
+            if scene.gravity.initial_stress == "geostatic":
+                self.balance()
             self._record()
         while self.step < last and not status and not self._rest():
             saved = self._copy() if until == "first_failure" else None

@@ -46,6 +46,8 @@ BAD = [
     ({"motion.start": 0.5}, ["motion.start", "0.5", "gravity.duration"]),
     ({"motion.end": 1.9}, ["motion", "1.9", "decay_start", "end"]),
     ({"gravity.ramp": 2.0}, ["gravity.ramp", "2.0", "gravity.duration"]),
+    ({"gravity.initial_stress": "geostatic"}, ["gravity.ramp", "0.5", "geostatic", "set gravity.ramp: 0"]),
+    ({"gravity.initial_stress": "hydrostatic"}, ["gravity.initial_stress", "hydrostatic", "none", "geostatic"]),
     ({"duration": 0.5, "motion": {"kind": "none"}}, ["gravity.duration", "duration"]),
     ({"duration": 3.005}, ["duration", "3.005", "multiple", "outputs.series_interval"]),
     ({"outputs.series_interval": 0.0105}, ["outputs.series_interval", "0.0105", "multiple", "numerics.time_step"]),
