@@ -51,6 +51,12 @@ class Slope(Section):
         return self.base_depth + self.slope_height
 
     @property
+    def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners (x, y) of the ground from left to right, m."""
+        (toe_x, toe_y), (crest_x, crest_y) = self.toe, self.crest
+        return (0.0, toe_x, crest_x, self.width), (toe_y, toe_y, crest_y, crest_y)
+
+    @property
     def toe(self) -> tuple[float, float]:
         """Toe of the slope, m."""
         return self.apron_length, self.base_depth
@@ -67,6 +73,11 @@ class Block(Section):
     shape: Literal["block"] = key("rectangular block")
     width: float = key("width", "m", gt=0, le=2000)
     height: float = key("height", "m", gt=0, le=1000)
+
+    @property
+    def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners (x, y) of the ground from left to right, m."""
+        return (0.0, self.width), (self.height, self.height)
 
     @property
     def toe(self) -> tuple[float, float]:
@@ -223,6 +234,9 @@ class GravityStage(Section):
     duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", ge=0, le=1000, default=3.0)
     damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
     acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
+    initial_stress: Literal["none", "geostatic"] = key(
+        "stress at the start: none, or that of level ground at rest at the depth below the surface (needs ramp: 0)", default="none"
+    )
 
 
 class RayleighDamping(Section):
@@ -248,6 +262,25 @@ class RayleighDamping(Section):
         """beta_R, s."""
         w1, w2 = (2 * math.pi * f for f in self.frequencies)
         return 2 * self.ratio / (w1 + w2)
+
+
+class EarlyStop(Section):
+    """When a run may end before its duration: after the shaking, once the soil has stood still and its loss of strength is over."""
+
+    speed: float = key(
+        "the soil (root mean square over its mass) and every probe are slower than this through the window",
+        "m/s",
+        gt=0,
+        le=100,
+        default=0.02,
+    )
+    window: float = key("length of the interval at rest, after the shaking, at whose end the run ends", "s", gt=0, le=1000, default=1.0)
+    solid_weight: float = key(
+        "no failed particle has a larger weight of its solid state (beta), or the slope may stand now and fail later",
+        ge=0,
+        lt=1,
+        default=0.05,
+    )
 
 
 # ---------------------------------------------------------------- numerics
@@ -326,6 +359,7 @@ class Scene(Section):
     motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
     gravity: GravityStage = key("gravity stage", default=GravityStage())
     damping: RayleighDamping | None = key("Rayleigh damping", source="Sec. 2.5", default=RayleighDamping())
+    early_stop: EarlyStop | None = key("end of a run whose soil has come to rest, before its duration", default=None)
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
     probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
@@ -342,12 +376,19 @@ class Scene(Section):
         _whole_multiple(self.outputs.frame_interval, self.outputs.series_interval, "outputs.frame_interval", "outputs.series_interval")
         _whole_multiple(self.duration, self.outputs.series_interval, "duration", "outputs.series_interval")
         _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
+        if self.early_stop is not None:
+            _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
         if isinstance(self.motion, TaperedSine) and self.motion.start < self.gravity.duration:
             raise ValueError(
                 f"motion.start: {self.motion.start} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)"
             )
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
+        if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
+            raise ValueError(
+                f"gravity.ramp: {self.gravity.ramp} s with gravity.initial_stress: geostatic, "
+                "which balances gravity in full from the start; set gravity.ramp: 0"
+            )
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
         needed = self.layers_filling_support

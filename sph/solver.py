@@ -20,6 +20,8 @@ import xarray as xr
 
 from sph import trajectory
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
+from sph.early_stop import quiet_from, rest_reason
+from sph.initial_stress import NO_LOADING, impose_geostatic_stress
 from sph.integration import TERM_NAMES, advance, make_lists, renew_candidates
 from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
@@ -80,6 +82,8 @@ class Run:
         self.terms: Terms = make_terms(scene, self.particles)
         self.loading: Loading = make_loading(scene)
         self.state: State = initial_state(self.particles, scene.soil.density)
+        if scene.gravity.initial_stress == "geostatic":
+            impose_geostatic_stress(self.state, scene, self.particles, self.terms.n_stressed)
         self.probes = locate_probes(scene, self.particles)
         self.wanted = wanted_terms(scene)
         self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
@@ -122,6 +126,17 @@ class Run:
             self.candidates, self.pairs = renew_candidates(self.state, self.terms)
             kicked = True
 
+    def balance(self) -> None:
+        """Make the initial stress act from the first kick on: a step without loads, before the first, in which nothing moves.
+
+        It returns the stress to the yield surface and computes the accelerations.  The energy stored so far counts as work done.
+        """
+        loading, self.loading = self.loading, NO_LOADING
+        self.step = -1
+        self._advance(1)
+        self.loading = loading
+        self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
+
     def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
         """Run to the wanted point; the status says how it ended."""
         scene = self.scene
@@ -132,8 +147,10 @@ class Run:
         first_step = self.step
         status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
+            if scene.gravity.initial_stress == "geostatic":
+                self.balance()
             self._record()
-        while self.step < last and not status:
+        while self.step < last and not status and not self._rest():
             saved = self._copy() if until == "first_failure" else None
             failed, done = self._advance(block)
             if saved is not None and failed:
@@ -158,12 +175,18 @@ class Run:
                     )
                 )
         if not status:
-            done_all = self.step >= scene.steps(scene.duration)
+            rest = self._rest()
+            done_all = bool(rest) or self.step >= scene.steps(scene.duration)
             unfailed = not np.any(self.state.phase == FAILED)
             status = ("unfailed" if unfailed else "complete") if done_all else "paused"
-            reason = "" if done_all else "at the end of the gravity stage"
+            reason = rest if done_all else "at the end of the gravity stage"
+            if rest and self._frames["time"][-1] < self.step * self.terms.dt:
+                self._record_frame(self.step * self.terms.dt)
         elapsed = clock.perf_counter() - started
         return self._result(status, reason, elapsed, (self.step - first_step) * self.state.x.size)
+
+    def _rest(self) -> str:
+        return rest_reason(self.scene, self.step, self._series, self.state, float(self.particles.mass[: self.particles.n_soil].sum()))
 
     def _copy(self) -> tuple[Any, ...]:
         return State(*(a.copy() for a in self.state)), self.candidates, self.step
@@ -314,6 +337,8 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
     free = FREE_KEYS + (() if failed else BRANCH_KEYS)
     if time <= old.gravity.duration + 0.5 * old.numerics.time_step:
         free += ("motion",)
+    if time <= quiet_from(old) + 0.5 * old.numerics.time_step:
+        free += ("early_stop",)
     past, future = _flat(old.model_dump()), _flat(new.model_dump())
     bad = [
         f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"

@@ -75,8 +75,8 @@ VARIABLES: tuple[Variable, ...] = (
 BY_NAME = {variable.name: variable for variable in VARIABLES}
 
 STATUSES = ("complete", "unfailed", "paused", "diverged")
-"""complete: reached its duration; unfailed: reached it without one particle failing; paused: stopped
-before its duration so that it can go on; diverged: stopped by the guard."""
+"""complete: reached its duration, or rest where ``early_stop`` ends it; unfailed: the same without one particle failing;
+paused: stopped before its duration so that it can go on; diverged: stopped by the guard."""
 
 PACKAGES = ("numpy", "numba", "llvmlite", "xarray", "netCDF4", "pydantic")
 

@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from sph.analysis.fields import FIELDS
 from sph.analysis.figures.style import WIDTH, add_note, colour_map, label_panels, styled
 from sph.particles import SOIL
-from sph.scene import Scene, Slope
+from sph.scene import Scene
 from sph.trajectory import scene_of
 
 OUTSIDE = 0.45
@@ -24,11 +24,8 @@ OUTSIDE = 0.45
 
 def surface_line(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """Corners of the initial surface from left to right, m."""
-    geometry = scene.geometry
-    (toe_x, toe_y), (crest_x, crest_y) = geometry.toe, geometry.crest
-    if not isinstance(geometry, Slope):
-        return np.array([0.0, geometry.width]), np.array([geometry.height, geometry.height])
-    return np.array([0.0, toe_x, crest_x, geometry.width]), np.array([toe_y, toe_y, crest_y, crest_y])
+    x, y = scene.geometry.surface
+    return np.array(x), np.array(y)
 
 
 def draw_circles(ax: Axes, x: np.ndarray, y: np.ndarray, diameter: float, **style: Any) -> EllipseCollection:

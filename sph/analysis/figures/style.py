@@ -77,7 +77,7 @@ def note_text(scene: Scene) -> str:
         f"spacing {numerics.spacing:.4g} m",
         f"kernel support {2 * numerics.smoothing_length:.4g} m",
         f"{scene.walls.sides.replace('_', '-')} side walls",
-        f"{scene.duration:g} s",
+        f"{scene.duration:g} s" if scene.early_stop is None else f"until at rest, {scene.duration:g} s at most",
     ]
     return " · ".join(parts)
 
