@@ -41,8 +41,8 @@ def _linear(time: np.ndarray, length: float) -> np.ndarray:
     return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
 
 
-def make_loading(scene: Scene) -> Loading:
-    """Histories for the whole run; one entry a step, so a restarted run reads the same numbers."""
-    time = np.arange(scene.steps(scene.duration) + 1) * scene.numerics.time_step
+def make_loading(scene: Scene, substeps: int = 1) -> Loading:
+    """Histories for the whole run; one entry a step or part of a step, so a restarted run reads the same numbers."""
+    time = np.arange(scene.steps(scene.duration) * substeps + 1) * (scene.numerics.time_step / substeps)
     gravity, extra = gravity_history(scene.gravity, time)
     return Loading(time, ground_acceleration(scene.motion, time), gravity, extra)

@@ -305,6 +305,12 @@ class ShortRangeRepulsion(Section):
     pressure: float = key("pressure-like stiffness of the spring", "kPa", gt=0, le=1e7, default=500.0)
 
 
+class AdaptiveStep(Section):
+    """The time step divided by a whole number, as the stiffest mode of the particles' present arrangement demands."""
+
+    courant: float = key("largest step over the limit measured during the run", gt=0, lt=1, default=0.8)
+
+
 class Numerics(Section):
     """Resolution, integration and stabilisers."""
 
@@ -314,7 +320,10 @@ class Numerics(Section):
     smoothing_length_is: Literal["half_support", "support"] = key(
         "reading of the smoothing length: the kernel ends at 2 h (literal) or at h", source="Sec. 4", default="half_support"
     )
-    time_step: float = key("fixed time increment", "s", "Sec. 2.6", gt=0, le=1, default=1e-4)
+    time_step: float = key(
+        "time increment; with adaptive_step the largest one, which may lie above the limits", "s", "Sec. 2.6", gt=0, le=1, default=1e-4
+    )
+    adaptive_step: AdaptiveStep | None = key("divide the time step where the limit demands it", default=None)
     neighbour_skin: float = key("margin of the neighbour list over the spacing", gt=0, le=2, default=0.3)
     gradient_tolerance: float = key(
         "kernel gradients are kept until a particle has moved this far, over the spacing; 0 renews them every step",

@@ -10,6 +10,7 @@ reference positions, and trunk and branch run the same compiled code.
 
 from __future__ import annotations
 
+import math
 import time as clock
 from collections.abc import Callable
 from pathlib import Path
@@ -43,11 +44,14 @@ from sph.state import (
     make_terms,
 )
 from sph.team import make_team, together
-from sph.timestep import check_time_step
+from sph.timestep import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
 Until = Literal["end", "gravity", "first_failure"]
 MAX_SPEED_RATIO = 1.0
 """The guard stops a run in which a particle is faster than this multiple of V_p."""
+
+FIRST_TURNS, TURNS = 60, 6
+"""Turns of the power iteration that measures the limit of the time step, at the start and at every frame."""
 
 BRANCH_KEYS = ("coupling.S_R", "coupling.gamma", "coupling.fluid_tension_limit")
 """Keys without effect before the first failure."""
@@ -89,6 +93,9 @@ class Run:
         self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
         self.ended = ("", "")
         self.step = 0
+        self.substeps = 1
+        self.limit = math.inf
+        self.steps_made = 0
         self.earlier_wall_time = 0.0
         self.earlier_particle_steps = 0
         self._frames: dict[str, list[np.ndarray]] = {v.name: [] for v in trajectory.VARIABLES if v.dims[0] == "frame"}
@@ -100,31 +107,61 @@ class Run:
         """Check the time step, compile or load the variant this scene needs, and make the neighbour lists."""
         with compile_lock():
             check_time_step(self.scene)
+            self.present_limit = PresentLimit(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
             self._advance(0)
+            self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
             renew_candidates(State(*(a.copy() for a in self.state)), self.terms)
             elastic_energy(self.state, self.terms, self.particles.mass)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
+        if self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
+            raise ValueError(
+                f"numerics.time_step: {self.terms.dt:g} s exceeds the limit measured on the particles at the start, {self.limit:.3g} s; "
+                "choose a smaller step"
+            )
 
     def _advance(self, n_steps: int) -> tuple[int, int]:
-        """Advance by a number of steps; how many particles failed, and how many steps were made."""
-        failed = made = 0
-        kicked = False
+        """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
+        failed = 0
+        first, last = self.step * self.substeps, (self.step + n_steps) * self.substeps
+        step, kicked = first, False
         while True:
             new, done, spent, compiled = together(
                 advance, self.team, self.state, self.candidates, self.pairs, self.terms, self.particles.mass,
-                self.loading, self.step, n_steps - made, kicked,
+                self.loading, step, last - step, kicked,
             )[0]  # fmt: skip
             if tuple(compiled) != self.wanted:
                 raise RuntimeError(
                     f"the compiled solver holds the terms {dict(zip(TERM_NAMES, compiled, strict=True))}, the scene wants "
                     f"{dict(zip(TERM_NAMES, self.wanted, strict=True))}; delete the cache folder {cache_folder()} and run again"
                 )
-            failed, made, self.step = failed + new, made + done, self.step + done
+            failed, step = failed + new, step + done
             if not spent:
-                return failed, made
+                break
             self.candidates, self.pairs = renew_candidates(self.state, self.terms)
             kicked = True
+        self.steps_made += step - first
+        made = (step - first) // self.substeps
+        self.step += made
+        return failed, made
+
+    def measure_limit(self, turns: int) -> None:
+        """Measure the limit of the time step as the particles lie."""
+        frequency = stiffest_frequency(mode_of(self.state), self.pairs, self.terms, self.particles.mass, self.team[0].gradient, turns)
+        if turns:
+            self.limit = self.present_limit.seconds(frequency)
+
+    def _adapt(self) -> None:
+        """Divide the time step so that it keeps to the limit, if the scene wants that."""
+        adaptive = self.scene.numerics.adaptive_step
+        if adaptive is not None:
+            self._divide(max(1, math.ceil(self.scene.numerics.time_step / (adaptive.courant * self.limit))))
+
+    def _divide(self, substeps: int) -> None:
+        if substeps != self.substeps:
+            self.substeps = substeps
+            self.terms = make_terms(self.scene, self.particles, substeps)
+            self.loading = make_loading(self.scene, substeps)
 
     def balance(self) -> None:
         """Make the initial stress act from the first kick on: a step without loads, before the first, in which nothing moves.
@@ -134,7 +171,7 @@ class Run:
         loading, self.loading = self.loading, NO_LOADING
         self.step = -1
         self._advance(1)
-        self.loading = loading
+        self.step, self.loading = 0, loading
         self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
 
     def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
@@ -144,9 +181,10 @@ class Run:
         last = scene.steps(scene.gravity.duration if until == "gravity" else scene.duration)
         self.prepare()
         started = clock.perf_counter()
-        first_step = self.step
+        first_steps_made = self.steps_made
         status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
+            self._adapt()
             if scene.gravity.initial_stress == "geostatic":
                 self.balance()
             self._record()
@@ -158,17 +196,17 @@ class Run:
                 status, reason = "paused", "before the first failure"
                 break
             if done < block:
-                status, reason = "diverged", f"a particle jumped or is not a number at {self.step * self.terms.dt:.4f} s"
+                status, reason = "diverged", f"a particle jumped or is not a number at {self.time:.4f} s"
                 break
             self._record()
             if not self._series["maximum_speed"][-1] < MAX_SPEED_RATIO * scene.soil.p_wave_speed:
-                status, reason = "diverged", f"a particle is faster than V_p at {self.step * self.terms.dt:.4f} s"
+                status, reason = "diverged", f"a particle is faster than V_p at {self.time:.4f} s"
             if report is not None:
-                steps = (self.step - first_step) * self.state.x.size
+                steps = (self.steps_made - first_steps_made) * self.state.x.size
                 report(
                     Progress(
-                        self.step * self.terms.dt,
-                        last * self.terms.dt,
+                        self.time,
+                        last * scene.numerics.time_step,
                         steps,
                         clock.perf_counter() - started,
                         self._series["failed_fraction"][-1],
@@ -180,13 +218,18 @@ class Run:
             unfailed = not np.any(self.state.phase == FAILED)
             status = ("unfailed" if unfailed else "complete") if done_all else "paused"
             reason = rest if done_all else "at the end of the gravity stage"
-            if rest and self._frames["time"][-1] < self.step * self.terms.dt:
-                self._record_frame(self.step * self.terms.dt)
+            if rest and self._frames["time"][-1] < self.time:
+                self._record_frame()
         elapsed = clock.perf_counter() - started
-        return self._result(status, reason, elapsed, (self.step - first_step) * self.state.x.size)
+        return self._result(status, reason, elapsed, (self.steps_made - first_steps_made) * self.state.x.size)
 
     def _rest(self) -> str:
         return rest_reason(self.scene, self.step, self._series, self.state, float(self.particles.mass[: self.particles.n_soil].sum()))
+
+    @property
+    def time(self) -> float:
+        """Simulated time, s."""
+        return self.step * self.scene.numerics.time_step
 
     def _copy(self) -> tuple[Any, ...]:
         return State(*(a.copy() for a in self.state)), self.candidates, self.step
@@ -198,21 +241,23 @@ class Run:
 
     def _record(self) -> None:
         scene, state, n_soil = self.scene, self.state, self.particles.n_soil
-        time = self.step * self.terms.dt
         if self.step % scene.steps(scene.outputs.frame_interval) == 0:
-            self._record_frame(time)
+            if self.step:
+                self.measure_limit(TURNS)
+            self._record_frame()
+            self._adapt()
         soil = slice(0, n_soil)
         speed_square = state.vx[soil] ** 2 + state.vy[soil] ** 2
         work = state.work
         elastic = elastic_energy(state, self.terms, self.particles.mass)
         at = np.array(list(self.probes.values()), dtype=int)
         sample = {
-            "sample_time": time,
+            "sample_time": self.time,
             "probe_displacement_x": state.x[at] - self.particles.x[at],
             "probe_displacement_y": state.y[at] - self.particles.y[at],
             "probe_velocity_x": state.vx[at],
             "probe_velocity_y": state.vy[at],
-            "ground_acceleration": self.loading.ground[self.step],
+            "ground_acceleration": self.loading.ground[self.step * self.substeps],
             "kinetic_energy": 0.5 * float(self.particles.mass[soil] @ speed_square),
             "elastic_energy": elastic + work[REPULSION],
             "potential_energy": -work[GRAVITY],
@@ -224,12 +269,14 @@ class Run:
         for name, values in self._series.items():
             values.append(sample[name])
 
-    def _record_frame(self, time: float) -> None:
+    def _record_frame(self) -> None:
         state = self.state
         stress = np.empty((state.x.size, 4))
         cauchy_stress(state, self.terms, stress)
         frame = {
-            "time": time,
+            "time": self.time,
+            "time_step": self.terms.dt,
+            "time_step_limit": self.limit,
             "x": state.x,
             "y": state.y,
             "displacement_x": state.x - self.particles.x,
@@ -273,7 +320,7 @@ class Run:
         }
         ds = trajectory.dataset(arrays, list(self.probes), attrs)
         restart = xr.Dataset({name: (("row",) if name == "work" else ("particle",), a) for name, a in self.state._asdict().items()})
-        restart.attrs["step"] = self.step
+        restart.attrs |= {"step": self.step, "substeps": self.substeps}
         return Result(ds, restart, status)
 
     def _size(self, dim: str) -> int:
@@ -295,6 +342,7 @@ class Run:
         for name, array in self.state._asdict().items():
             array[...] = restart[name].values
         self.step = int(restart.attrs["step"])
+        self._divide(int(restart.attrs.get("substeps", 1)))
         for store in (self._frames, self._series):
             for name in store:
                 store[name] = list(old[name].values)

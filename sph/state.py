@@ -59,6 +59,8 @@ class State(NamedTuple):
     density_pairs: np.ndarray  # and densities
     x_candidates: np.ndarray  # positions at which the candidates were made
     y_candidates: np.ndarray
+    mode_x: np.ndarray  # shape of the stiffest mode, see sph.timestep
+    mode_y: np.ndarray
     work: np.ndarray  # (7,)
 
 
@@ -130,6 +132,7 @@ class Terms(NamedTuple):
 def initial_state(particles: Particles, density: float) -> State:
     """Unstressed particles at rest."""
     n = particles.x.size
+    generator = np.random.default_rng(0)
     zero = {name: np.zeros(n) for name in State._fields}
     start = {
         "x": particles.x.copy(),
@@ -143,15 +146,17 @@ def initial_state(particles: Particles, density: float) -> State:
         "density_pairs": np.full(n, density),
         "x_candidates": particles.x.copy(),
         "y_candidates": particles.y.copy(),
+        "mode_x": generator.normal(size=n),
+        "mode_y": generator.normal(size=n),
         "work": np.zeros(7),
     }
     return State(**(zero | start))
 
 
-def make_terms(scene: Scene, particles: Particles) -> Terms:
-    """Coefficients of a scene; every number is made a float so that one scene compiles one variant."""
+def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
+    """Coefficients of a scene whose time step is divided by ``substeps``; all floats, so that one scene compiles one variant."""
     soil, coupling, numerics = scene.soil, scene.coupling, scene.numerics
-    dt, dx = numerics.time_step, numerics.spacing
+    dt, dx = numerics.time_step / substeps, numerics.spacing
     kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
     cut = coupling.fluid_tension_limit
     cap = CapTerm(float(coupling.fluid.max_viscosity)) if isinstance(coupling.fluid, CappedViscosity) else None

@@ -39,6 +39,8 @@ PROBE = ("sample", "probe")
 
 VARIABLES: tuple[Variable, ...] = (
     Variable("time", ("frame",), "f8", "s", "time of the frame"),
+    Variable("time_step", ("frame",), "f8", "s", "time step up to the frame; at the first frame the one that follows"),
+    Variable("time_step_limit", ("frame",), "f8", "s", "limit of the time step for the particles as they lie, measured"),
     Variable("x0", ("particle",), "f8", "m", "initial horizontal position"),
     Variable("y0", ("particle",), "f8", "m", "initial height"),
     Variable("kind", ("particle",), "i1", "1", "0 soil, 1 base of the box, 2 side wall"),

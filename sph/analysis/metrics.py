@@ -189,6 +189,11 @@ METRICS: tuple[Variable, ...] = (
         "closing error of the energy budget: absolute change, from the first to the last sample, of kinetic + elastic + potential + "
         "dissipated energy - work of shaking, over the largest sum in time of the absolute values of the four energies",
     ),
+    _number(
+        "time_step_ratio",
+        "1",
+        "largest time step over its measured limit, over the frames; above 1 the limit was exceeded and the fastest modes may be wrong",
+    ),
     _number("wall_time", "s", "computing time of the run, its shared trunk included"),
     _number("particle_steps_per_second", "s-1", "particles times time steps over the computing time"),
 )
@@ -259,6 +264,7 @@ def _facts(trajectory: xr.Dataset, scene: Scene, status: str) -> dict[str, Value
         "diverged": int(status == "diverged"),
         "shaking_start": start,
         "shaking_end": end,
+        "time_step_ratio": float((trajectory["time_step"] / trajectory["time_step_limit"]).max()),
         "wall_time": float(trajectory.attrs["wall_time_s"]),
         "particle_steps_per_second": float(trajectory.attrs["particle_steps_per_second"]),
     }

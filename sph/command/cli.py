@@ -102,6 +102,13 @@ def run(
     print(
         f"{path}: {result.status}{reason}, {attrs['wall_time_s']:.1f} s, {attrs['particle_steps_per_second'] / 1e6:.2f} M particle-steps/s"
     )
+    ratio = float((result.trajectory["time_step"] / result.trajectory["time_step_limit"]).max())
+    if ratio > 1.0:
+        print(
+            f"sph: numerics.time_step was {ratio:.2f} times the limit measured on the particles as they lay; "
+            "choose a smaller one, or numerics.adaptive_step",
+            file=sys.stderr,
+        )
     if result.status == "diverged":
         raise typer.Exit(DIVERGED)
 

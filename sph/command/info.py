@@ -48,10 +48,11 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         ("time step", f"{numerics.time_step:g} s, {steps:,} steps"),
     ]
     for limit in limits(scene):
-        state = "ok" if numerics.time_step < limit.seconds else "EXCEEDED"
+        state = "ok" if numerics.time_step < limit.seconds else "EXCEEDED" if numerics.adaptive_step is None else "the step adapts"
         rows.append(
             (f"limit: {limit.name}", f"{limit.seconds:.2e} s ({limit.reason}): {state}, factor {limit.seconds / numerics.time_step:.1f}")
         )
+    rows.append(("limit: debris", "measured at every frame of a run, since particles out of their lattice are stiffer (time_step_limit)"))
     on = dict(zip(TERM_REASONS, wanted_terms(scene), strict=True))
     rows.append(("active terms", "; ".join(f"{name} [{TERM_REASONS[name]}]" for name in on if on[name]) or "none"))
     rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
