@@ -63,6 +63,8 @@ def synthetic(
     values: dict[str, Any] = {
         "time": frames,
         "sample_time": samples,
+        "time_step": np.full(frames.size, scene.numerics.time_step),
+        "time_step_limit": np.full(frames.size, 2.0 * scene.numerics.time_step),
         "x0": particles.x,
         "y0": particles.y,
         "kind": particles.kind,

@@ -248,7 +248,7 @@ class TestVerdicts:
         values = measure(synthetic(translation(-3.0), status="diverged"))
         assert (values["status"], values["diverged"], values["still_moving"]) == ("diverged", 1, 1)
         assert values["collapse_class"] == "undetermined"
-        kept = {"shaking_start", "shaking_end", "wall_time", "particle_steps_per_second"}
+        kept = {"shaking_start", "shaking_end", "time_step_ratio", "wall_time", "particle_steps_per_second"}
         assert nan_metrics(values) == {metric.name for metric in METRICS if metric.dtype == "f8"} - kept
 
     @pytest.mark.parametrize("status", ["paused", "odd"])
