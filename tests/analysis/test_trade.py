@@ -69,7 +69,7 @@ class TestConfiguration:
     def test_the_shipped_ladder_is_valid_and_covers_the_presets(self) -> None:
         config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
         shipped = load_trade("config/trade.yaml", config["fidelities"], [ROOT])
-        assert {row.rung for row in shipped.rows if row.knob == "preset"} == {"draft", "standard", "paper"}
+        assert {row.rung for row in shipped.rows if row.knob == "preset"} == {"draft", "standard", "paper", "fine"}
         assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
         assert all(row.runs and set(row.runs) <= set(shipped.runs) for row in shipped.rows)
         contents = [

@@ -41,7 +41,7 @@ def test_stages_do_not_depend_on_what_they_are_shared_by() -> None:
 
 
 def test_a_fidelity_lays_its_keys_over_the_scene() -> None:
-    assert plan({"fidelity": "standard"}).built().numerics.smoothing_ratio == 1.3
+    assert plan({"fidelity": "draft"}).built().numerics.smoothing_ratio == 1.3
     assert plan({}).built().numerics.smoothing_ratio == 2.3
 
 
@@ -53,7 +53,7 @@ def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
 @pytest.mark.parametrize(
     ("overrides", "wanted"),
     [
-        ({"fidelity": "best"}, ("fidelity", "best", "draft, standard, paper")),
+        ({"fidelity": "best"}, ("fidelity", "best", "draft, standard, paper, fine")),
         ({"grid": {"S_R": []}}, ("grid.S_R", "at least 1")),
         ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "one number twice")),
         ({"grid": {"gamma": ["fast"]}}, ("grid.gamma", "fast")),
@@ -79,6 +79,6 @@ def test_refusals_name_key_and_value(overrides: dict[str, Any], wanted: tuple[st
 
 def test_a_fidelity_is_checked_over_the_scene_and_not_over_the_chosen_fidelity() -> None:
     """An interval of 0.1 ms suits the scene's own time step and not that of the draft."""
-    fine = {"fidelities": {"fine": {"outputs": {"series_interval": 1e-4}}}}
-    assert plan(fine | {"fidelity": "draft"}).built().outputs.series_interval == 0.01
-    assert plan(fine | {"fidelity": "fine"}).built().outputs.series_interval == 1e-4
+    dense = {"fidelities": {"dense": {"outputs": {"series_interval": 1e-4}}}}
+    assert plan(dense | {"fidelity": "draft"}).built().outputs.series_interval == 0.01
+    assert plan(dense | {"fidelity": "dense"}).built().outputs.series_interval == 1e-4
