@@ -97,12 +97,12 @@ class Run:
         with compile_lock():
             check_time_step(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
-            self._advance(0)
+            self.advance_steps(0)
             renew_candidates(State(*(a.copy() for a in self.state)), self.terms)
             elastic_energy(self.state, self.terms, self.particles.mass)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
 
-    def _advance(self, n_steps: int) -> tuple[int, int]:
+    def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of steps; how many particles failed, and how many steps were made."""
         failed = made = 0
         kicked = False
@@ -135,7 +135,7 @@ class Run:
             self._record()
         while self.step < last and not status:
             saved = self._copy() if until == "first_failure" else None
-            failed, done = self._advance(block)
+            failed, done = self.advance_steps(block)
             if saved is not None and failed:
                 self._restore(saved)
                 status, reason = "paused", "before the first failure"
