@@ -23,6 +23,10 @@ from sph.jit import jit, rows
 from sph.kernels import evaluate, support
 
 
+SMALLEST_NORM = 1e-30
+"""kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
+
+
 class Candidates(NamedTuple):
     """Neighbours within support + skin, by rows: those of i are neighbour[start[i]:start[i + 1]]."""
 
@@ -38,7 +42,7 @@ class Pairs(NamedTuple):
     neighbour: np.ndarray  # (m,) uint32
     gx: np.ndarray  # (m,) m_j dW/dx, kg/m3, single or double precision
     gy: np.ndarray  # (m,) likewise
-    inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 where g = 0
+    inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 below SMALLEST_NORM
     sum_x: np.ndarray  # (n,) sum of gx over the row, kg/m3
     sum_y: np.ndarray  # (n,)
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
@@ -167,7 +171,7 @@ def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, co
             norm = -factor * r
             gxs[k] = factor * dx
             gys[k] = factor * dy
-            inverse_norms[k] = 1.0 / norm if norm > 0.0 else 0.0
+            inverse_norms[k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
             # The rounded values: the sums must be those of what is stored.
             gx = np.float64(gxs[k])
             gy = np.float64(gys[k])

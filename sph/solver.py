@@ -109,7 +109,7 @@ class Run:
             check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
-            self._advance(0)
+            self.advance_steps(0)
             self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
             renew_candidates(State(*(a.copy() for a in self.state)), self.terms)
             elastic_energy(self.state, self.terms, self.particles.mass)
@@ -120,7 +120,7 @@ class Run:
                 "choose a smaller step"
             )
 
-    def _advance(self, n_steps: int) -> tuple[int, int]:
+    def advance_steps(self, n_steps: int) -> tuple[int, int]:
         """Advance by a number of the scene's time steps; how many particles failed, and how many steps were made."""
         failed = 0
         first, last = self.step * self.substeps, (self.step + n_steps) * self.substeps
@@ -170,7 +170,7 @@ class Run:
         """
         loading, self.loading = self.loading, NO_LOADING
         self.step = -1
-        self._advance(1)
+        self.advance_steps(1)
         self.step, self.loading = 0, loading
         self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
 
@@ -190,7 +190,7 @@ class Run:
             self._record()
         while self.step < last and not status and not self._rest():
             saved = self._copy() if until == "first_failure" else None
-            failed, done = self._advance(block)
+            failed, done = self.advance_steps(block)
             if saved is not None and failed:
                 self._restore(saved)
                 status, reason = "paused", "before the first failure"

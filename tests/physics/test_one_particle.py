@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sph.configuration import dotted, merge
-from sph.coupling import cauchy_stress, update_stress
+from sph.coupling import CHUNK, cauchy_stress, update_stress
 from sph.integration import make_lists
 from sph.particles import place_particles
 from sph.scene import make_scene
@@ -29,8 +29,9 @@ class Bench(NamedTuple):
 
     def strain(self, gradient: tuple[float, float, float, float], step: int) -> int:
         """One step with the velocity gradient (xx, xy, yx, yy) in 1/s; the number of particles that fail."""
-        rows = self.state.density[:, None] * np.array(gradient)
-        return update_stress(self.state, self.pairs, self.terms, self.mass, rows, step)
+        sums = np.array(gradient)[:, None] * self.state.density
+        failed, _ = update_stress(self.state, self.pairs, self.terms, self.mass, sums, np.zeros(CHUNK), step * DT, 0, 4)
+        return failed
 
     def stress(self) -> np.ndarray:
         """(4, 4) stress xx, yy, zz, xy, tension positive, Pa."""

@@ -7,12 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from sph.integration import advance, make_lists
 from sph.kernels import evaluate, make_kernel
-from sph.motion import make_loading
 from sph.particles import place_particles
 from sph.scene import Scene, make_scene
-from sph.state import State, initial_state, make_terms
+from sph.solver import Run
+from sph.state import State
 
 PULSE_WIDTH = 7.0
 """Standard deviation of the Gaussian, m."""
@@ -41,17 +40,16 @@ def peak_times(scene: Scene, component: str, source: float, stations: list[float
     The initial velocity is a Gaussian in x of 0.01 m/s; it splits into two pulses of half the height,
     of which the right one is followed.  Peaks are refined by a parabola through three samples.
     """
-    particles = place_particles(scene)
-    state, terms, loading = initial_state(particles, scene.soil.density), make_terms(scene, particles), make_loading(scene)
+    run = Run(scene)
+    state, particles = run.state, run.particles
     velocity = state.vx if component == "x" else state.vy
     velocity[:] = 0.01 * np.exp(-0.5 * ((particles.x - source) / PULSE_WIDTH) ** 2)
     rows = np.abs(particles.y - 0.5 * scene.geometry.height) < 1.0
     listeners = [rows & (np.abs(particles.x - (source + station)) < 0.6) for station in stations]
-    candidates, pairs = make_lists(state, terms, particles.mass)
+    run.prepare()
     heard = []
-    for step in range(scene.steps(duration)):
-        candidates, pairs, failed, done, _ = advance(state, candidates, pairs, terms, particles.mass, loading, step, 1)
-        assert (failed, done) == (0, 1)
+    for _ in range(scene.steps(duration)):
+        assert run.advance_steps(1) == (0, 1)
         heard.append([velocity[listener].mean() for listener in listeners])
     signal = np.array(heard)
     times = []
