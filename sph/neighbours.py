@@ -22,7 +22,6 @@ import numpy as np
 from sph.jit import jit, rows
 from sph.kernels import evaluate, support
 
-
 SMALLEST_NORM = 1e-30
 """kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
 

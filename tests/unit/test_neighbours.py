@@ -181,9 +181,7 @@ def test_compression_repels() -> None:
 
 
 @settings(max_examples=25, deadline=None)
-@given(
-    seed=seeds, n=st.integers(2, 60), name=st.sampled_from(["cubic_spline", "wendland_c2"]), zero=st.sampled_from([DOUBLE, SINGLE])
-)
+@given(seed=seeds, n=st.integers(2, 60), name=st.sampled_from(["cubic_spline", "wendland_c2"]), zero=st.sampled_from([DOUBLE, SINGLE]))
 def test_gradients_and_sums_against_the_formula(seed: int, n: int, name: str, zero: np.floating) -> None:
     generator = np.random.default_rng(seed)
     x, y = generator.uniform(0, 5, (2, n))
