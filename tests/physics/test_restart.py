@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from comparison import VARIANTS, same_bits
 
 from sph import trajectory
 from sph.scene import Scene
@@ -18,25 +19,6 @@ Builder = Callable[[dict[str, Any]], Scene]
 
 TRUNK = {"coupling.S_R": 0.5, "coupling.gamma": 1.0}
 BRANCH = {"coupling.S_R": 0.1, "coupling.gamma": 100.0, "name": "branch"}
-VARIANTS = {
-    "default": {},
-    "gradient_correction": {"numerics.gradient_correction": {"min_determinant": 0.3}},
-    "free_slip": {"walls.sides": "free_slip", "walls.layers": 4},
-}
-
-
-def same_bits(one: Result, other: Result) -> None:
-    for a, b in ((one.trajectory, other.trajectory), (one.restart, other.restart)):
-        assert set(a.variables) == set(b.variables)
-        for name in a.variables:
-            left, right = a[name].values, b[name].values
-            assert left.dtype == right.dtype and left.shape == right.shape, name
-            if left.dtype.kind in "OUT":
-                assert left.tolist() == right.tolist()
-            else:
-                assert left.tobytes() == right.tobytes(), f"{name} differs by up to {np.nanmax(np.abs(left - right))}"
-    assert one.restart.attrs["step"] == other.restart.attrs["step"]
-    assert one.status == other.status
 
 
 def paused(path: Path, result: Result) -> Path:

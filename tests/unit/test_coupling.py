@@ -1,0 +1,119 @@
+"""The stress update in chunks: what a chunk holds, and where it begins, changes nothing but rounding."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+from sph.coupling import CHUNK, update_stress
+from sph.integration import make_lists
+from sph.particles import place_particles
+from sph.scene import Scene
+from sph.state import ARMED, FAILED, UNARMED, State, initial_state, make_terms
+
+Builder = Callable[[dict[str, Any]], Scene]
+
+TIME = 0.5
+"""s, after the gravity stage."""
+VARIANTS: dict[str, dict[str, Any]] = {
+    "default": {},
+    "gradient_correction": {"numerics.gradient_correction": {"min_determinant": 0.1}},
+    "capped viscosity": {"coupling.fluid": {"law": "capped_viscosity", "max_viscosity": 1e6}},
+    "no damping": {"damping": None},
+}
+
+
+class Mixture(NamedTuple):
+    """A block of soil in every state a particle can be in, and how to strain it."""
+
+    state: State
+    terms: Any
+    pairs: Any
+    mass: np.ndarray
+    gradient: np.ndarray
+
+    def strain(self, ranges: list[tuple[int, int]]) -> tuple[State, int, float]:
+        """A copy of the state strained over ranges of rows, the number of particles that failed and the internal work."""
+        state = State(*(array.copy() for array in self.state))
+        failed, internal = 0, 0.0
+        for first, last in ranges:
+            new, work = update_stress(state, self.pairs, self.terms, self.mass, self.gradient, np.full(CHUNK, np.nan), TIME, first, last)
+            failed, internal = failed + new, internal + work
+        return state, failed, internal
+
+
+def phases(n: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """Phase and solid weight of n particles: chunks of none failed, all, all with and some with a solid rest, one; and a mixture."""
+    phase, beta = np.full(n, ARMED, np.uint8), np.ones(n)
+    chunk = [slice(k * CHUNK, (k + 1) * CHUNK) for k in range(n // CHUNK + 1)]
+    phase[chunk[1]], beta[chunk[1]] = FAILED, 0.0
+    phase[chunk[2]], beta[chunk[2]] = FAILED, generator.uniform(0, 1, CHUNK)
+    phase[chunk[3]], beta[chunk[3]] = FAILED, np.where(generator.random(CHUNK) < 0.5, 0.0, 0.3)
+    phase[4 * CHUNK + 10] = FAILED
+    beta[4 * CHUNK + 10] = 0.5
+    rest = slice(5 * CHUNK, n)
+    phase[rest] = generator.choice([UNARMED, ARMED, FAILED], n - 5 * CHUNK)
+    beta[rest] = np.where(phase[rest] == FAILED, generator.choice([0.0, 0.7], n - 5 * CHUNK), 1.0)
+    return phase, beta
+
+
+@pytest.fixture(params=VARIANTS)
+def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
+    scene = free_block(
+        {"geometry.width": 20.0, "geometry.height": 20.0, "soil.cohesion": 150.0, "coupling.S_R": 0.25, "coupling.gamma": 10.0}
+        | VARIANTS[request.param]
+    )
+    particles = place_particles(scene)
+    n = particles.x.size
+    assert n == 6 * CHUNK + 16
+    generator = np.random.default_rng(4)
+    state, terms = initial_state(particles, scene.soil.density), make_terms(scene, particles)
+    _, pairs = make_lists(state, terms, particles.mass)
+    state.phase[:], state.beta[:] = phases(n, generator)
+    was = state.phase == FAILED
+    state.t_f[was] = 0.4
+    # From beyond the apex in tension (412 kPa) to pressures at which most deviators are elastic.
+    state.density[:] = scene.soil.density * (1 + generator.uniform(-6e5, 1.5e6, n) / scene.soil.bulk_modulus_si)
+    for name in ("solid_d", "solid_q", "solid_z"):
+        getattr(state, name)[:] = generator.normal(0, 1.2e5, n)
+        getattr(state, name.replace("solid", "fluid"))[was] = generator.normal(0, 3e4, np.count_nonzero(was))
+    for name in ("sxx", "syy", "sxy", "syx"):
+        getattr(state, name)[:] = generator.normal(0, 0.05, n)
+    return Mixture(state, terms, pairs, particles.mass, scene.soil.density * generator.normal(0, 2.0, (4, n)))
+
+
+def test_the_mixture_holds_every_case(mixture: Mixture) -> None:
+    state, failed, _ = mixture.strain([(0, mixture.mass.size)])
+    was, now = mixture.state.phase, state.phase
+    assert failed > 50
+    for before, after in ((UNARMED, UNARMED), (UNARMED, ARMED), (ARMED, ARMED), (ARMED, FAILED), (FAILED, FAILED)):
+        assert np.any((was == before) & (now == after))
+    tension = mixture.terms.bulk_modulus * (1 - state.density / mixture.terms.reference_density)
+    assert np.any(tension > mixture.terms.solid.tension_limit)
+
+
+@pytest.mark.parametrize("size", [1, 7, CHUNK, 100])
+def test_chunks_do_not_show(mixture: Mixture, size: int) -> None:
+    # Loops over chunks vectorise, rests do not, and a chunk without solid or fluid state is another loop: the same formulas with sums
+    # in another order.  A stress is a sum of some ten terms of at most the pressure's parts K rho / rho_0 and K, which cancel; the
+    # stresses themselves are 1 to 10 MPa with stiffness damping.
+    n = mixture.mass.size
+    whole, failed, internal = mixture.strain([(0, n)])
+    parts, failed_in_parts, internal_in_parts = mixture.strain([(k, min(k + size, n)) for k in range(0, n, size)])
+    pascal = 10 * np.finfo(float).eps * mixture.terms.bulk_modulus
+    assert pascal < 1e-5
+    per_square = pascal / mixture.terms.reference_density**2
+    tolerance = dict.fromkeys(("solid_d", "solid_q", "solid_z", "fluid_d", "fluid_q", "fluid_z"), pascal)
+    tolerance |= dict.fromkeys(("sxx", "syy", "sxy", "syx"), per_square)
+    tolerance |= {"density": 4 * np.finfo(float).eps * mixture.terms.reference_density}
+    matters = {name: whole.beta > 0.0 for name in ("solid_d", "solid_q", "solid_z")}
+    assert failed_in_parts == failed
+    for name, expected in whole._asdict().items():
+        found, rows = getattr(parts, name), matters.get(name, slice(None))
+        np.testing.assert_allclose(found[rows], expected[rows], rtol=0, atol=tolerance.get(name, 0.0), err_msg=name)
+    # Power sums cancel: their rounding is that of the largest terms.
+    size_of_work = 0.5 * np.abs(mixture.gradient).sum(axis=0) @ (mixture.mass * 4 * np.abs(whole.sxx).max())
+    assert internal_in_parts == pytest.approx(internal, abs=n * np.finfo(float).eps * size_of_work)
