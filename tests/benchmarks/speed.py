@@ -4,169 +4,221 @@ Runs the paper's scene (2,404 particles, support 4.6 m, about 60 neighbours) to 
 collapse, S_R 0.10 and gamma 100, and reports particle-steps/s and directed neighbour interactions/s
 averaged over the run, start of the gravity stage to arrest.  At a few moments the run is interrupted
 and the parts of a time step are timed one by one on its state; this time is taken off again.
+
+Two stages are told apart: the elastic one, while gravity is brought on and nothing fails, and the collapse.  Python needs some
+10 us to call a compiled function, which a step inside the solver does not pay: each part is also called for no rows at all, and
+that time is subtracted.
 """
 
 from __future__ import annotations
 
-import argparse
-import json
+import copy
 import platform
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from measuring import command_line, hand_out, medians, paper
 
-from sph.configuration import dotted
 from sph.coupling import update_stress
-from sph.integration import advance, kick_and_drift, make_lists
-from sph.momentum import stress_accelerations, velocity_gradients
+from sph.integration import kick_and_drift, make_lists
+from sph.momentum import add_repulsion, stress_accelerations, velocity_gradients
 from sph.neighbours import update_pairs
-from sph.scene import Scene, load_scene
+from sph.scene import Scene
 from sph.solver import Progress, Run
 from sph.state import State
 
-PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
-PARTS = ("velocity_gradients", "stress_accelerations", "update_stress", "kick_and_drift", "update_pairs")
-REPEATS = 20
+LOOPS = ("velocity_gradients", "stress_accelerations")
+PARTS = (*LOOPS, "update_stress", "kick_and_drift", "add_repulsion", "update_pairs")
+STAGES = ("elastic", "collapse")
 PROBED_STEPS = 50
 
 
-def copy(state: State) -> State:
-    return State(*(array.copy() for array in state))
+def twin(run: Run) -> Run:
+    """The same moment of a run, which can go on without the run noticing."""
+    other = copy.copy(run)
+    other.state = State(*(array.copy() for array in run.state))
+    other.candidates, other.pairs = make_lists(other.state, run.terms, run.particles.mass)
+    return other
 
 
-def seconds(call: Callable[[], Any]) -> float:
-    """Seconds of a call: the median of ``REPEATS``, after one to warm up."""
-    call()
-    times = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        call()
-        times.append(time.perf_counter() - start)
-    return float(np.median(times))
+def part_calls(run: Run) -> dict[str, Callable[[int], Any]]:
+    """Each part of a time step, to be called with the number of rows; those that change the state have a copy of their own."""
+    terms, mass, loading, team = run.terms, run.particles.mass, run.loading, run.team[0]
+    still, strained, moved, pushed = (twin(run) for _ in range(4))
+    pairs, now = still.pairs, min(run.step, loading.time.size - 1)
+    loads = float(loading.ground[now]), float(loading.gravity[now]), float(loading.extra_damping[now])
+    state = still.state
+    return {
+        "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms.viscosity, team.gradient, 0, n),
+        "stress_accelerations": lambda n: stress_accelerations(state, pairs, terms.correction, 0, min(n, terms.n_soil)),
+        "update_stress": lambda n: update_stress(
+            strained.state, pairs, terms, mass, team.gradient, team.reached, float(loading.time[now]), 0, n
+        ),
+        "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),
+        "add_repulsion": lambda n: add_repulsion(terms.repulsion, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)),
+        "one_update_pairs": lambda n: update_pairs(
+            pairs, still.candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction, 0, n
+        ),
+    }
+
+
+def renewals(run: Run) -> float:
+    """How often in a time step pairs are renewed, over the next ``PROBED_STEPS``."""
+    probe = twin(run)
+    steps = min(PROBED_STEPS, run.loading.time.size - 1 - run.step)
+    count = 0
+    for _ in range(steps):
+        before = probe.state.x_pairs.copy(), probe.state.y_pairs.copy()
+        probe.advance_steps(1)
+        count += not (np.array_equal(before[0], probe.state.x_pairs) and np.array_equal(before[1], probe.state.y_pairs))
+    return count / steps if steps else 0.0
 
 
 def time_parts(run: Run) -> dict[str, float]:
-    """Seconds a time step of each part, on copies of the run's state; and how often the pairs are renewed."""
-    terms, mass, loading = run.terms, run.particles.mass, run.loading
-    state = copy(run.state)
-    candidates, pairs = make_lists(state, terms, mass)
-    gradient = np.empty((state.x.size, 4))
-    ground, gravity, extra = (float(history[min(run.step, history.size - 1)]) for history in loading)
-    velocity_gradients(state, pairs, terms.viscosity, gradient)
-    found = {
-        "velocity_gradients": seconds(lambda: velocity_gradients(state, pairs, terms.viscosity, gradient)),
-        "stress_accelerations": seconds(lambda: stress_accelerations(state, pairs, terms.correction, 0, terms.n_soil)),
+    """Seconds a time step of each part on copies of the run's state, without the cost of a call; neighbours and renewals."""
+    calls = part_calls(run)
+    n = run.state.x.size
+    timed = {name: (lambda call=call: call(n)) for name, call in calls.items()}
+    empty = {f"no {name}": (lambda call=call: call(0)) for name, call in calls.items()}
+    found = medians(timed | empty)
+    parts = {name: max(found[name] - found[f"no {name}"], 0.0) for name in calls}
+    parts["call"] = float(np.median([found[name] for name in empty]))
+    parts["renewals_per_step"] = renewals(run)
+    parts["update_pairs"] = parts["one_update_pairs"] * parts["renewals_per_step"]
+    parts["neighbours"] = float((run.pairs.end - run.pairs.start).mean())
+    return parts
+
+
+class Watch:
+    """Interrupts a run at moments spread evenly over each stage, and keeps apart the time that this takes."""
+
+    def __init__(self, run: Run, moments: int) -> None:
+        end, last = run.scene.gravity.duration, run.scene.duration
+        self.run = run
+        self.elastic_end = end + 0.5 * run.terms.dt
+        self.due = [start + (k + 0.5) * length / moments for start, length in ((0.0, end), (end, last - end)) for k in range(moments)]
+        self.samples: dict[str, list[dict[str, float]]] = {stage: [] for stage in STAGES}
+        self.away = 0.0
+        self.elastic_wall = 0.0
+
+    def __call__(self, progress: Progress) -> None:
+        stage = STAGES[progress.time > self.elastic_end]
+        if stage == "elastic":
+            self.elastic_wall = progress.elapsed - self.away
+        if self.due and progress.time >= self.due[0]:
+            start = time.perf_counter()
+            self.samples[stage].append(time_parts(self.run))
+            self.due.pop(0)
+            self.away += time.perf_counter() - start
+
+
+def split(samples: list[dict[str, float]], steps: int, wall: float) -> dict[str, Any]:
+    """A stage's time step in its parts, us, and the share of the two loops over neighbours."""
+    mean = {name: float(np.mean([sample[name] for sample in samples])) for name in samples[0]}
+    step = wall / steps
+    parts = {name: mean[name] for name in PARTS}
+    parts["rest"] = step - sum(parts.values())
+    return {
+        "steps": steps,
+        "wall_time_s": wall,
+        "moments": len(samples),
+        "step_us": 1e6 * step,
+        "split_us": {name: 1e6 * value for name, value in parts.items()},
+        "loops_share": sum(mean[name] for name in LOOPS) / step,
+        "call_us": 1e6 * mean["call"],
+        "neighbours_mean": mean["neighbours"],
+        "renewals_per_step": mean["renewals_per_step"],
+        "one_update_pairs_us": 1e6 * mean["one_update_pairs"],
     }
-    # These three change the state: each has a copy of its own.
-    strained, moved = copy(run.state), copy(run.state)
-    found["update_stress"] = seconds(lambda: update_stress(strained, pairs, terms, mass, gradient, run.step))
-    found["kick_and_drift"] = seconds(lambda: kick_and_drift(moved, terms, mass, ground, gravity, extra))
-    one_update = seconds(
-        lambda: update_pairs(pairs, candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction)
-    )
-    renewals = 0
-    steps = min(PROBED_STEPS, loading.ground.size - 1 - run.step)
-    probe = copy(run.state)
-    candidates, pairs = make_lists(probe, terms, mass)
-    for step in range(run.step, run.step + steps):
-        before = probe.x_pairs.copy(), probe.y_pairs.copy()
-        candidates, pairs, *_ = advance(probe, candidates, pairs, terms, mass, loading, step, 1)
-        renewals += not (np.array_equal(before[0], probe.x_pairs) and np.array_equal(before[1], probe.y_pairs))
-    found["renewals_per_step"] = renewals / steps if steps else 0.0
-    found["update_pairs"] = one_update * found["renewals_per_step"]
-    found["one_update_pairs"] = one_update
-    found["neighbours"] = float((run.pairs.end - run.pairs.start[:-1]).mean())
-    return found
 
 
-def measure(scene: Scene, moments: int = 12) -> dict[str, Any]:
+def joined(stages: dict[str, dict[str, Any]]) -> dict[str, Any]:
+    """Both stages together: times and counts a step are means over the steps."""
+    steps = sum(stage["steps"] for stage in stages.values())
+
+    def mean(value: Callable[[dict[str, Any]], float]) -> float:
+        return sum(stage["steps"] * value(stage) for stage in stages.values()) / steps
+
+    parts = {name: mean(lambda stage, name=name: stage["split_us"][name]) for name in (*PARTS, "rest")}  # type: ignore[misc]
+    names = ("step_us", "call_us", "neighbours_mean", "renewals_per_step", "one_update_pairs_us")
+    whole = {name: mean(lambda stage, name=name: stage[name]) for name in names}  # type: ignore[misc]
+    whole |= {"steps": steps, "split_us": parts, "loops_share": sum(parts[name] for name in LOOPS) / whole["step_us"]}
+    return whole | {name: sum(stage[name] for stage in stages.values()) for name in ("wall_time_s", "moments")}
+
+
+def measure(scene: Scene, moments: int) -> dict[str, Any]:
     """Run a scene and return its speed; every number is named with its unit."""
     # Compiles or loads everything, so that the run below does not.
-    Run(scene.model_copy(update={"duration": scene.outputs.series_interval})).go()
+    first = Run(scene.model_copy(update={"duration": scene.outputs.series_interval}))
+    first.go()
+    time_parts(first)
 
     run = Run(scene)
-    samples: list[dict[str, float]] = []
-    away = [0.0]
-    next_time = [scene.duration / (2 * moments)]
-
-    def look(progress: Progress) -> None:
-        if progress.time < next_time[0] or len(samples) == moments:
-            return
-        start = time.perf_counter()
-        samples.append(time_parts(run))
-        next_time[0] += scene.duration / moments
-        away[0] += time.perf_counter() - start
-
-    result = run.go(report=look)
+    watch = Watch(run, moments)
+    result = run.go(report=watch)
     attrs = result.trajectory.attrs
-    wall = float(attrs["wall_time_s"]) - away[0]
-    particle_steps = int(attrs["particle_steps"])
     particles = result.trajectory.sizes["particle"]
-    steps = particle_steps // particles
-    mean = {name: float(np.mean([sample[name] for sample in samples])) for name in samples[0]}
-    step_seconds = wall / steps
-    split = {name: mean[name] for name in PARTS}
-    split["rest"] = step_seconds - sum(split.values())
+    elastic_steps = scene.steps(scene.gravity.duration)
+    wall = float(attrs["wall_time_s"]) - watch.away
+    stages = {
+        "elastic": split(watch.samples["elastic"], elastic_steps, watch.elastic_wall),
+        "collapse": split(watch.samples["collapse"], run.step - elastic_steps, wall - watch.elastic_wall),
+    }
+    whole = joined(stages)
+    particle_steps = int(attrs["particle_steps"])
     return {
         "scene": scene.name,
         "status": result.status,
         "machine": platform.machine(),
         "active_terms": attrs["active_terms"],
         "particles": particles,
-        "steps": steps,
         "particle_steps": particle_steps,
-        "wall_time_s": wall,
         "failed_fraction": float(result.trajectory["failed_fraction"][-1]),
         "probe_displacement_y_m": float(result.trajectory["probe_displacement_y"][-1, 0]),
-        "neighbours_mean": mean["neighbours"],
         "particle_steps_per_second": particle_steps / wall,
-        "interactions_per_second": mean["neighbours"] * particle_steps / wall,
-        "renewals_per_step": mean["renewals_per_step"],
-        "one_update_pairs_us": 1e6 * mean["one_update_pairs"],
-        "step_us": 1e6 * step_seconds,
-        "split_us": {name: 1e6 * value for name, value in split.items()},
-        "moments": len(samples),
+        "interactions_per_second": whole["neighbours_mean"] * particle_steps / wall,
+        **whole,
+        "stages": stages,
     }
 
 
 def table(found: dict[str, Any]) -> str:
     """The numbers as text."""
+    columns = {"whole run": found, **found["stages"]}
     lines = [
         f"{found['scene']}: {found['particles']:,} particles, {found['steps']:,} steps, {found['status']}, "
         f"{found['failed_fraction']:.0%} failed, A {found['probe_displacement_y_m']:.2f} m",
         f"active terms: {found['active_terms']}",
         f"wall time               {found['wall_time_s']:10.2f} s",
         f"particle-steps          {found['particle_steps_per_second'] / 1e6:10.3f} M/s",
-        f"neighbours              {found['neighbours_mean']:10.1f} (directed, mean over {found['moments']} moments)",
+        f"neighbours              {found['neighbours_mean']:10.1f} (directed, mean over the run)",
         f"interactions            {found['interactions_per_second'] / 1e6:10.1f} M/s (a directed pair in a time step)",
-        f"time step               {found['step_us']:10.1f} us, of which",
+        f"pairs are renewed {found['renewals_per_step']:.2f} times a step, {found['one_update_pairs_us']:.0f} us each; "
+        f"a call from Python of {found['call_us']:.1f} us is not counted",
+        " " * 24 + "".join(f"{name:>20s}" for name in columns),
+        "time step, us           " + "".join(f"{column['step_us']:20.1f}" for column in columns.values()),
     ]
-    for name, value in found["split_us"].items():
-        lines.append(f"  {name:22s}{value:10.1f} us  {value / found['step_us']:6.1%}")
-    lines.append(f"pairs are renewed {found['renewals_per_step']:.2f} times a step, {found['one_update_pairs_us']:.0f} us each")
+    for name in found["split_us"]:
+        parts = ((column["split_us"][name], column["step_us"]) for column in columns.values())
+        lines.append(f"  {name:22s}" + "".join(f"{part:12.1f} {part / step:7.1%}" for part, step in parts))
+    lines.append("the two loops           " + "".join(f"{column['loops_share']:20.1%}" for column in columns.values()))
     return "\n".join(lines)
 
 
-def main(arguments: list[str] | None = None) -> dict[str, Any]:
+def main(arguments: list[str] | None = None) -> None:
     """Parse the command line, measure, print a table and write JSON."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line(__doc__)
     parser.add_argument("--duration", type=float, help="simulated time, s (default: the scene's)")
-    parser.add_argument("--moments", type=int, default=12, help="how often the parts are timed")
-    parser.add_argument("--json", type=Path, help="file for the numbers")
+    parser.add_argument("--moments", type=int, default=6, help="how often the parts are timed in each stage")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another value for a key of the scene")
     options = parser.parse_args(arguments)
     overrides: dict[str, Any] = {"coupling.S_R": 0.10, "coupling.gamma": 100.0}
     if options.duration is not None:
         overrides["duration"] = options.duration
-    overrides |= dict(setting.split("=", 1) for setting in options.set)
-    found = measure(load_scene(PAPER, dotted(overrides)), options.moments)
-    print(table(found))
-    if options.json is not None:
-        options.json.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
-    return found
+    found = measure(paper(overrides, options.set), options.moments)
+    hand_out(found, table(found), options.json)
 
 
 if __name__ == "__main__":

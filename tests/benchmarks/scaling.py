@@ -1,0 +1,92 @@
+"""Cost of a particle-step from 2,400 to some 300,000 particles: ``python tests/benchmarks/scaling.py [--json FILE]``.
+
+The paper's slope at ever finer spacing, while gravity is brought on: the same physics everywhere, with pairs that stay.
+What renewing the lists costs, once, is reported beside it.  Sizes take turns, so that a busy machine slows all alike.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from measuring import at_rest, command_line, hand_out, medians
+
+from sph.integration import renew_candidates, renew_pairs
+from sph.solver import Run
+
+SPACINGS = (1.0, 0.5, 0.25, 0.15, 0.083)
+PARTICLE_STEPS = 400_000
+"""Particle-steps in a turn, or 4 steps where that is more."""
+
+
+def measure(spacings: list[float], repeats: int, particle_steps: int) -> list[dict[str, Any]]:
+    """Nanoseconds of a particle-step, an interaction and a renewal of pairs and of candidates, by spacing."""
+    runs = [at_rest(spacing) for spacing in spacings]
+    sizes = [run.state.x.size for run in runs]
+    steps = [max(4, particle_steps // n) for n in sizes]
+    advanced = [0 for _ in runs]
+
+    def advance(k: int) -> None:
+        failed, done = runs[k].advance_steps(steps[k])
+        assert (failed, done) == (0, steps[k])
+        advanced[k] += done
+
+    found = medians({str(k): (lambda k=k: advance(k)) for k in range(len(runs))}, repeats)
+    return [
+        {
+            "spacing_m": spacing,
+            "particles": n,
+            "neighbours_mean": (neighbours := float((run.pairs.end - run.pairs.start).mean())),
+            "steps": advanced[k],
+            "particle_step_ns": (cost := 1e9 * found[str(k)] / steps[k] / n),
+            "interaction_ns": cost / neighbours,
+            **{f"{name}_ns": 1e9 * seconds / n for name, seconds in renewals(run).items()},
+        }
+        for k, (spacing, run, n) in enumerate(zip(spacings, runs, sizes, strict=True))
+    ]
+
+
+def renewals(run: Run) -> dict[str, float]:
+    """Seconds of one renewal of the pairs and of the candidates."""
+    mass, n = run.particles.mass, run.state.x.size
+    return medians(
+        {
+            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, mass, 0, n),
+            "renew_candidates": lambda: renew_candidates(run.state, run.terms),
+        },
+        repeats=3,
+    )
+
+
+def with_ratios(sizes: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The same with the cost over that of the first size."""
+    first = sizes[0]
+    return [
+        size | {f"{name}_ratio": size[f"{name}_ns"] / first[f"{name}_ns"] for name in ("particle_step", "interaction")} for size in sizes
+    ]
+
+
+def table(sizes: list[dict[str, Any]]) -> str:
+    """The numbers as text."""
+    lines = [f"{'particles':>10s}{'neighbours':>12s}{'particle-step, ns':>20s}{'ratio':>7s}{'interaction, ns':>17s}{'ratio':>7s}"
+             f"{'pairs, ns':>12s}{'candidates, ns':>16s}"]  # fmt: skip
+    for size in sizes:
+        lines.append(
+            f"{size['particles']:10,d}{size['neighbours_mean']:12.1f}{size['particle_step_ns']:20.1f}{size['particle_step_ratio']:7.2f}"
+            f"{size['interaction_ns']:17.3f}{size['interaction_ratio']:7.2f}{size['renew_pairs_ns']:12.0f}{size['renew_candidates_ns']:16.0f}"
+        )
+    return "\n".join([*lines, "pairs, candidates: a renewal, for each particle"])
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Parse the command line, measure, print a table and write JSON."""
+    parser = command_line(__doc__)
+    parser.add_argument("--spacing", type=float, nargs="+", default=SPACINGS, help="of the particles, m, coarsest first")
+    parser.add_argument("--repeats", type=int, default=9, help="turns of which the median is taken")
+    parser.add_argument("--particle-steps", type=int, default=PARTICLE_STEPS, help="in a turn, or 4 steps")
+    options = parser.parse_args(arguments)
+    sizes = with_ratios(measure(list(options.spacing), options.repeats, options.particle_steps))
+    hand_out({"sizes": sizes, "largest_ratio": max(size["particle_step_ratio"] for size in sizes)}, table(sizes), options.json)
+
+
+if __name__ == "__main__":
+    main()
