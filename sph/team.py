@@ -26,7 +26,7 @@ BLOCK = 256
 
 ARRIVED, ROUND = 0, 8
 """Places in the barrier's array, on cache lines of their own."""
-PATIENCE = 10_000
+PATIENCE = 1_000
 """Looks at the barrier before a waiting thread lets others use its core."""
 
 
