@@ -28,13 +28,15 @@ class Expected(NamedTuple):
 
     displacement: float
     runout: float
+    from_baseline: tuple[float, float]  # displacement and run-out against the baseline, the paper's settings
     rung: str  # knob and label
 
     def sentence(self) -> str:
         """The expectation in words."""
         return (
             f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the ladder's "
-            f"reference (measured on the ladder's slope, {self.rung})"
+            f"finest run, {percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of the paper's settings "
+            f"(measured on the ladder's slope, {self.rung})"
         )
 
 
@@ -62,7 +64,12 @@ def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected 
     wanted = settings_text(scheme(scene))
     for rung in summary(table):
         if rung.scheme == wanted and rung.every_case and rung.finished:
-            return Expected(rung.errors["displacement"], rung.errors["runout"], rung.name)
+            return Expected(
+                rung.errors["displacement"],
+                rung.errors["runout"],
+                (rung.baseline_errors["displacement"], rung.baseline_errors["runout"]),
+                rung.name,
+            )
     return None
 
 
@@ -84,7 +91,8 @@ def expected_metrics(scene: Scene) -> dict[str, float]:
 def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(QUANTITIES)) -> Advice:
     """The cheapest rung whose largest deviation stays within an error in every case and whose class agrees; else the most accurate one.
 
-    The reference itself is no answer, nor is a rung that was not run in every case.  Raises ValueError for a negative error, an unknown
+    The reference itself is no answer, nor is a rung that was not run in every case, that changes the model (its errors may cancel others),
+    or whose time step exceeded the limit measured on the way.  Raises ValueError for a negative error, an unknown
     quantity and a table without a rung to choose from.
     """
     if not 0 <= error < math.inf:
@@ -94,7 +102,8 @@ def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(
             raise ValueError(f"quantity: {name!r} must be one of {', '.join(QUANTITIES)}")
     rungs = summary(table)
     references = {rung.scheme for rung in rungs if rung.reference}
-    known = [rung for rung in rungs if rung.scheme not in references and rung.every_case and rung.finished]
+    sound = [rung for rung in rungs if rung.changes == "accuracy" and rung.time_step_ratio <= 1.0]
+    known = [rung for rung in sound if rung.scheme not in references and rung.every_case and rung.finished]
     if not known:
         raise ValueError("table: no rung but the reference was run to its end in every case")
 

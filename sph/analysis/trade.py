@@ -11,7 +11,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -46,6 +46,9 @@ class Knob(Extent):
     """One thing to turn, and its positions."""
 
     about: str = key("what the knob does, one sentence", min_length=1)
+    changes: Literal["accuracy", "model"] = key(
+        "accuracy: how well the scene is computed; model: what is computed, which 'sph advise' leaves alone", default="accuracy"
+    )
     base: Overrides = key("scene keys of all its rungs", default={})
     rungs: dict[Label, Overrides] = key("scene keys of each rung, by label", min_length=1)
     exceptions: dict[Label, Extent] = key("rungs that are run less than the others, by label", default={})
@@ -119,6 +122,7 @@ class Rung(NamedTuple):
     knob: str
     rung: str
     case: str
+    changes: str  # accuracy or model
     settings: Overrides  # scene keys of the rung over the scene file
     scheme: Overrides  # see the function
     timed: bool
@@ -146,7 +150,8 @@ class Ladder:
                 content = built.model_dump_json(exclude={"name", "title"})
                 stem = stems.setdefault(content, f"{knob}/{file_name(label)}/{file_name(case)}")
                 repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
-                found.append((knob, label, case, settings, scheme(built), stem))
+                changes = trade.knobs[knob].changes if knob in trade.knobs else "accuracy"
+                found.append((knob, label, case, changes, settings, scheme(built), stem))
                 self.runs |= {f"{stem}_{number}": scene for number in range(1, repeats[stem] + 1) if f"{stem}_{number}" not in self.runs}
         reference = (trade.reference.knob, trade.reference.rung)
         self.rows = [
@@ -154,13 +159,14 @@ class Ladder:
                 knob,
                 label,
                 case,
+                changes,
                 settings,
                 how,
                 case == trade.timed_case,
                 (knob, label) == reference,
                 tuple(f"{stem}_{number}" for number in range(1, repeats[stem] + 1)),
             )
-            for knob, label, case, settings, how, stem in found
+            for knob, label, case, changes, settings, how, stem in found
         ]
         missing = set(trade.cases) - {row.case for row in self.rows if row.reference}
         if missing:

@@ -43,6 +43,7 @@ TRADE: tuple[Variable, ...] = (
     _text("knob", f"what is turned; '{PRESETS}' for the fidelities of the study"),
     _text("rung", "its position"),
     _text("case", "point of the study"),
+    _text("changes", "accuracy: how well the scene is computed; model: what is computed"),
     _text("settings", "scene keys that the rung sets over the scene file, as JSON"),
     _text("scheme", "how the run is simulated: scene keys, but for what is simulated, that differ from their defaults, as JSON"),
     _text("machine", "processor and number of cores of the machine that made the table"),
@@ -56,6 +57,7 @@ TRADE: tuple[Variable, ...] = (
     _metric("runout"),
     _number("onset_after_start", "s", "onset_time minus shaking_start; NaN if the probe's motion never begins"),
     _metric("energy_error"),
+    _metric("time_step_ratio"),
     _number("spacing", "m", "initial particle spacing"),
     Variable("particles", ROW, "i4", "1", "number of particles, those of the box included"),
     Variable("steps", ROW, "i4", "1", "number of time steps made"),
@@ -104,6 +106,7 @@ def _row(row: Rung, runs: Sequence[Mapping[str, Any]], machine: str) -> dict[str
         "knob": row.knob,
         "rung": row.rung,
         "case": row.case,
+        "changes": row.changes,
         "settings": settings_text(row.settings),
         "scheme": settings_text(row.scheme),
         "machine": machine,
@@ -134,6 +137,22 @@ def read_trade(path: Path | str) -> pd.DataFrame:
     return frame
 
 
+def against(frame: pd.DataFrame, fidelity: str) -> pd.DataFrame:
+    """The table with a fidelity for its reference; ValueError names one that was not measured in every case."""
+    presets = frame[frame["knob"] == PRESETS]
+    own = presets[presets["rung"] == fidelity].set_index("case")
+    if set(own.index) != set(frame["case"]):
+        raise ValueError(f"fidelity: {fidelity!r} must be one of {', '.join(dict.fromkeys(presets['rung']))}, measured in every case")
+    at = own.loc[frame["case"]]
+    found = frame.assign(
+        reference=((frame["knob"] == PRESETS) & (frame["rung"] == fidelity)).astype(int),
+        class_as_reference=(frame["collapse_class"].to_numpy() == at["collapse_class"].to_numpy()).astype(int),
+    )
+    for name, metric in QUANTITIES.items():
+        found[f"{name}_deviation"] = [_deviation(*pair) for pair in zip(frame[metric], at[metric], strict=True)]
+    return found
+
+
 class Summary(NamedTuple):
     """A rung with its cases put together."""
 
@@ -145,9 +164,12 @@ class Summary(NamedTuple):
     cost: float  # computing time of the timed case, s
     particle_steps_per_second: float  # of the timed case
     errors: dict[str, float]  # largest absolute deviation over the cases by quantity; NaN if one diverged
+    baseline_errors: dict[str, float]  # the same from the baseline
     cases: int  # how many it ran in
     classes_agree: int  # in how many the class is that of the reference
     every_case: bool  # it ran in every case of the ladder
+    changes: str  # accuracy or model
+    time_step_ratio: float  # largest over the cases
 
     @property
     def name(self) -> str:
@@ -175,13 +197,20 @@ def summary(frame: pd.DataFrame) -> list[Summary]:
                 bool(timed["reference"]),
                 float(timed["wall_time"]),
                 float(timed["particle_steps_per_second"]),
-                {name: float(np.abs(rows[f"{name}_deviation"].to_numpy()).max()) for name in QUANTITIES},
+                _largest(rows, ""),
+                _largest(rows, "_from_baseline"),
                 len(rows),
                 int(rows["class_as_reference"].sum()),
                 len(rows) == cases,
+                timed["changes"],
+                float(rows["time_step_ratio"].max()),
             )
         )
     return rungs
+
+
+def _largest(rows: pd.DataFrame, suffix: str) -> dict[str, float]:
+    return {name: float(np.abs(rows[f"{name}_deviation{suffix}"].to_numpy()).max()) for name in QUANTITIES}
 
 
 def non_dominated(cost: np.ndarray, error: np.ndarray) -> np.ndarray:

@@ -24,7 +24,7 @@ def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.Data
     return [
         head,
         f"  {found.rung.name}, {found.rung.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
-        f"  {errors}, against {reference.name} ({reference.cost:.3g} s), which has an error of its own",
+        f"  {errors}, against {reference.name} ({reference.cost:.3g} s a run)",
         f"  command line  {options}",
         f"  fidelity      {one_line(found.settings)}",
     ]

@@ -164,15 +164,18 @@ def metrics(
     Console().print(table)
 
 
-@app.command(epilog="Examples:  sph advise --error 10%  |  sph advise --error 0.05 --quantity runout --table results/trade/trade.csv")
+@app.command(
+    epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table results/trade/trade.csv"
+)
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
+    of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the ladder's finest run by default")] = None,
     table: Annotated[Path | None, typer.Option(help="a ladder's trade.csv; the one measured for this release by default")] = None,
 ) -> None:
     """Name the cheapest measured setting within an error; exit code 2 and the best there is if none is."""
     from sph.analysis import advice
-    from sph.analysis.trade_table import QUANTITIES, WORDS, read_trade
+    from sph.analysis.trade_table import QUANTITIES, WORDS, against, read_trade
     from sph.command.advise import lines
 
     with refusals():
@@ -182,6 +185,8 @@ def advise(
         measured = read_trade(table) if table else advice.shipped_table()
         if measured is None:
             raise ValueError(advice.NOT_MEASURED_YET)
+        if of is not None:
+            measured = against(measured, of)
         wanted = tuple(QUANTITIES) if quantity == "both" else (quantity,)
         found = advice.advise(measured, limit, wanted)
     print("\n".join(lines(found, limit, [WORDS[name] for name in wanted], measured)))

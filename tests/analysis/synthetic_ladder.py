@@ -78,6 +78,7 @@ def runs_of(made: Ladder, **changes: Mapping[str, Any]) -> dict[str, dict[str, A
             "onset_time": 4.5,
             "shaking_start": 3.0,
             "energy_error": 1e-4,
+            "time_step_ratio": 0.5,
             "wall_time": COSTS[like] * (0.9 + 0.1 * int(name[-1])),
             "particle_steps_per_second": 1e7,
             "particles": 100,

@@ -25,7 +25,7 @@ from sph.analysis.machine import machine_class
 from sph.analysis.metrics import MetricSettings
 from sph.analysis.tables import flat_dataset, write_csv
 from sph.analysis.trade import Rung, load_trade, scheme
-from sph.analysis.trade_table import COLUMNS, ladder_table, measured_run, non_dominated, read_trade, summary
+from sph.analysis.trade_table import COLUMNS, against, ladder_table, measured_run, non_dominated, read_trade, summary
 from sph.analysis.trade_table import TRADE as VARIABLES
 from sph.command.advise import flat
 from sph.command.cli import app, parse_settings
@@ -215,7 +215,9 @@ class TestTable:
         run.attrs["particle_steps"] = 2404 * 30
         values = measured_run(run, MetricSettings())
         assert (values["particles"], values["steps"], values["spacing"]) == (2404, 30, 1.0)
-        frame = ladder_table([Rung("preset", "paper", "only", {}, {}, True, True, ("a", "b"))], {"a": values, "b": values}, "paper", "m")
+        frame = ladder_table(
+            [Rung("preset", "paper", "only", "accuracy", {}, {}, True, True, ("a", "b"))], {"a": values, "b": values}, "paper", "m"
+        )
         assert frame.iloc[0]["displacement_magnitude"] == pytest.approx(3.0) and frame.iloc[0]["reproducible"] == 1.0
 
     def test_the_machine_has_a_name(self) -> None:
@@ -249,6 +251,26 @@ class TestAdvice:
     def test_a_rung_of_another_class_is_no_answer(self) -> None:
         changed = ladder_frame(**{"preset_draft": {"collapse_class": "minor"}})
         assert advise(changed, 0.25).rung.name == "spacing: 3 m"
+
+    def test_a_rung_that_changes_the_model_is_no_answer(self) -> None:
+        frame = ladder_frame(ladder({"knobs": {"spacing": {"changes": "model"}}}))
+        found = advise(frame, 0.1)
+        assert found.fits and found.rung.name == "skin: 0.6"
+        assert set(frame[frame["knob"] == "spacing"]["changes"]) == {"model"}
+
+    def test_a_rung_above_its_time_step_limit_is_no_answer(self) -> None:
+        assert advise(
+            ladder_frame(**{"preset_draft": {"time_step_ratio": 1.01}, "spacing_5_m": {"time_step_ratio": 1.01}}), 0.25
+        ).rung.name == ("spacing: 3 m")
+
+    def test_a_fidelity_can_be_the_measure(self) -> None:
+        # A moves by 15 m at paper and by 12 m at draft; the run-outs are a metre more.
+        frame = against(ladder_frame(), "paper")
+        assert advise(frame, 0.25).rung.name == "preset: draft"
+        draft = next(rung for rung in summary(frame) if rung.name == "preset: draft")
+        assert draft.errors["displacement"] == pytest.approx(0.2) and draft.errors["runout"] == pytest.approx(1 - 2.2 / 2.5)
+        with pytest.raises(ValueError, match="fidelity: 'best' must be one of draft, paper"):
+            against(ladder_frame(), "best")
 
     def test_neither_the_reference_nor_a_rung_of_some_cases_is_an_answer(self) -> None:
         found = advise(ladder_frame(), 0.001)
@@ -320,7 +342,7 @@ class TestReference:
         rungs, presets = TABLES["trade"](), TABLES["presets"]()
         assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in rungs and "test machine, 2 cores" in rungs
         assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in rungs
-        assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 2 of 2 |" in presets
+        assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 0 % / 0 % | 2 of 2 |" in presets
 
     def test_without_a_table_they_say_so(self, absent: None) -> None:
         assert TABLES["trade"]() == TABLES["presets"]() and "Not measured yet" in TABLES["trade"]()
