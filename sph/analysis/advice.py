@@ -102,8 +102,7 @@ def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(
             raise ValueError(f"quantity: {name!r} must be one of {', '.join(QUANTITIES)}")
     rungs = summary(table)
     references = {rung.scheme for rung in rungs if rung.reference}
-    sound = [rung for rung in rungs if rung.changes == "accuracy" and rung.time_step_ratio <= 1.0]
-    known = [rung for rung in sound if rung.scheme not in references and rung.every_case and rung.finished]
+    known = [rung for rung in rungs if rung.sound and rung.scheme not in references and rung.every_case and rung.finished]
     if not known:
         raise ValueError("table: no rung but the reference was run to its end in every case")
 

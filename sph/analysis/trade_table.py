@@ -181,6 +181,11 @@ class Summary(NamedTuple):
         """No case diverged."""
         return not any(math.isnan(error) for error in self.errors.values())
 
+    @property
+    def sound(self) -> bool:
+        """It computes the same model, with a time step that never exceeded the limit measured on the way."""
+        return self.changes == "accuracy" and self.time_step_ratio <= 1.0
+
 
 def summary(frame: pd.DataFrame) -> list[Summary]:
     """The rungs of a ladder's table, in its order."""

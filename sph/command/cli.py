@@ -165,7 +165,7 @@ def metrics(
 
 
 @app.command(
-    epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table results/trade/trade.csv"
+    epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv"
 )
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],

@@ -59,7 +59,9 @@ def _draw_errors(ax: Axes, rungs: Sequence[Summary], name: str, looks: Mapping[s
     cost = np.array([rung.cost for rung in rungs])
     error = np.maximum([rung.errors[name] for rung in rungs], LEAST_ERROR)
     agrees = np.array([rung.classes_agree == rung.cases for rung in rungs])
-    front = non_dominated(cost, np.where(agrees, error, np.nan))
+    # The front is that of what 'sph advise' may answer.
+    sound = agrees & np.array([rung.sound for rung in rungs])
+    front = non_dominated(cost, np.where(sound, error, np.nan))
     ax.plot(cost[front], error[front], color=GREY, linewidth=1.0, drawstyle="steps-post", zorder=1)
     for rung, x, y, good in zip(rungs, cost, error, agrees, strict=True):
         colour, marker = looks[rung.knob]
