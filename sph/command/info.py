@@ -10,10 +10,10 @@ from sph.scene import Scene
 from sph.solver import wanted_terms
 from sph.timestep import limits
 
-NANOSECONDS_PER_PAIR = 1.9
-"""Measured cost of a directed neighbour in a time step, both loops (tests/benchmarks, one core)."""
-NANOSECONDS_PER_PARTICLE = 60.0
-"""Measured cost of a particle in a time step outside those loops."""
+NANOSECONDS_PER_PAIR = 1.6
+"""Measured cost of a directed neighbour in a time step, both loops (whole runs of the ladder, two at once)."""
+NANOSECONDS_PER_PARTICLE = 20.0
+"""Measured cost of a particle in a time step outside those loops; a collapse at long steps costs up to half as much again."""
 
 TERM_REASONS = {
     "wendland_c2": "numerics.kernel",
