@@ -164,9 +164,7 @@ def metrics(
     Console().print(table)
 
 
-@app.command(
-    epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv"
-)
+@app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
