@@ -1,11 +1,12 @@
-"""Verlet (leapfrog) time integration with a fixed step (Sec. 2.6).
+"""Verlet (leapfrog) time integration (Sec. 2.6).
 
     v(n+1/2) = v(n-1/2) + a(n) dt,  x(n+1) = x(n) + v(n+1/2) dt,
     stress(n+1) from the strain rates of v(n+1/2) at x(n+1),  a(n+1) from stress(n+1).
 
 Mass-proportional damping is taken at the midpoint of the kick and is therefore stable at any step.
 Stiffness damping and artificial viscosity use the velocities half a step back, which lowers the
-stable step (``sph.timestep``).
+stable step (``sph.timestep``).  The step changes at frames only, if at all; velocities then lag by half of the old step, which is
+an error of the size of one step's change of velocity.
 """
 
 from __future__ import annotations

@@ -184,9 +184,9 @@ class Run:
         first_steps_made = self.steps_made
         status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
-            self._adapt()
             if scene.gravity.initial_stress == "geostatic":
                 self.balance()
+            self._adapt()
             self._record()
         while self.step < last and not status and not self._rest():
             saved = self._copy() if until == "first_failure" else None

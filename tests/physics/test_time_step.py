@@ -92,6 +92,16 @@ def test_an_adaptive_step_gives_the_result_of_a_small_fixed_one(small_slope: Bui
     assert a == pytest.approx(b, rel=0.05)
 
 
+def test_an_adaptive_run_may_start_from_computed_stress(small_slope: Builder) -> None:
+    keys = {"gravity.initial_stress": "geostatic", "gravity.ramp": 0.0, "duration": 1.0}
+    adaptive = run(small_slope(ADAPTIVE | keys)).trajectory
+    fixed = run(small_slope(ADAPTIVE | keys | {"numerics.time_step": 1e-3, "numerics.adaptive_step": None})).trajectory
+    assert adaptive["time_step"].values.min() < 0.01, "the step must be divided for the test to mean something"
+    # The stress imposed does not depend on the step; it is returned to the yield surface before the first one.
+    np.testing.assert_array_equal(adaptive["stress_yy"].values[0], fixed["stress_yy"].values[0])
+    assert np.abs(adaptive["velocity_y"].values[0]).max() == 0.0
+
+
 def test_a_paused_adaptive_run_goes_on_bit_for_bit(tmp_path: Path, small_slope: Builder) -> None:
     scene = small_slope(ADAPTIVE)
     first = run(scene, until="gravity")
