@@ -14,13 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from sph.scene import Scene, TaperedSine
+from sph.scene import NoMotion, Scene
 from sph.state import FAILED, State
 
 
 def quiet_from(scene: Scene) -> float:
-    """Time from which on nothing but gravity acts: the end of the shaking, or of the gravity stage without one, s."""
-    return scene.motion.end if isinstance(scene.motion, TaperedSine) else scene.gravity.duration
+    """Time from which on the loads are constant: the end of the shaking, or of the gravity stage without one, s."""
+    return scene.gravity.duration if isinstance(scene.motion, NoMotion) else scene.motion.end
 
 
 def rest_reason(scene: Scene, step: int, series: Mapping[str, Sequence[Any]], state: State, soil_mass: float) -> str:

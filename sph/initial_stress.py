@@ -14,15 +14,25 @@ import numpy as np
 
 from sph.motion import Loading
 from sph.particles import Particles
-from sph.scene import Scene
+from sph.scene import Scene, UniformStress
 from sph.state import State
 
 NO_LOADING = Loading(*(np.zeros(1) for _ in Loading._fields))
 """Loads of a step in which nothing moves."""
 
 
-def impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
-    """Give the first ``n_stressed`` particles, those with a stress of their own, geostatic stress: density and solid deviator.
+def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
+    """Give the first ``n_stressed`` particles, those with a stress of their own, the scene's initial stress."""
+    wanted = scene.gravity.initial_stress
+    if isinstance(wanted, UniformStress):
+        state.density[:n_stressed] = scene.soil.density * (1.0 + 1e3 * wanted.pressure / scene.soil.bulk_modulus_si)
+        state.density_pairs[:] = state.density
+    elif wanted == "geostatic":
+        _impose_geostatic_stress(state, scene, particles, n_stressed)
+
+
+def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
+    """Density and solid deviator of geostatic stress.
 
     The depth counts from the ground vertically above; base particles continue it downwards, particles beside the box take
     the ground at the box's edge, and those above the ground have no stress.

@@ -11,10 +11,12 @@ an error of the size of one step's change of velocity.
 
 from __future__ import annotations
 
+import math
+
 from sph.coupling import update_stress
-from sph.free_slip import mirror_stress, mirror_velocity, wall_work
+from sph.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
 from sph.jit import jit, rows
-from sph.momentum import add_repulsion, stress_accelerations, velocity_gradients
+from sph.momentum import add_artificial_stress, add_repulsion, set_artificial_stress, stress_accelerations, velocity_gradients
 from sph.neighbours import allocate_pairs, find_candidates, update_pairs
 from sph.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.team import BLOCK, own_blocks, wait
@@ -29,33 +31,73 @@ def _mass_damping(term):  # type: ignore[no-untyped-def]
 
 
 @jit
+def _held(limit, v, dt):  # type: ignore[no-untyped-def]
+    """Velocity (m/s) after friction of at most ``limit`` (m/s2) has opposed it for a step."""
+    return math.copysign(max(abs(v) - limit * dt, 0.0), v)
+
+
+@jit
+def _rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+    """Velocity of particle i after the friction of the walls."""
+    if term is None:
+        return vx, vy
+    else:
+        return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
+
+
+@jit
+def _drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
+    """Velocity of a particle in a prescribed motion; without one as it is."""
+    if term is None:
+        return vx, vy
+    else:
+        return term.xx * x + term.xy * y, term.yx * x + term.yy * y
+
+
+@jit
+def _rate(term, new, old, dt):  # type: ignore[no-untyped-def]
+    """Rate at which a term has changed a velocity, m/s2."""
+    if term is None:
+        return 0.0
+    else:
+        return (new - old) / dt
+
+
+@jit
 def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
     """Move the soil among particles first to last by one step.
 
-    Returns the works of shaking and gravity and the energies taken by mass damping and artificial viscosity (J/m).
+    Returns the works of shaking (or of a prescribed motion) and gravity and the energies taken by mass damping, by artificial
+    viscosity and stress, and by friction on walls (J/m).
     """
     dt = terms.dt
     alpha = _mass_damping(terms.rayleigh)
-    shaking = falling = damped = viscous = 0.0
+    shaking = falling = damped = viscous = rubbed = 0.0
+    gravity_x, gravity_y = gravity * terms.down_x, gravity * terms.down_y
     for i in rows(first, min(last, terms.n_soil)):
         rate = alpha * state.beta[i] + extra_damping
         keep = 1.0 - 0.5 * rate * dt
         lose = 1.0 / (1.0 + 0.5 * rate * dt)
         vx_old = state.vx[i]
         vy_old = state.vy[i]
-        vx = (vx_old * keep + (state.ax[i] - ground) * dt) * lose
-        vy = (vy_old * keep + (state.ay[i] - gravity) * dt) * lose
+        free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
+        free_y = (vy_old * keep + (state.ay[i] + gravity_y) * dt) * lose
+        held_x, held_y = _rub(terms.friction, state, i, free_x, free_y, dt)
+        vx, vy = _drive(terms.driven, state.x[i], state.y[i], held_x, held_y)
         state.vx[i] = vx
         state.vy[i] = vy
         state.x[i] += vx * dt
         state.y[i] += vy * dt
         mean_x = 0.5 * (vx + vx_old)
         mean_y = 0.5 * (vy + vy_old)
-        shaking -= mass[i] * ground * mean_x
-        falling -= mass[i] * gravity * mean_y
+        # What a prescribed motion does counts as work of the shaking, what friction takes as energy taken by the walls.
+        forced_x, forced_y = _rate(terms.driven, vx, held_x, dt), _rate(terms.driven, vy, held_y, dt)
+        shaking += mass[i] * ((forced_x - ground) * mean_x + forced_y * mean_y)
+        falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
+        rubbed += mass[i] * (_rate(terms.friction, free_x, held_x, dt) * mean_x + _rate(terms.friction, free_y, held_y, dt) * mean_y)
         damped += mass[i] * rate * (mean_x * mean_x + mean_y * mean_y)
         viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
-    return shaking * dt, falling * dt, damped * dt, viscous * dt
+    return shaking * dt, falling * dt, damped * dt, viscous * dt, rubbed * dt
 
 
 @jit
@@ -103,19 +145,16 @@ def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
     """Candidates at the present positions, and room for their pairs."""
     state.x_candidates[:] = state.x
     state.y_candidates[:] = state.y
-    candidates = find_candidates(state.x, state.y, terms.reach)
-    return candidates, allocate_pairs(candidates, terms.zero)
+    candidates = find_candidates(state.x, state.y, terms.reach, terms.period)
+    return candidates, allocate_pairs(candidates, terms.zero, terms.tension)
 
 
 @jit
 def make_lists(state, terms, mass):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
-    candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach)
-    pairs = allocate_pairs(candidates, terms.zero)
-    update_pairs(
-        pairs, candidates, terms.kernel, state.x_pairs, state.y_pairs, mass, state.density_pairs,
-        terms.close_range, terms.correction, 0, state.x.size,
-    )  # fmt: skip
+    candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.period)
+    pairs = allocate_pairs(candidates, terms.zero, terms.tension)
+    update_pairs(pairs, candidates, terms, state.x_pairs, state.y_pairs, mass, state.density_pairs, 0, state.x.size)
     return candidates, pairs
 
 
@@ -126,7 +165,7 @@ def renew_pairs(state, candidates, pairs, terms, mass, first, last):  # type: ig
         state.x_pairs[i] = state.x[i]
         state.y_pairs[i] = state.y[i]
         state.density_pairs[i] = state.density[i]
-    update_pairs(pairs, candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction, first, last)
+    update_pairs(pairs, candidates, terms, state.x, state.y, mass, state.density, first, last)
 
 
 TERM_NAMES = (
@@ -137,6 +176,10 @@ TERM_NAMES = (
     "gradient_correction",
     "short_range_repulsion",
     "free_slip",
+    "wall_friction",
+    "periodic",
+    "artificial_stress",
+    "prescribed_motion",
 )
 
 
@@ -156,6 +199,10 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
         _present(terms.correction),
         _present(terms.repulsion),
         _present(terms.slip),
+        _present(terms.friction),
+        _present(terms.period),
+        _present(terms.tension),
+        _present(terms.driven),
     )
 
 
@@ -185,6 +232,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     sums[block, GRAVITY],
                     sums[block, MASS_DAMPING],
                     sums[block, VISCOUS],
+                    sums[block, WALLS],
                 ) = kick_and_drift(
                     state, terms, mass, loading.ground[s], loading.gravity[s], loading.extra_damping[s], block * BLOCK, (block + 1) * BLOCK
                 )
@@ -208,13 +256,17 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 state, pairs, terms, mass, team.gradient, team.reached, loading.time[s + 1], first, last
             )
             sums[block, INTERNAL] = internal * terms.dt
+            set_artificial_stress(terms.tension, state, first, min(last, terms.n_stressed))
         wait(team)
         mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
             stress_accelerations(state, pairs, terms.correction, first, min(last, n_soil))
-            sums[block, WALLS] = terms.dt * wall_work(terms.slip, state, pairs, terms.correction, mass, team.gradient, first, last)
-            sums[block, REPULSION] = add_repulsion(terms.repulsion, state, pairs, mass, n_soil, first, min(last, n_soil))
+            rubbed = set_friction(terms.friction, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
+            taken = wall_work(terms.slip, state, pairs, terms.correction, mass, team.gradient, first, last)
+            sums[block, WALLS] += terms.dt * (rubbed + taken)
+            add_artificial_stress(terms.tension, state, pairs, first, min(last, n_soil))
+            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_soil, first, min(last, n_soil))
         wait(team)
         if team.rank == 0:
             failed += _add_up(sums, state.work)

@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 
 from sph.jit import jit, rows
+from sph.neighbours import wrap
 
 
 @jit
@@ -68,7 +69,7 @@ def velocity_gradients(state, pairs, term, gradient, first, last):  # type: igno
 
 
 @jit
-def _transposed_shear(term, state):  # type: ignore[no-untyped-def]
+def transposed_shear(term, state):  # type: ignore[no-untyped-def]
     """yx component of the stress of the momentum equation; without correction it is symmetric."""
     if term is None:
         return state.sxy
@@ -80,7 +81,7 @@ def _transposed_shear(term, state):  # type: ignore[no-untyped-def]
 def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-untyped-def]
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
-    syx = _transposed_shear(term, state)
+    syx = transposed_shear(term, state)
     for i in rows(first, last):
         ax = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i]
         ay = syx[i] * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
@@ -95,7 +96,7 @@ def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-un
 
 
 @jit
-def add_repulsion(term, state, pairs, mass, n_soil, first, last):  # type: ignore[no-untyped-def]
+def add_repulsion(term, period, state, pairs, mass, n_soil, first, last):  # type: ignore[no-untyped-def]
     """Add the short-range repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
 
     A linear spring that pushes once two particles are nearer than its range; a lattice at its
@@ -109,7 +110,7 @@ def add_repulsion(term, state, pairs, mass, n_soil, first, last):  # type: ignor
         for i in rows(first, last):
             for k in range(pairs.start[i], pairs.close_end[i]):
                 j = pairs.close[k]
-                dx = state.x[i] - state.x[j]
+                dx = wrap(period, state.x[i] - state.x[j])
                 dy = state.y[i] - state.y[j]
                 r = math.sqrt(dx * dx + dy * dy)
                 if 0.0 < r < term.range:
@@ -119,3 +120,42 @@ def add_repulsion(term, state, pairs, mass, n_soil, first, last):  # type: ignor
                     state.ax[i] += force * dx / mass[i]
                     state.ay[i] += force * dy / mass[i]
         return energy
+
+
+@jit
+def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
+    """Artificial stress of particles first to last: minus a share of each principal tension (Gray, Monaghan and Swift 2001)."""
+    if term is None:
+        return
+    else:
+        for i in rows(first, last):
+            mean = 0.5 * (state.sxx[i] + state.syy[i])
+            d = 0.5 * (state.sxx[i] - state.syy[i])
+            q = state.sxy[i]
+            radius = math.sqrt(d * d + q * q)
+            first_principal = -term.factor * max(mean + radius, 0.0)
+            second_principal = -term.factor * max(mean - radius, 0.0)
+            middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
+            cosine, sine = (d / radius, q / radius) if radius > 0.0 else (1.0, 0.0)
+            state.tension_xx[i] = middle + half * cosine
+            state.tension_yy[i] = middle - half * cosine
+            state.tension_xy[i] = half * sine
+
+
+@jit
+def add_artificial_stress(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    """Add the artificial stress' acceleration to particles first to last; equal and opposite for a pair."""
+    if term is None:
+        return
+    else:
+        for i in rows(first, last):
+            ax = ay = 0.0
+            for k in range(pairs.start[i], pairs.end[i]):
+                j = pairs.neighbour[k]
+                xy = state.tension_xy[i] + state.tension_xy[j]
+                ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])
+                ay += pairs.nearness[k] * (xy * pairs.gx[k] + (state.tension_yy[i] + state.tension_yy[j]) * pairs.gy[k])
+            state.viscous_x[i] += ax
+            state.viscous_y[i] += ay
+            state.ax[i] += ax
+            state.ay[i] += ay

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sph.scene import GravityStage, Motion, Scene, TaperedSine
+from sph.scene import GravityStage, Scene, linear_ramp
 
 
 class Loading(NamedTuple):
@@ -18,31 +18,15 @@ class Loading(NamedTuple):
     extra_damping: np.ndarray  # (steps + 1,) mass-proportional damping of the gravity stage, 1/s
 
 
-def ground_acceleration(motion: Motion, time: np.ndarray) -> np.ndarray:
-    """Horizontal acceleration of the box (m/s2) at times (s)."""
-    time = np.asarray(time, dtype=float)
-    if not isinstance(motion, TaperedSine):
-        return np.zeros_like(time)
-    rise = _linear(time - motion.start, motion.ramp)
-    fall = 1.0 - _linear(time - motion.decay_start, motion.end - motion.decay_start)
-    phase = 2.0 * np.pi * motion.frequency * (time - motion.start)
-    return np.where(time < motion.start, 0.0, motion.amplitude * rise * fall * np.sin(phase))
-
-
 def gravity_history(stage: GravityStage, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Gravity (m/s2) and the extra damping of the gravity stage (1/s) at times (s)."""
     time = np.asarray(time, dtype=float)
-    fade = _linear(time - 2.0 * stage.duration / 3.0, stage.duration / 3.0)
-    return stage.acceleration * _linear(time, stage.ramp), stage.damping * (1.0 - fade)
-
-
-def _linear(time: np.ndarray, length: float) -> np.ndarray:
-    """0 before time 0, 1 after ``length``, linear between."""
-    return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
+    fade = linear_ramp(time - 2.0 * stage.duration / 3.0, stage.duration / 3.0)
+    return stage.acceleration * linear_ramp(time, stage.ramp), stage.damping * (1.0 - fade)
 
 
 def make_loading(scene: Scene, substeps: int = 1) -> Loading:
     """Histories for the whole run; one entry a step or part of a step, so a restarted run reads the same numbers."""
     time = np.arange(scene.steps(scene.duration) * substeps + 1) * (scene.numerics.time_step / substeps)
     gravity, extra = gravity_history(scene.gravity, time)
-    return Loading(time, ground_acceleration(scene.motion, time), gravity, extra)
+    return Loading(time, scene.motion.acceleration(time), gravity, extra)

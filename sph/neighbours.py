@@ -47,19 +47,57 @@ class Pairs(NamedTuple):
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
     close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
     close_end: np.ndarray  # (n,) uint32
+    nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
 
 @jit
-def find_candidates(x, y, reach):  # type: ignore[no-untyped-def]
+def wrap(period, dx):  # type: ignore[no-untyped-def]
+    """Horizontal distance to the nearest image of a neighbour, m."""
+    if period is None:
+        return dx
+    else:
+        return dx - period.length * math.floor(dx / period.length + 0.5)
+
+
+@jit
+def _columns(period, x, reach):  # type: ignore[no-untyped-def]
+    """Left end (m), width (m) and number of the columns of cells; of a period as many as fill it."""
+    if period is None:
+        x_min = x.min()
+        return x_min, reach, np.int64((x.max() - x_min) / reach) + 1
+    else:
+        count = np.int64(period.length / reach)
+        return 0.0, period.length / count, count
+
+
+@jit
+def _column(period, x, x_min, width, columns):  # type: ignore[no-untyped-def]
+    if period is None:
+        return np.int64((x - x_min) / width)
+    else:
+        return min(np.int64((x - period.length * math.floor(x / period.length)) / width), columns - 1)
+
+
+@jit
+def _columns_around(period, column, columns):  # type: ignore[no-untyped-def]
+    """First and last column to look at, each once; on periodic sides to be taken modulo their number."""
+    if period is None:
+        return max(column - 1, 0), min(column + 2, columns)
+    else:
+        return column - 1, column - 1 + min(columns, 3)
+
+
+@jit
+def find_candidates(x, y, reach, period):  # type: ignore[no-untyped-def]
     """All directed pairs nearer than ``reach`` (m), through a grid of cells of that size."""
     n = x.size
-    x_min, y_min = x.min(), y.min()
-    columns = np.int64((x.max() - x_min) / reach) + 1
+    x_min, width, columns = _columns(period, x, reach)
+    y_min = y.min()
     rows_of_cells = np.int64((y.max() - y_min) / reach) + 1
     cell = np.empty(n, np.int64)
     first = np.zeros(columns * rows_of_cells + 1, np.int64)
     for i in range(n):
-        cell[i] = np.int64((x[i] - x_min) / reach) * rows_of_cells + np.int64((y[i] - y_min) / reach)
+        cell[i] = _column(period, x[i], x_min, width, columns) * rows_of_cells + np.int64((y[i] - y_min) / reach)
         first[cell[i] + 1] += 1
     for c in range(columns * rows_of_cells):
         first[c + 1] += first[c]
@@ -77,24 +115,27 @@ def find_candidates(x, y, reach):  # type: ignore[no-untyped-def]
         column, row = cell[i] // rows_of_cells, cell[i] % rows_of_cells
         start[i] = total
         low, high = max(row - 1, 0), min(row + 1, rows_of_cells - 1)
-        for c in range(max(column - 1, 0), min(column + 2, columns)):
-            begin, end = first[c * rows_of_cells + low], first[c * rows_of_cells + high + 1]
+        left, right = _columns_around(period, column, columns)
+        for c in range(left, right):
+            base = (c if period is None else c % columns) * rows_of_cells
+            begin, end = first[base + low], first[base + high + 1]
             if total + np.uint64(end - begin) > np.uint64(index.size):
                 index = np.concatenate((index, np.empty(index.size + end - begin, np.uint32)))
             for k in rows(begin, end):
                 j = order[k]
                 # Without branches: written always, kept where the count goes on.
                 index[total] = j
-                total += np.uint64((j != i) & ((x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
+                total += np.uint64((j != i) & (wrap(period, x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
     start[n] = total
     return Candidates(start, index[:total].copy())
 
 
 @jit
-def allocate_pairs(candidates, zero):  # type: ignore[no-untyped-def]
+def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
     """Room for the pairs of a candidate list; gradients get the type of the number ``zero``."""
     n = candidates.start.size - 1
     size = candidates.neighbour.size
+    nearness = 0 if tension is None else size
     return Pairs(
         np.zeros(n, np.uint32),
         np.zeros(n, np.uint32),
@@ -107,7 +148,16 @@ def allocate_pairs(candidates, zero):  # type: ignore[no-untyped-def]
         np.empty((n, 3)),
         np.empty(size, np.uint32),
         np.zeros(n, np.uint32),
+        np.full(nearness, zero),
     )
+
+
+@jit
+def _keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
+    if term is None:
+        return
+    else:
+        nearness[k] = (value * term.inverse_kernel) ** term.exponent
 
 
 @jit
@@ -124,15 +174,16 @@ def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
 
 
 @jit
-def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, correction, first, last):  # type: ignore[no-untyped-def]
-    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).
+def update_pairs(pairs, candidates, terms, x, y, mass, density, first, last):  # type: ignore[no-untyped-def]
+    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).  ``terms`` as in ``sph.state``.
 
     The rows follow each other without gaps, since reading them is what a large scene
-    spends its time on.  Pairs nearer than ``close_range`` (m) are listed once more for short-range forces.
+    spends its time on.  Pairs nearer than ``terms.close_range`` (m) are listed once more for short-range forces.
     """
+    kernel, period = terms.kernel, terms.period
     reach = support(kernel)
     reach_square = reach * reach
-    close_square = close_range * close_range
+    close_square = terms.close_range * terms.close_range
     longest = np.uint32(1)
     for i in rows(first, last):
         longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
@@ -145,7 +196,7 @@ def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, co
         count = close = np.uint64(0)
         for k in rows(candidates.start[i], candidates.start[i + np.uint64(1)]):
             j = candidates.neighbour[k]
-            dx = x_i - x[j]
+            dx = wrap(period, x_i - x[j])
             dy = y_i - y[j]
             r_square = dx * dx + dy * dy
             # Without branches: written always, kept where the count goes on.
@@ -166,7 +217,9 @@ def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, co
             dx = row_dx[k]
             dy = row_dy[k]
             r = math.sqrt(dx * dx + dy * dy)
-            factor = row_mass[k] * evaluate(kernel, r)[1]
+            value, slope = evaluate(kernel, r)
+            factor = row_mass[k] * slope
+            _keep_nearness(terms.tension, pairs.nearness, begin + k, value)
             norm = -factor * r
             gxs[k] = factor * dx
             gys[k] = factor * dy
@@ -185,4 +238,4 @@ def update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, co
         pairs.end[i] = begin
         pairs.sum_x[i] = sum_x
         pairs.sum_y[i] = sum_y
-        pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = _invert(correction, density[i], m_xx, m_xy, m_yy)
+        pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = _invert(terms.correction, density[i], m_xx, m_xy, m_yy)

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sph.scene import Scene, Slope
+from sph.scene import Bodies, Scene, Slope
 
-SOIL, BASE, SIDE = 0, 1, 2
+SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
 
 
 class Particles(NamedTuple):
@@ -17,8 +17,10 @@ class Particles(NamedTuple):
 
     x: np.ndarray  # (n,) m
     y: np.ndarray  # (n,) m
-    kind: np.ndarray  # (n,) int8: SOIL, BASE, SIDE
+    kind: np.ndarray  # (n,) int8: SOIL, BASE, SIDE, TOP
     mass: np.ndarray  # (n,) kg for a metre of thickness
+    first_slip: int  # from this one on free-slip base and top
+    first_slip_side: int  # from this one on free-slip side walls
 
     @property
     def n_soil(self) -> int:
@@ -27,30 +29,42 @@ class Particles(NamedTuple):
 
 
 def place_particles(scene: Scene) -> Particles:
-    """Lattice at half offsets filling the geometry, with boundary layers below and beside it.
+    """Lattice at half offsets filling the geometry, with boundary layers below, beside and above it.
 
-    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.
+    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.  Free-slip
+    walls come last, base and top before sides.
     """
     dx = scene.numerics.spacing
     columns = math.ceil(scene.geometry.width / dx - 0.5 - 1e-9)
     rows = math.ceil(scene.geometry.height / dx - 0.5 - 1e-9)
     column, row = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
-    inside = _below_surface(scene, (column + 0.5) * dx, (row + 0.5) * dx)
-    blocks = [(column[inside], row[inside], SOIL)]
+    inside = _inside(scene, (column + 0.5) * dx, (row + 0.5) * dx)
+    soil = [(column[inside], row[inside], SOIL)]
+    if not soil[0][0].size:
+        raise ValueError(f"geometry: holds no particle of the lattice with numerics.spacing: {dx:g} m")
 
-    layers = np.arange(scene.walls.layers)
-    with_sides = scene.walls.sides != "none"
-    if scene.walls.base != "none":
-        overhang = scene.walls.layers if with_sides else 0
-        blocks.append((*_grid(np.arange(-overhang, columns + overhang), -1 - layers), BASE))
-    if with_sides:
-        blocks.append((*_grid(-1 - layers, np.arange(rows)), SIDE))
-        blocks.append((*_grid(columns + layers, np.arange(rows)), SIDE))
+    walls = scene.walls
+    layers = np.arange(walls.layers)
+    with_sides = walls.sides in ("sticky", "free_slip")
+    overhang = walls.layers if with_sides else 0
+    whole_width = np.arange(-overhang, columns + overhang)
+    wanted = [
+        (walls.base, (*_grid(whole_width, -1 - layers), BASE)),
+        (walls.top, (*_grid(whole_width, rows + layers), TOP)),
+        (walls.sides, (*_grid(-1 - layers, np.arange(rows)), SIDE)),
+        (walls.sides, (*_grid(columns + layers, np.arange(rows)), SIDE)),
+    ]
+    sticky = [block for how, block in wanted if how == "sticky"]
+    slip = [block for how, block in wanted[:2] if how == "free_slip"]
+    slip_sides = [block for how, block in wanted[2:] if how == "free_slip"]
+    first_slip = sum(len(c) for c, _, _ in soil + sticky)
+    first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
+    blocks = soil + sticky + slip + slip_sides
 
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
     kind = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
-    return Particles(x, y, kind, np.full(x.size, scene.soil.density * dx * dx))
+    return Particles(x, y, kind, np.full(x.size, scene.soil.density * dx * dx), first_slip, first_slip_side)
 
 
 def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -58,8 +72,10 @@ def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return grid[0].ravel(), grid[1].ravel()
 
 
-def _below_surface(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     geometry = scene.geometry
+    if isinstance(geometry, Bodies):
+        return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
     if not isinstance(geometry, Slope):
         return np.ones(x.size, bool)
     face = (x - geometry.apron_length) * math.tan(math.radians(geometry.slope_angle))

@@ -13,9 +13,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from sph.configuration import Section, key, merge, read_yaml, validated
@@ -90,20 +92,118 @@ class Block(Section):
         return 0.0, self.height
 
 
-Geometry = Annotated[Slope | Block, Field(discriminator="shape")]
+Point = tuple[float, float]
+
+
+class PolygonBody(Section):
+    """A body of soil inside a polygon."""
+
+    kind: Literal["polygon"] = key("inside of a polygon", default="polygon")
+    points: tuple[Point, ...] = key("corners [x, y] in order, the last joined to the first", "m", min_length=3, max_length=10000)
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Corners (n, 2), m."""
+        return np.array(self.points)
+
+    def contains(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Which of the places (n,) lie inside, by the number of sides to their right."""
+        inside = np.zeros(np.shape(x), bool)
+        for (x1, y1), (x2, y2) in zip(self.points, np.roll(self.outline, -1, axis=0), strict=True):
+            if y1 != y2:
+                inside ^= ((y1 <= y) != (y2 <= y)) & (x < x1 + (y - y1) / (y2 - y1) * (x2 - x1))
+        return inside
+
+
+class RingBody(Section):
+    """A body of soil between two circles."""
+
+    kind: Literal["ring"] = key("inside of a ring, or of a disc where the inner radius is 0")
+    centre: Point = key("centre [x, y]", "m")
+    outer_radius: float = key("outer radius", "m", gt=0, le=1000)
+    inner_radius: float = key("inner radius", "m", ge=0, le=1000, default=0.0)
+
+    @model_validator(mode="after")
+    def _hollow(self) -> RingBody:
+        if not self.inner_radius < self.outer_radius:
+            raise ValueError(f"inner_radius: {self.inner_radius} m must be smaller than outer_radius: {self.outer_radius} m")
+        return self
+
+    @property
+    def outline(self) -> np.ndarray:
+        """Points (n, 2) of the outer circle, m."""
+        angle = np.linspace(0.0, 2.0 * np.pi, 180, endpoint=False)
+        return np.array(self.centre) + self.outer_radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+    def contains(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Which of the places (n,) lie inside."""
+        r = np.hypot(x - self.centre[0], y - self.centre[1])
+        return (self.inner_radius < r) & (r < self.outer_radius)
+
+
+class Bodies(Section):
+    """Bodies of any shape in a box, for columns that collapse, plates, rings and blocks that slide."""
+
+    shape: Literal["bodies"] = key("bodies of any shape in a box")
+    width: float = key("inner width of the box", "m", gt=0, le=2000)
+    height: float = key("height of the box's side walls", "m", gt=0, le=1000)
+    bodies: tuple[Annotated[PolygonBody | RingBody, Field(discriminator="kind")], ...] = key("the bodies", min_length=1, max_length=100)
+
+    @property
+    def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Upper envelope (x, y) of the bodies from left to right, m; at height 0 beside them."""
+        outlines = [body.outline for body in self.bodies]
+        corners = np.unique(np.concatenate([outline[:, 0] for outline in outlines]))
+        beside = 1e-9 * self.width
+        x = np.unique(np.clip(np.concatenate([[0.0, self.width], corners - beside, corners + beside]), 0.0, self.width))
+        y = np.zeros(x.size)
+        for outline in outlines:
+            for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+                if x1 != x2:
+                    over = (min(x1, x2) <= x) & (x <= max(x1, x2))
+                    y[over] = np.maximum(y[over], y1 + (x[over] - x1) / (x2 - x1) * (y2 - y1))
+        return tuple(x.tolist()), tuple(y.tolist())
+
+    @property
+    def toe(self) -> Point:
+        """Lowest corner, the leftmost of several, m."""
+        return min(self._corners, key=lambda point: (point[1], point[0]))
+
+    @property
+    def crest(self) -> Point:
+        """Highest corner, the leftmost of several, m."""
+        return min(self._corners, key=lambda point: (-point[1], point[0]))
+
+    @property
+    def _corners(self) -> list[Point]:
+        return [(float(x), float(y)) for body in self.bodies for x, y in body.outline]
+
+
+Geometry = Annotated[Slope | Block | Bodies, Field(discriminator="shape")]
+
+
+class WallFriction(Section):
+    """Coulomb friction between soil and free-slip walls; a wall without a coefficient has none."""
+
+    base: float = key("coefficient of friction (tangent of the angle) at base and top", ge=0, le=10, default=0.0)
+    sides: float = key("coefficient of friction at the side walls", ge=0, le=10, default=0.0)
 
 
 class Walls(Section):
     """How the box holds the soil."""
 
-    base: Literal["sticky", "none"] = key(
-        "bottom of the box: fixed 'dynamic boundary' particles, or nothing", source="Sec. 2.4", default="sticky"
-    )
-    sides: Literal["sticky", "free_slip", "none"] = key(
-        "side walls: fixed particles that hold the soil (the paper), a frictionless wall, or nothing",
+    base: Literal["sticky", "free_slip", "none"] = key(
+        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a frictionless floor, or nothing",
         source="Sec. 2.4; free_slip ours",
         default="sticky",
     )
+    sides: Literal["sticky", "free_slip", "periodic", "none"] = key(
+        "side walls: fixed particles that hold the soil (the paper), a frictionless wall, soil that goes on periodically, or nothing",
+        source="Sec. 2.4; free_slip and periodic ours",
+        default="sticky",
+    )
+    top: Literal["sticky", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
+    friction: WallFriction | None = key("friction on free-slip walls", default=None)
     layers: int = key(
         "layers of boundary particles; free-slip walls need as many as fill the kernel's support but for one spacing",
         source="Sec. 4 (2,404 particles)",
@@ -185,6 +285,10 @@ class Coupling(Section):
     )
     gamma: float = key("rate of the loss of strength after failure", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0)
     fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
+    initial_state: Literal["solid", "fluid"] = key(
+        "solid: particles fail when their stress reaches the surface (the paper); fluid: all have failed long before the start",
+        default="solid",
+    )
     fluid_tension_limit: float | None = key(
         "largest mean tension the fluid state carries; null: the apex of its Mohr-Coulomb surface (412 kPa in the paper's soil at any S_R)",
         "kPa",
@@ -217,14 +321,105 @@ class TaperedSine(Section):
             )
         return self
 
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        rise = linear_ramp(time - self.start, self.ramp)
+        fall = 1.0 - linear_ramp(time - self.decay_start, self.end - self.decay_start)
+        phase = 2.0 * np.pi * self.frequency * (time - self.start)
+        return np.where(time < self.start, 0.0, self.amplitude * rise * fall * np.sin(phase))
+
+
+class Ricker(Section):
+    """A Ricker wavelet: a pulse with all frequencies up to some three times its own (Ricker 1953)."""
+
+    kind: Literal["ricker"] = key("Ricker wavelet")
+    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e4)
+    frequency: float = key("frequency with the largest amplitude", "Hz", gt=0, le=1e4)
+    peak: float = key("time of the peak, at least 1.5 / frequency after the gravity stage", "s", ge=0)
+
+    @property
+    def start(self) -> float:
+        """Time before which the wavelet is below 1e-8 of its peak and taken as nothing, s."""
+        return self.peak - 1.5 / self.frequency
+
+    @property
+    def end(self) -> float:
+        """Time after which it is, s."""
+        return self.peak + 1.5 / self.frequency
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        square = (np.pi * self.frequency * (time - self.peak)) ** 2
+        return np.where(np.abs(time - self.peak) > 1.5 / self.frequency, 0.0, self.amplitude * (1.0 - 2.0 * square) * np.exp(-square))
+
+
+class ConstantAcceleration(Section):
+    """An acceleration that is brought on and stays: the pseudo-static earthquake load."""
+
+    kind: Literal["constant"] = key("constant acceleration")
+    amplitude: float = key("acceleration of the box, horizontal; positive drives the soil towards the toe", "m/s2", ge=-1e3, le=1e3)
+    start: float = key("start of the linear increase", "s", ge=0)
+    ramp: float = key("duration of the increase", "s", ge=0)
+
+    @property
+    def end(self) -> float:
+        """Time from which on the load is constant, s."""
+        return self.start + self.ramp
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        return np.where(time < self.start, 0.0, self.amplitude * linear_ramp(time - self.start, self.ramp))
+
 
 class NoMotion(Section):
     """No shaking."""
 
     kind: Literal["none"] = key("no shaking", default="none")
 
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        return np.zeros_like(time)
 
-Motion = Annotated[TaperedSine | NoMotion, Field(discriminator="kind")]
+
+def linear_ramp(time: np.ndarray, length: float) -> np.ndarray:
+    """0 before time 0, 1 after ``length`` (s), linear between."""
+    return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
+
+
+Motion = Annotated[TaperedSine | Ricker | ConstantAcceleration | NoMotion, Field(discriminator="kind")]
+
+
+class UniformStress(Section):
+    """The same stress everywhere."""
+
+    pressure: float = key("mean pressure", "kPa", ge=-1e6, le=1e6)
+
+
+class InitialVelocity(Section):
+    """Velocity of the soil at the start, linear between places."""
+
+    along: Literal["x", "y"] = key("coordinate on which the velocity depends")
+    position: tuple[float, ...] = key("places, increasing; beyond the ends the velocity is that at the end", "m", min_length=1)
+    x: tuple[float, ...] = key("horizontal velocity at the places", "m/s")
+    y: tuple[float, ...] = key("vertical velocity at the places", "m/s")
+
+    @model_validator(mode="after")
+    def _table(self) -> InitialVelocity:
+        for name in ("x", "y"):
+            if len(getattr(self, name)) != len(self.position):
+                raise ValueError(f"{name}: {len(getattr(self, name))} velocities for {len(self.position)} places")
+        if any(after <= before for before, after in pairwise(self.position)):
+            raise ValueError("position: the places must increase")
+        return self
+
+
+class VelocityGradient(Section):
+    """A homogeneous deformation that moves the soil instead of forces: an element test."""
+
+    xx: float = key("dv_x/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
+    xy: float = key("dv_x/dy", "1/s", ge=-1e4, le=1e4, default=0.0)
+    yx: float = key("dv_y/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
+    yy: float = key("dv_y/dy", "1/s", ge=-1e4, le=1e4, default=0.0)
 
 
 class GravityStage(Section):
@@ -234,8 +429,12 @@ class GravityStage(Section):
     duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", ge=0, le=1000, default=3.0)
     damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
     acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
-    initial_stress: Literal["none", "geostatic"] = key(
-        "stress at the start: none, or that of level ground at rest at the depth below the surface (needs ramp: 0)", default="none"
+    inclination: float = key(
+        "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
+    )
+    initial_stress: Literal["none", "geostatic"] | UniformStress = key(
+        "stress at the start: none, that of level ground at rest at the depth below the surface (needs ramp: 0), or a uniform pressure",
+        default="none",
     )
 
 
@@ -292,6 +491,13 @@ class ArtificialViscosity(Section):
     alpha: float = key("coefficient, on V_p", ge=0, le=10, default=0.1)
 
 
+class ArtificialStress(Section):
+    """Repulsion of particles under tension, against their clumping: numerical fracture (Gray, Monaghan and Swift 2001)."""
+
+    factor: float = key("share of the principal tension that is taken back at the initial spacing", gt=0, le=1, default=0.3)
+    exponent: float = key("power of W(r) / W(spacing)", ge=1, le=10, default=4.0)
+
+
 class GradientCorrection(Section):
     """First-order consistent velocity gradients (Randles and Libersky 1996)."""
 
@@ -335,6 +541,7 @@ class Numerics(Section):
         "mixed: kernel gradients are kept in single precision, all fields and sums in double; double: all in double", default="mixed"
     )
     artificial_viscosity: ArtificialViscosity | None = key("pairwise artificial viscosity", default=ArtificialViscosity())
+    artificial_stress: ArtificialStress | None = key("cure of numerical fracture of solids under tension", default=None)
     gradient_correction: GradientCorrection | None = key("corrected velocity gradients", default=None)
     short_range_repulsion: ShortRangeRepulsion | None = key("cure of particle pairing", default=ShortRangeRepulsion())
 
@@ -367,6 +574,8 @@ class Scene(Section):
     coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
     motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
     gravity: GravityStage = key("gravity stage", default=GravityStage())
+    initial_velocity: InitialVelocity | None = key("velocity at the start", default=None)
+    prescribed_velocity_gradient: VelocityGradient | None = key("motion of the soil in an element test, throughout the run", default=None)
     damping: RayleighDamping | None = key("Rayleigh damping", source="Sec. 2.5", default=RayleighDamping())
     early_stop: EarlyStop | None = key("end of a run whose soil has come to rest, before its duration", default=None)
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
@@ -387,10 +596,9 @@ class Scene(Section):
         _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
         if self.early_stop is not None:
             _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
-        if isinstance(self.motion, TaperedSine) and self.motion.start < self.gravity.duration:
-            raise ValueError(
-                f"motion.start: {self.motion.start} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)"
-            )
+        if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration:
+            where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
+            raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
@@ -398,17 +606,33 @@ class Scene(Section):
                 f"gravity.ramp: {self.gravity.ramp} s with gravity.initial_stress: geostatic, "
                 "which balances gravity in full from the start; set gravity.ramp: 0"
             )
+        if self.gravity.initial_stress == "geostatic" and self.gravity.inclination != 0:
+            raise ValueError(
+                f"gravity.inclination: {self.gravity.inclination} degree with gravity.initial_stress: geostatic, that of level ground"
+            )
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
-        needed = self.layers_filling_support
-        if self.walls.sides == "free_slip" and self.walls.layers < needed:
-            raise ValueError(
-                f"walls.layers: {self.walls.layers} layers do not fill the kernel's support of {2 * self.numerics.smoothing_length:g} m; "
-                f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
-            )
+        self._check_walls()
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
         return self
+
+    def _check_walls(self) -> None:
+        walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
+        slip = {"base": "free_slip" in (walls.base, walls.top), "sides": walls.sides == "free_slip"}
+        if any(slip.values()) and walls.layers < needed:
+            raise ValueError(
+                f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
+                f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
+            )
+        for name, slips in slip.items():
+            if walls.friction is not None and getattr(walls.friction, name) > 0 and not slips:
+                raise ValueError(f"walls.friction.{name}: {getattr(walls.friction, name)} needs a free_slip wall there")
+        if walls.sides == "periodic":
+            _whole_multiple(self.geometry.width, self.numerics.spacing, "geometry.width", "numerics.spacing", "m")
+            least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
+            if self.geometry.width < least:
+                raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
 
     @property
     def layers_filling_support(self) -> int:
@@ -420,10 +644,10 @@ class Scene(Section):
         return round(time / self.numerics.time_step)
 
 
-def _whole_multiple(value: float, unit: float, name: str, unit_name: str) -> None:
+def _whole_multiple(value: float, unit: float, name: str, unit_name: str, of: str = "s") -> None:
     ratio = value / unit
     if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6 * ratio:
-        raise ValueError(f"{name}: {value} s must be a whole multiple of {unit_name} ({unit} s)")
+        raise ValueError(f"{name}: {value} {of} must be a whole multiple of {unit_name} ({unit} {of})")
 
 
 # ---------------------------------------------------------------- reading

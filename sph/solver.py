@@ -22,7 +22,7 @@ import xarray as xr
 from sph import trajectory
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
-from sph.initial_stress import NO_LOADING, impose_geostatic_stress
+from sph.initial_stress import NO_LOADING, impose_stress
 from sph.integration import TERM_NAMES, advance, make_lists, renew_candidates
 from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
@@ -85,9 +85,8 @@ class Run:
         self.particles: Particles = place_particles(scene)
         self.terms: Terms = make_terms(scene, self.particles)
         self.loading: Loading = make_loading(scene)
-        self.state: State = initial_state(self.particles, scene.soil.density)
-        if scene.gravity.initial_stress == "geostatic":
-            impose_geostatic_stress(self.state, scene, self.particles, self.terms.n_stressed)
+        self.state: State = initial_state(self.particles, scene)
+        impose_stress(self.state, scene, self.particles, self.terms.n_stressed)
         self.probes = locate_probes(scene, self.particles)
         self.wanted = wanted_terms(scene)
         self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
@@ -184,7 +183,7 @@ class Run:
         first_steps_made = self.steps_made
         status, reason = self.ended
         if self.step == 0 and not self._series["sample_time"]:
-            if scene.gravity.initial_stress == "geostatic":
+            if scene.gravity.initial_stress != "none":
                 self.balance()
             self._adapt()
             self._record()
@@ -376,7 +375,11 @@ def wanted_terms(scene: Scene) -> tuple[bool, ...]:
         numerics.artificial_viscosity is not None,
         numerics.gradient_correction is not None,
         numerics.short_range_repulsion is not None,
-        scene.walls.sides == "free_slip",
+        "free_slip" in (scene.walls.base, scene.walls.top, scene.walls.sides),
+        scene.walls.friction is not None,
+        scene.walls.sides == "periodic",
+        numerics.artificial_stress is not None,
+        scene.prescribed_velocity_gradient is not None,
     )
 
 

@@ -13,18 +13,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.bingham import CapTerm, FluidLaw
-from sph.kernels import Kernel, make_kernel
+from sph.kernels import Kernel, evaluate, make_kernel
 from sph.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
-from sph.particles import SIDE, Particles
+from sph.particles import Particles
 from sph.scene import CappedViscosity, Scene
 
 UNARMED, ARMED, FAILED = 0, 1, 2
 """Phases of a particle: the failure criterion does not count yet, counts, was met."""
 
 SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
-"""Rows of ``State.work`` (J/m): work of the shaking and of gravity on the soil, of strain on the
-stress, and energy taken by mass-proportional damping, by artificial viscosity and by free-slip
-walls; energy stored in the short-range repulsion (the last is a level, not a sum)."""
+"""Rows of ``State.work`` (J/m): work of the shaking (or of a prescribed motion) and of gravity on the soil, of strain on
+the stress, and energy taken by mass-proportional damping, by artificial viscosity and stress, and by free-slip
+walls and their friction; energy stored in the short-range repulsion (the last is a level, not a sum)."""
 FAILURES = REPULSION + 1
 """Column of ``Team.sums`` after those of the works: particles that failed in the step."""
 
@@ -52,8 +52,13 @@ class State(NamedTuple):
     syy: np.ndarray
     sxy: np.ndarray
     syx: np.ndarray
-    viscous_x: np.ndarray  # acceleration by artificial viscosity alone
+    viscous_x: np.ndarray  # acceleration by artificial viscosity and artificial stress alone
     viscous_y: np.ndarray
+    tension_xx: np.ndarray  # artificial stress over density squared
+    tension_yy: np.ndarray
+    tension_xy: np.ndarray
+    friction_x: np.ndarray  # largest acceleration that friction on base and top can give, m/s2
+    friction_y: np.ndarray  # that of the side walls
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
     density_pairs: np.ndarray  # and densities
@@ -100,6 +105,41 @@ class SlipTerm(NamedTuple):
 
     first: int
     """first wall particle that slips; all after it slip too"""
+    first_side: int
+    """first of those that belong to a side wall; they come last"""
+
+
+class FrictionTerm(NamedTuple):
+    """Coulomb friction on free-slip walls."""
+
+    base: float
+    """coefficient at base and top"""
+    sides: float
+
+
+class PeriodTerm(NamedTuple):
+    """Sides on which the soil goes on periodically."""
+
+    length: float
+    """m"""
+
+
+class TensionTerm(NamedTuple):
+    """Artificial stress."""
+
+    factor: float
+    exponent: float
+    inverse_kernel: float
+    """1 / W(spacing), m2"""
+
+
+class DrivenTerm(NamedTuple):
+    """Prescribed velocity gradient, 1/s."""
+
+    xx: float
+    xy: float
+    yx: float
+    yy: float
 
 
 class Terms(NamedTuple):
@@ -107,6 +147,8 @@ class Terms(NamedTuple):
 
     zero: np.floating[Any]  # of the type in which kernel gradients are kept
     dt: float
+    down_x: float  # direction of gravity
+    down_y: float
     n_soil: int
     n_stressed: int  # particles with a stress of their own; free-slip walls have none
     armed_from: float  # s, half a step before the end of the gravity stage
@@ -127,20 +169,25 @@ class Terms(NamedTuple):
     correction: CorrectionTerm | None
     repulsion: RepulsionTerm | None
     slip: SlipTerm | None
+    friction: FrictionTerm | None
+    period: PeriodTerm | None
+    tension: TensionTerm | None
+    driven: DrivenTerm | None
 
 
-def initial_state(particles: Particles, density: float) -> State:
-    """Unstressed particles at rest."""
-    n = particles.x.size
+def initial_state(particles: Particles, scene: Scene) -> State:
+    """Particles at the start: unstressed and at rest unless the scene says otherwise."""
+    n, density = particles.x.size, scene.soil.density
     generator = np.random.default_rng(0)
+    fluid = scene.coupling.initial_state == "fluid"
     zero = {name: np.zeros(n) for name in State._fields}
     start = {
         "x": particles.x.copy(),
         "y": particles.y.copy(),
         "density": np.full(n, density),
-        "beta": np.ones(n),
-        "t_f": np.full(n, np.nan),
-        "phase": np.zeros(n, np.uint8),
+        "beta": np.full(n, 0.0 if fluid else 1.0),
+        "t_f": np.full(n, 0.0 if fluid else np.nan),
+        "phase": np.full(n, FAILED if fluid else UNARMED, np.uint8),
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
         "density_pairs": np.full(n, density),
@@ -150,7 +197,13 @@ def initial_state(particles: Particles, density: float) -> State:
         "mode_y": generator.normal(size=n),
         "work": np.zeros(7),
     }
-    return State(**(zero | start))
+    state = State(**(zero | start))
+    if scene.initial_velocity is not None:
+        table, soil = scene.initial_velocity, slice(0, particles.n_soil)
+        place = getattr(particles, table.along)[soil]
+        state.vx[soil] = np.interp(place, table.position, table.x)
+        state.vy[soil] = np.interp(place, table.position, table.y)
+    return state
 
 
 def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
@@ -162,14 +215,18 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
     cap = CapTerm(float(coupling.fluid.max_viscosity)) if isinstance(coupling.fluid, CappedViscosity) else None
     damping, viscosity = scene.damping, numerics.artificial_viscosity
     correction, repulsion = numerics.gradient_correction, numerics.short_range_repulsion
-    slip = SlipTerm(int(np.flatnonzero(particles.kind == SIDE)[0])) if scene.walls.sides == "free_slip" else None
+    n, walls, driven, tension = particles.x.size, scene.walls, scene.prescribed_velocity_gradient, numerics.artificial_stress
+    slip = None if particles.first_slip == n else SlipTerm(particles.first_slip, particles.first_slip_side)
+    tilt = math.radians(scene.gravity.inclination)
     skin = numerics.neighbour_skin * dx
     pairs_tolerance = numerics.gradient_tolerance * dx
     return Terms(
         zero=np.float32(0) if numerics.precision == "mixed" else np.float64(0),
         dt=float(dt),
+        down_x=-math.sin(tilt),
+        down_y=-math.cos(tilt),
         n_soil=particles.n_soil,
-        n_stressed=particles.x.size if slip is None else slip.first,
+        n_stressed=particles.first_slip,
         armed_from=float(scene.gravity.duration - 0.5 * dt),
         pairs_tolerance=float(pairs_tolerance),
         candidates_tolerance=float(0.5 * skin),
@@ -190,4 +247,8 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         if repulsion is None
         else RepulsionTerm(float(repulsion.range * dx), float(1e3 * repulsion.pressure / repulsion.range)),
         slip=slip,
+        friction=None if walls.friction is None else FrictionTerm(walls.friction.base, walls.friction.sides),
+        period=PeriodTerm(round(scene.geometry.width / dx) * dx) if walls.sides == "periodic" else None,
+        tension=None if tension is None else TensionTerm(tension.factor, tension.exponent, 1.0 / evaluate(kernel, dx)[0]),
+        driven=None if driven is None else DrivenTerm(driven.xx, driven.xy, driven.yx, driven.yy),
     )

@@ -22,7 +22,11 @@ TERM_REASONS = {
     "artificial_viscosity": "numerics.artificial_viscosity",
     "gradient_correction": "numerics.gradient_correction",
     "short_range_repulsion": "numerics.short_range_repulsion: cures pairing",
-    "free_slip": "walls.sides",
+    "free_slip": "walls.base, walls.sides, walls.top",
+    "wall_friction": "walls.friction",
+    "periodic": "walls.sides",
+    "artificial_stress": "numerics.artificial_stress: cures numerical fracture",
+    "prescribed_motion": "prescribed_velocity_gradient",
 }
 
 
@@ -67,7 +71,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
 def warnings(scene: Scene) -> list[str]:
     """What a user should know before trusting a scene's numbers."""
     found = []
-    walled = scene.walls.base != "none" or scene.walls.sides != "none"
+    walled = scene.walls.base != "none" or scene.walls.sides in ("sticky", "free_slip")
     if walled and scene.walls.layers < scene.layers_filling_support:
         found.append(
             f"{scene.walls.layers} layers of boundary particles do not fill the kernel's support: stresses beside the box alternate "

@@ -10,7 +10,6 @@ import xarray as xr
 
 from sph import trajectory
 from sph.analysis.tables import VALUES
-from sph.motion import ground_acceleration
 from sph.particles import SOIL, locate_probes, place_particles
 from sph.scene import Scene, make_scene
 
@@ -74,7 +73,7 @@ def synthetic(
         "density": np.full((frames.size, mass.size), scene.soil.density),
         "beta": np.ones((frames.size, mass.size)),
         "failed": np.zeros((frames.size, mass.size)),
-        "ground_acceleration": ground_acceleration(scene.motion, samples),
+        "ground_acceleration": scene.motion.acceleration(samples),
         "kinetic_energy": 0.5 * float(mass[soil] @ (final["x"] ** 2 + final["y"] ** 2)[soil]) * rate**2,
         "failed_fraction": np.zeros(samples.size),
         "maximum_speed": np.hypot(final["x"], final["y"])[soil].max() * np.abs(rate),

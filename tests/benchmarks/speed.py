@@ -57,10 +57,10 @@ def part_calls(run: Run) -> dict[str, Callable[[int], Any]]:
             strained.state, pairs, terms, mass, team.gradient, team.reached, float(loading.time[now]), 0, n
         ),
         "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),
-        "add_repulsion": lambda n: add_repulsion(terms.repulsion, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)),
-        "one_update_pairs": lambda n: update_pairs(
-            pairs, still.candidates, terms.kernel, state.x, state.y, mass, state.density, terms.close_range, terms.correction, 0, n
+        "add_repulsion": lambda n: add_repulsion(
+            terms.repulsion, terms.period, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
+        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, terms, state.x, state.y, mass, state.density, 0, n),
     }
 
 

@@ -147,7 +147,7 @@ def test_a_loss_of_strength_under_way_is_waited_for(small_slope: Builder) -> Non
     # collapsed 25 s later, A moved by 4.4 m.
     scene = small_slope(SLIDE | STOP)
     particles = place_particles(scene)
-    state = initial_state(particles, scene.soil.density)
+    state = initial_state(particles, scene)
     still = {"kinetic_energy": [0.0] * 301} | {f"probe_velocity_{axis}": [np.zeros(1)] * 301 for axis in "xy"}
     assert rest_reason(scene, 3000, still, state, 1.0) == "at rest since 2.50 s, stopped at 3.00 s"
     state.phase[3], state.beta[3] = FAILED, 0.06

@@ -53,7 +53,7 @@ def bench(overrides: dict[str, Any] | None = None) -> Bench:
     scene = make_scene(merge(base, dotted(overrides or {})))
     particles = place_particles(scene)
     assert particles.x.size == 4
-    state, terms = initial_state(particles, scene.soil.density), make_terms(scene, particles)
+    state, terms = initial_state(particles, scene), make_terms(scene, particles)
     state.density[:] = scene.soil.density * (1 + PRESSURES / scene.soil.bulk_modulus_si)
     _, pairs = make_lists(state, terms, particles.mass)
     return Bench(state, terms, pairs, particles.mass)

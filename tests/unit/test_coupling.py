@@ -70,7 +70,7 @@ def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
     n = particles.x.size
     assert n == 6 * CHUNK + 16
     generator = np.random.default_rng(4)
-    state, terms = initial_state(particles, scene.soil.density), make_terms(scene, particles)
+    state, terms = initial_state(particles, scene), make_terms(scene, particles)
     _, pairs = make_lists(state, terms, particles.mass)
     state.phase[:], state.beta[:] = phases(n, generator)
     was = state.phase == FAILED

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sph.motion import gravity_history, ground_acceleration, make_loading
+from sph.motion import gravity_history, make_loading
 from sph.scene import GravityStage, NoMotion, TaperedSine
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
@@ -31,12 +31,12 @@ PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0
 )
 def test_tapered_sine_at_known_times(time: float, expected: float) -> None:
     # Rounding of 2 pi f t only.
-    assert ground_acceleration(PAPER, np.array([time]))[0] == pytest.approx(expected, abs=1e-12)
+    assert PAPER.acceleration(np.array([time]))[0] == pytest.approx(expected, abs=1e-12)
 
 
 def test_envelope_and_zeros() -> None:
     time = np.arange(0, 15, 1e-3)
-    a = ground_acceleration(PAPER, time)
+    a = PAPER.acceleration(time)
     assert np.all(a[time < 3.0] == 0)
     assert np.all(a[time >= 10.0] == 0)
     envelope = 6.0 * np.minimum(1.0, np.clip((time - 3) / 3, 0, 1)) * np.clip(10 - time, 0, 1)
@@ -47,19 +47,19 @@ def test_envelope_and_zeros() -> None:
 def test_frequency_scales_time() -> None:
     motion = PAPER.model_copy(update={"frequency": 2.5})
     time = np.arange(6.0, 9.0, 1e-4)
-    a = ground_acceleration(motion, time)
+    a = motion.acceleration(time)
     upward = np.count_nonzero((a[:-1] < 0) & (a[1:] >= 0))
     assert upward in (7, 8)  # 7.5 periods in three seconds
 
 
 def test_zero_ramp_and_zero_decay_are_steps() -> None:
     motion = TaperedSine(kind="tapered_sine", amplitude=2.0, frequency=1.0, start=1.0, ramp=0.0, decay_start=3.0, end=3.0)
-    a = ground_acceleration(motion, np.array([0.999, 1.25, 2.75, 3.0, 3.25]))
+    a = motion.acceleration(np.array([0.999, 1.25, 2.75, 3.0, 3.25]))
     np.testing.assert_allclose(a, [0, 2.0, -2.0, 0, 0], atol=1e-12)
 
 
 def test_no_motion() -> None:
-    assert np.all(ground_acceleration(NoMotion(), np.linspace(0, 5, 7)) == 0)
+    assert np.all(NoMotion().acceleration(np.linspace(0, 5, 7)) == 0)
 
 
 def test_gravity_ramp_and_extra_damping() -> None:
@@ -83,7 +83,7 @@ def test_loading_has_an_entry_at_every_step(small_slope) -> None:
         assert np.isfinite(history).all()
     # The entry at a step is the history at that step's time.
     step = 1700
-    assert loading.ground[step] == pytest.approx(ground_acceleration(scene.motion, np.array([1.7]))[0], abs=1e-12)
+    assert loading.ground[step] == pytest.approx(scene.motion.acceleration(np.array([1.7]))[0], abs=1e-12)
 
 
 def test_loading_does_not_depend_on_the_duration(small_slope) -> None:

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sph.kernels import evaluate, make_kernel
+from sph.kernels import Kernel, evaluate, make_kernel
 from sph.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, update_pairs
-from sph.state import CorrectionTerm
+from sph.state import CorrectionTerm, PeriodTerm, TensionTerm
 
 Cloud = tuple[np.ndarray, np.ndarray]
 
 coordinate = st.floats(-50.0, 50.0, allow_nan=False, width=32)
 seeds = st.integers(0, 2**32 - 1)
+
+
+class PairTerms(NamedTuple):
+    """The terms of ``sph.state.Terms`` that pairs depend on."""
+
+    kernel: Kernel
+    close_range: float
+    correction: CorrectionTerm | None
+    period: PeriodTerm | None = None
+    tension: TensionTerm | None = None
 
 
 def random_cloud(seed: int, n: int) -> Cloud:
@@ -61,7 +72,7 @@ def as_pairs(candidates: Candidates) -> list[tuple[int, int]]:
 
 
 def check_against_brute_force(x: np.ndarray, y: np.ndarray, reach: float) -> None:
-    found = as_pairs(find_candidates(x, y, reach))
+    found = as_pairs(find_candidates(x, y, reach, None))
     assert len(found) == len(set(found)), "a directed pair is listed twice"
     found_set = set(found)
     assert all(i != j for i, j in found_set)
@@ -87,15 +98,32 @@ def test_candidates_of_any_points(points: list[tuple[float, float]], reach: floa
     check_against_brute_force(x, y, reach)
 
 
+@settings(max_examples=60, deadline=None)
+@given(seed=seeds, n=st.integers(1, 120), cloud=st.sampled_from(CLOUDS), reach=st.floats(0.3, 30.0), periods=st.floats(2.0, 9.0))
+def test_periodic_candidates(seed: int, n: int, cloud, reach: float, periods: float) -> None:
+    # Nearest images by brute force, with a period of 2 to 9 reaches and particles several periods away from each other.
+    x, y = cloud(seed, n)
+    period = PeriodTerm(periods * reach)
+    found = as_pairs(find_candidates(x, y, reach, period))
+    assert len(found) == len(set(found)), "a directed pair is listed twice"
+    across = x[:, None] - x
+    across -= period.length * np.round(across / period.length)
+    distance = np.hypot(across, y[:, None] - y)
+    np.fill_diagonal(distance, np.inf)
+    surely = set(zip(*(a.tolist() for a in np.nonzero(distance < reach * (1 - 1e-9))), strict=True))
+    perhaps = set(zip(*(a.tolist() for a in np.nonzero(distance < reach * (1 + 1e-9))), strict=True))
+    assert surely <= set(found) <= perhaps
+
+
 def test_one_particle_has_no_neighbours() -> None:
-    candidates = find_candidates(np.array([3.0]), np.array([-2.0]), 1.0)
+    candidates = find_candidates(np.array([3.0]), np.array([-2.0]), 1.0, None)
     assert candidates.start.tolist() == [0, 0]
     assert candidates.neighbour.size == 0
 
 
 def test_indices_are_unsigned() -> None:
     # Signed indices are tested for wrap-around and do not vectorise (2.7 against 0.9 ns a pair).
-    candidates = find_candidates(*random_cloud(0, 20), 5.0)
+    candidates = find_candidates(*random_cloud(0, 20), 5.0, None)
     assert candidates.neighbour.dtype == np.uint32
     assert candidates.start.dtype == np.uint32
 
@@ -124,10 +152,10 @@ def make_pairs(
     zero: np.floating = DOUBLE,
 ) -> Pairs:
     kernel = make_kernel(name, h)
-    candidates = find_candidates(x, y, 2 * h + skin)
-    pairs = allocate_pairs(candidates, zero)
+    candidates = find_candidates(x, y, 2 * h + skin, None)
+    pairs = allocate_pairs(candidates, zero, None)
     assert pairs.gx.dtype == pairs.inverse_norm.dtype == zero.dtype
-    update_pairs(pairs, candidates, kernel, x, y, mass, density, close_range, correction, 0, x.size)
+    update_pairs(pairs, candidates, PairTerms(kernel, close_range, correction), x, y, mass, density, 0, x.size)
     return pairs
 
 
@@ -232,10 +260,10 @@ def test_sums_are_those_of_the_stored_gradients(zero: np.floating) -> None:
 def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     # Threads fill a part of the rows each; places differ, since each part has its own room.
     x, y = random_cloud(9, 300)
-    candidates = find_candidates(x, y, 2.5)
+    candidates = find_candidates(x, y, 2.5, None)
     mass, density = np.random.default_rng(9).uniform(1, 3, (2, 300))
-    whole, parts = (allocate_pairs(candidates, SINGLE) for _ in range(2))
-    common = candidates, make_kernel("cubic_spline", 1.0), x, y, mass, density, 0.9, CorrectionTerm(1e-3)
+    whole, parts = (allocate_pairs(candidates, SINGLE, None) for _ in range(2))
+    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, CorrectionTerm(1e-3)), x, y, mass, density
     update_pairs(whole, *common, 0, 300)
     for first, last in ((200, 300), (0, 7), (7, 7), (7, 200)):
         update_pairs(parts, *common, first, last)
