@@ -98,7 +98,7 @@ Point = tuple[float, float]
 class PolygonBody(Section):
     """A body of soil inside a polygon."""
 
-    kind: Literal["polygon"] = key("inside of a polygon", default="polygon")
+    kind: Literal["polygon"] = key("inside of a polygon")
     points: tuple[Point, ...] = key("corners [x, y] in order, the last joined to the first", "m", min_length=3, max_length=10000)
 
     @property
