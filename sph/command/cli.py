@@ -7,6 +7,7 @@ Exit codes: 0 done; 2 the scene, the command line or a file was refused, nothing
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -67,6 +68,20 @@ def parse_error(text: str) -> float:
         return float(number) / (100 if percent else 1)
     except ValueError as error:
         raise ValueError(f"--error {text!r}: write 10% or 0.1") from error
+
+
+def parse_acceleration(text: str, option: str) -> float:
+    """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
+    from sph.scene import GRAVITY
+
+    number, in_g = text.strip().removesuffix("g"), text.strip().endswith("g")
+    try:
+        value = float(number) * (GRAVITY if in_g else 1)
+    except ValueError as error:
+        raise ValueError(f"{option} {text!r}: write 2.5 (m/s2) or 0.25g") from error
+    if not 0 < value < math.inf:
+        raise ValueError(f"{option} {text!r}: must be positive and finite")
+    return value
 
 
 @app.command(
@@ -190,6 +205,28 @@ def advise(
     print("\n".join(lines(found, limit, [WORDS[name] for name in wanted], measured)))
     if not found.fits:
         raise typer.Exit(REFUSED)
+
+
+@app.command(
+    epilog="Examples:  sph newmark config/scenes/paper.yaml --ay 0.25g  |  sph newmark record.csv --ay 2.5 --scale-to 0.6g --upslope 8"
+)
+def newmark(
+    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (CSV): time in s, acceleration in m/s2")],
+    ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration, 2.5 (m/s2) or 0.25g")],
+    upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
+    scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
+    set_: Settings = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+) -> None:
+    """Slide Newmark's rigid block on a ground motion; positive accelerations drive it downslope, as in a scene."""
+    from sph.command.newmark import lines, slide
+
+    with refusals():
+        down = parse_acceleration(ay, "--ay")
+        up = None if upslope is None else parse_acceleration(upslope, "--upslope")
+        peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
+        answer = slide(motion, parse_settings(set_), down, up, peak)
+    print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
 @app.command(epilog="Example:  sph reference scene > keys.md")

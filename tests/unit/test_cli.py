@@ -13,7 +13,9 @@ from typer.testing import CliRunner, Result
 
 from sph import trajectory
 from sph.command.cli import DIVERGED, REFUSED, app, parse_settings
-from sph.scene import Scene
+from sph.ground_motion import motion_of
+from sph.scene import Scene, load_scene
+from sph.stability.newmark import sliding_block
 
 
 @pytest.fixture
@@ -93,6 +95,79 @@ def test_a_scene_that_is_not_there_is_refused(tmp_path: Path) -> None:
     assert result.exit_code == REFUSED and "absent.yaml" in result.stderr
 
 
+@pytest.fixture
+def record_file(tmp_path: Path) -> Path:
+    """A rectangular pulse of 0.6 g over 0.2 s."""
+    path = tmp_path / "pulse.csv"
+    path.write_text("time,acceleration\n0,5.886\n0.2,5.886\n")
+    return path
+
+
+def test_newmark_slides_a_block_on_a_record(record_file: Path) -> None:
+    shown = call("newmark", record_file, "--ay", "0.3g").stdout
+    assert shown.splitlines() == [
+        "peak ground acceleration  5.886 m/s2 (0.6 g), driving downslope",
+        "yield acceleration        2.943 m/s2 (0.3 g), upslope unlimited",
+        "yield over peak           0.5",
+        "permanent displacement    0.1177 m",
+        "time in sliding           0.4 s",
+    ]
+    scaled = json.loads(call("newmark", record_file, "--ay", "2.943", "--scale-to", "1.2g", "--upslope", "0.5g", "--json").stdout)
+    assert scaled == pytest.approx(
+        {
+            "peak_acceleration": 11.772,
+            "yield_acceleration": 2.943,
+            "upslope_yield_acceleration": 4.905,
+            "ratio": 0.25,
+            "permanent_displacement": 0.5 * 11.772 * 0.2**2 * 3,  # Newmark (1965): A t^2 (A / N - 1) / 2
+            "sliding_time": 0.8,
+        },
+        rel=1e-12,
+    )
+
+
+def test_newmark_takes_upslope_pulses_as_they_are(tmp_path: Path) -> None:
+    path = tmp_path / "pulse.csv"
+    path.write_text("0,-5.886\n0.2,-5.886\n")
+    assert "driving upslope" in call("newmark", path, "--ay", "0.3g").stdout
+    assert json.loads(call("newmark", path, "--ay", "0.3g", "--json").stdout)["permanent_displacement"] == 0
+    two_way = json.loads(call("newmark", path, "--ay", "9", "--upslope", "0.3g", "--json").stdout)
+    assert two_way["permanent_displacement"] == pytest.approx(-0.5 * 5.886 * 0.2**2, rel=1e-12)
+
+
+def test_newmark_slides_a_block_on_the_motion_of_a_scene(scene_file: Path) -> None:
+    motion = motion_of(load_scene(scene_file, {"motion": {"amplitude": 5.0}}))
+    answer = json.loads(call("newmark", scene_file, "--set", "motion.amplitude=5", "--ay", "2", "--json").stdout)
+    assert answer["permanent_displacement"] == sliding_block(*motion, 2.0).permanent > 0.01
+    assert answer["upslope_yield_acceleration"] is None
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wanted"),
+    [
+        (("--ay", "abc"), ("--ay 'abc': write 2.5 (m/s2) or 0.25g",)),
+        (("--ay", "0.2 m/s2"), ("--ay '0.2 m/s2': write",)),
+        (("--ay", "-1"), ("--ay '-1': must be positive",)),
+        (("--ay", "nan"), ("--ay 'nan': must be positive",)),
+        (("--ay", "1", "--upslope", "0g"), ("--upslope '0g': must be positive",)),
+        (("--ay", "1", "--scale-to", "g"), ("--scale-to 'g': write",)),
+        (("--ay", "1", "--set", "motion.amplitud=1"), ("slope.yaml: motion.amplitud", "no such key")),
+        (("--ay", "1", "--set", "motion.amplitude=0"), ("slope.yaml: the ground stands still",)),
+    ],
+)
+def test_newmark_refuses(scene_file: Path, arguments: tuple[str, ...], wanted: tuple[str, ...]) -> None:
+    result = call("newmark", scene_file, *arguments)
+    assert result.exit_code == REFUSED and not result.stdout
+    for text in wanted:
+        assert text in result.stderr
+    assert "Traceback" not in result.stderr
+
+
+def test_newmark_refuses_keys_of_a_record(record_file: Path) -> None:
+    result = call("newmark", record_file, "--ay", "1", "--set", "motion.amplitude=1")
+    assert result.exit_code == REFUSED and "pulse.csv: is a record" in result.stderr
+
+
 def test_a_diverged_run_is_written_and_has_its_own_exit_code(scene_file: Path, tmp_path: Path) -> None:
     """Soil so soft that it falls faster than its wave speed cannot be followed."""
     out = tmp_path / "out.nc"
@@ -107,5 +182,5 @@ def test_settings_nest_and_keep_yaml_types() -> None:
 
 
 def test_help_has_examples() -> None:
-    for command in ("run", "info", "plot", "metrics"):
+    for command in ("run", "info", "plot", "metrics", "newmark"):
         assert "Example" in call(command, "--help").stdout
