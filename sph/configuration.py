@@ -6,7 +6,7 @@ default and range (``key``); the tables in ``config/README.md`` are generated fr
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -41,6 +41,14 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
     if not isinstance(data, dict):
         raise ValueError(f"{path}: must hold a mapping of keys, found {type(data).__name__}")
     return data
+
+
+def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
+    """First of ``folders`` / ``name`` that exists; ValueError begins with ``where``."""
+    for folder in folders:
+        if (folder / name).is_file():
+            return folder / name
+    raise ValueError(f"{where}: no file {name!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
 
 
 def merge(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:

@@ -233,11 +233,16 @@ def collapse_class(relative_displacement: float, settings: MetricSettings) -> st
     return CLASSES[sum(relative_displacement >= limit for limit in limits)]
 
 
-def largest_mass(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
-    """Mask (n,) of the largest set of points (n,) linked by distances up to ``link``, all in m; of equal sets the first."""
+def linked_sets(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
+    """Number (n,), from 0, of the set of points linked by distances up to ``link`` (m) that each point belongs to."""
     pairs = cKDTree(np.column_stack([x, y])).query_pairs(link, output_type="ndarray")
     links = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(x.size, x.size))
-    _, label = connected_components(links, directed=False)
+    return np.asarray(connected_components(links, directed=False)[1])
+
+
+def largest_mass(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
+    """Mask (n,) of the largest set of points (n,) linked by distances up to ``link``, all in m; of equal sets the first."""
+    label = linked_sets(x, y, link)
     return label == np.argmax(np.bincount(label))
 
 

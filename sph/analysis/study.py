@@ -17,7 +17,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sph.analysis.claims import ClaimSettings
 from sph.analysis.metrics import GRID, MetricSettings
-from sph.configuration import Section, dotted, key, merge, read_yaml, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.scene import Scene, make_scene
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
@@ -159,9 +159,7 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
     origin = "config" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(config)
     study = validated(Study, data, origin)
-    found = [folder / study.scene for folder in folders if (folder / study.scene).is_file()]
-    if not found:
-        raise ValueError(f"{origin}: scene: no file {study.scene!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
-    plan = Plan(study, read_yaml(found[0]), str(found[0]))
+    scene = found_file(folders, study.scene, f"{origin}: scene")
+    plan = Plan(study, read_yaml(scene), str(scene))
     plan.validate()
     return plan

@@ -1,0 +1,190 @@
+"""V6 to V8: flows of Bingham fluid and of grains."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from sph.analysis.figures.profile import draw_circles
+from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.analysis.metrics import MetricSettings, largest_mass
+from sph.scene import GRAVITY, Scene
+from sph.validation.columns import row_means
+from sph.validation.level import Found, Level, Result
+
+# ---------------------------------------------------------------- V6: plane Poiseuille flow
+
+PLUG = 0.99
+"""The plug is where the fluid is faster than this share of its largest speed."""
+
+
+def poiseuille(scene: Scene, y: np.ndarray) -> np.ndarray:
+    """Speed (m/s) of the Bingham fluid at heights (n,) between the plates, driven by gravity along them."""
+    half, soil = 0.5 * scene.geometry.height, scene.soil
+    force = soil.density * scene.gravity.acceleration
+    sheared = half - soil.cohesion_si / force
+    wall = np.minimum(np.minimum(y, 2.0 * half - y), sheared)
+    return (force * (half * wall - 0.5 * wall**2) - soil.cohesion_si * wall) / soil.viscosity
+
+
+def _plug_half_width(y: np.ndarray, speed: np.ndarray) -> float:
+    """Half the height over which a profile (n,) is faster than ``PLUG`` of its top, between rows by interpolation."""
+    limit = PLUG * speed.max()
+    fast = np.flatnonzero(speed >= limit)
+    low, high = fast[0], fast[-1]
+    lower = np.interp(limit, speed[low - 1 : low + 1], y[low - 1 : low + 1])
+    upper = np.interp(-limit, -speed[high : high + 2], y[high : high + 2])
+    return float(0.5 * (upper - lower))
+
+
+def measure_poiseuille(level: Level) -> dict[str, Found]:
+    """Profile of speed at the end of the run, row by row."""
+    result = level["run"]
+    y, speed = row_means(result, result.frame("velocity_x"))
+    exact = poiseuille(result.scene, y)
+    fine = np.linspace(0.0, result.scene.geometry.height, 10001)
+    top = float(poiseuille(result.scene, fine).max())
+    return {
+        "plug_speed": Found("speed of the plug", "m/s", float(speed.max()), top),
+        "plug_half_width": Found(
+            "half-width of the plug (faster than 99 %)",
+            "m",
+            _plug_half_width(y, speed),
+            _plug_half_width(fine, poiseuille(result.scene, fine)),
+        ),
+        "profile_error": Found("root mean square error of the profile over the plug's speed", "1", float(np.sqrt(np.mean((speed - exact) ** 2))) / top, 0.0),
+    }
+
+
+@styled
+def draw_poiseuille(levels: Mapping[str, Level]) -> Figure:
+    """Profile of a Bingham fluid's speed between two plates, row by row, and the closed form."""
+    figure = Figure(figsize=(0.6 * WIDTH, 3.0), layout="constrained")
+    ax = figure.subplots()
+    for marker, colour, (label, level) in zip("os^v", curve_colours(len(levels)), levels.items(), strict=False):
+        y, speed = row_means(level["run"], level["run"].frame("velocity_x"))
+        ax.plot(1e3 * speed, y, linestyle="", marker=marker, markersize=3, markerfacecolor="none", color=colour, label=f"spacing {label} m")
+    y = np.linspace(0.0, level["run"].scene.geometry.height, 500)
+    ax.plot(1e3 * poiseuille(level["run"].scene, y), y, color="black", linewidth=0.9, label="closed form")
+    ax.set(xlabel="speed (mm/s)", ylabel="height (m)", xlim=(0.0, None), ylim=(0.0, y[-1]))
+    ax.legend()
+    return figure
+
+
+# ---------------------------------------------------------------- spreading columns (V7, V8)
+
+
+def spread(result: Result, frame: int = -1) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the wall behind the column and height (n,) of the particles of the largest mass, m."""
+    x, y = result.frame("x", frame), result.frame("y", frame)
+    spacing = result.scene.numerics.spacing
+    mass = largest_mass(x, y, MetricSettings().link_length * spacing)
+    return result.scene.geometry.width - x[mass], y[mass]
+
+
+def front(result: Result) -> float:
+    """Distance of the deposit's front from the wall behind the column, m."""
+    return float(spread(result)[0].max()) + 0.5 * result.scene.numerics.spacing
+
+
+def height_at_wall(result: Result) -> float:
+    """Largest height within three spacings of the wall behind the column, m."""
+    distance, height = spread(result)
+    spacing = result.scene.numerics.spacing
+    return float(height[distance < 3.0 * spacing].max()) + 0.5 * spacing
+
+
+def column(scene: Scene) -> tuple[float, float]:
+    """Length and height of the column at the start, m."""
+    length, height = np.ptp(scene.geometry.bodies[0].outline, axis=0)  # type: ignore[union-attr]
+    return float(length), float(height)
+
+
+# ---------------------------------------------------------------- V7: Bingham slump
+
+
+def slump(scene: Scene) -> tuple[float, float]:
+    """Height at the centre and reach (m) of a shallow Bingham fluid at rest with the column's volume."""
+    length, height = column(scene)
+    slope = 2.0 * scene.soil.cohesion_si / (scene.soil.density * GRAVITY)
+    central = (1.5 * slope * length * height) ** (1.0 / 3.0)
+    return central, central**2 / slope
+
+
+def measure_slump(level: Level) -> dict[str, Found]:
+    """Reach and height at the end of the run."""
+    result = level["run"]
+    central, reach = slump(result.scene)
+    return {
+        "runout": Found("reach", "m", front(result), reach),
+        "central_height": Found("height at the centre", "m", height_at_wall(result), central),
+    }
+
+
+@styled
+def draw_slump(levels: Mapping[str, Level]) -> Figure:
+    """Deposit of a Bingham fluid: particles of the finest level, the column at the start (dashed), and shallow theory."""
+    result = list(levels.values())[-1]["run"]
+    central, reach = slump(result.scene)
+    length, height = column(result.scene)
+    figure = Figure(figsize=(WIDTH, 1.9), layout="constrained")
+    ax = figure.subplots()
+    spacing = result.scene.numerics.spacing
+    draw_circles(ax, 1e3 * spread(result)[0], 1e3 * spread(result)[1], 1e3 * spacing, facecolor="#d9c9a8", edgecolor="0.4", linewidth=0.1)
+    x = np.linspace(0.0, reach, 400)
+    ax.plot(1e3 * x, 1e3 * central * np.sqrt(np.maximum(1.0 - x / reach, 0.0)), color="black", label="shallow theory")
+    ax.plot(np.array([0.0, 1, 1]) * 1e3 * length, np.array([1, 1, 0.0]) * 1e3 * height, color="black", linestyle="--", linewidth=0.8)
+    for look, colour, (label, level) in zip(LINE_STYLES[1:], curve_colours(len(levels)), levels.items(), strict=False):
+        ax.axvline(1e3 * front(level["run"]), color=colour, linestyle=look, label=f"front, {label}")
+    ax.set(aspect="equal", xlabel="distance from the centre (mm)", ylabel="height (mm)", xlim=(0.0, 1.05e3 * max(reach, front(result))))
+    ax.set_ylim(0.0, 1.1e3 * height)
+    ax.legend(loc="upper right")
+    return figure
+
+
+# ---------------------------------------------------------------- V8: granular column
+
+SCALING = 1.2
+"""(L_f - L_0) / L_0 over the aspect ratio, for aspect ratios below 2.3 (Lube et al. 2005; Lajeunesse et al. 2005)."""
+
+
+def measure_granular_column(level: Level) -> dict[str, Found]:
+    """Spread over the column's length, and the height that stays at the wall."""
+    found = {}
+    for name, result in level.items():
+        length, height = column(result.scene)
+        found[f"runout_{name}"] = Found(
+            f"(L_f - L_0)/L_0, a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°",
+            "1",
+            (front(result) - length) / length,
+            SCALING * height / length,
+        )
+    length, height = column(level["a05"].scene)
+    found["plateau_a05"] = Found("height at the wall over H_0, a = 0.5", "1", height_at_wall(level["a05"]) / height, 1.0)
+    return found
+
+
+@styled
+def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
+    """Deposits of granular columns at the finest level; dashed the column at the start, the triangle the reach of the experiments."""
+    level = list(levels.values())[-1]
+    figure = Figure(figsize=(WIDTH, 3.4), layout="compressed")
+    axes = figure.subplots(2, 2, sharex=True, sharey=True)
+    titles = []
+    for ax, result in zip(axes.flat, level.values(), strict=True):
+        length, height = column(result.scene)
+        spacing = result.scene.numerics.spacing
+        x, y = spread(result)
+        draw_circles(ax, x, y, spacing, facecolor="#d9c9a8", edgecolor="0.4", linewidth=0.1)
+        ax.plot([0.0, length, length], [height, height, 0.0], color="black", linestyle="--", linewidth=0.8)
+        ax.plot(length + SCALING * height, 0.0, marker="^", color="black", clip_on=False, zorder=5)
+        ax.set(aspect="equal", xlim=(0.0, 0.6), ylim=(0.0, 0.22))
+        titles.append(f"a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°")
+    label_panels(axes.flat, titles)
+    for ax in axes[-1]:
+        ax.set_xlabel("distance from the wall (m)")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("height (m)")
+    return figure

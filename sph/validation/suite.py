@@ -1,0 +1,107 @@
+"""The suite of reference cases: which runs it needs and what is asked of them (``config/validation.yaml``).
+
+A *case* is a problem with a known answer, a *run* one of its variants, a *level* one of its resolutions, from coarse to fine.
+Every run is made at every level.  ``load_suite`` builds and checks the scene of each, so that a typo is refused before any work.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field
+
+from sph.analysis.study import NAME
+from sph.analysis.trade import Label, Overrides, file_name, found_file
+from sph.configuration import Section, key, merge, read_yaml, validated
+from sph.scene import Scene, make_scene
+from sph.timestep import check_time_step
+
+FOLDER = "results/validation"
+"""Where the results go, relative to the working folder."""
+
+Name = Annotated[str, Field(pattern=NAME)]
+
+
+class Quantity(Section):
+    """One number that is compared with its reference."""
+
+    tolerance: float = key("largest error on the finest level, relative to the reference, absolute where that is 0", ge=0)
+    coarse: float = key("largest error on the coarsest level, which the tests run", ge=0)
+    reason: str = key("why these tolerances", min_length=1)
+
+
+class Case(Section):
+    """A problem with a known answer."""
+
+    title: str = key("what is tested", min_length=1)
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "computation"] = key(
+        "how its result is found: runs of the scene, a search for the strength at which the scene stands, or functions alone",
+        default="simulation",
+    )
+    source: str = key("where the reference comes from", min_length=1)
+    size: Literal["numerics.spacing", "numerics.time_step"] = key("key by which levels differ", default="numerics.spacing")
+    runs: dict[Name, Overrides] = key("scene keys of each variant, by name", min_length=1, default={"run": {}})
+    levels: dict[Label, Overrides] = key("scene keys of each resolution, by label, from coarse to fine", min_length=1, default={"only": {}})
+    quantities: dict[Name, Quantity] = key("what is compared, by name", min_length=1)
+
+
+class Validation(Section):
+    """The configuration of the suite."""
+
+    cases: dict[Name, Case] = key("the cases, by name", min_length=1)
+
+
+class Planned(NamedTuple):
+    """One run of the suite."""
+
+    case: str
+    run: str
+    level: str
+    scene: dict[str, Any]
+    """the scene as a mapping"""
+
+
+class Suite:
+    """A suite with its scene files read: the scene of every run, by file name without suffix."""
+
+    def __init__(self, validation: Validation, scenes: Mapping[str, Mapping[str, Any]], origin: str) -> None:
+        self.cases = validation.cases
+        self.runs: dict[str, Planned] = {}
+        self._sizes: dict[tuple[str, str], float] = {}
+        for name, case in self.cases.items():
+            for level, finer in case.levels.items():
+                for run, variant in case.runs.items():
+                    scene = merge(merge(scenes[name], variant), finer)
+                    built = _checked(scene, f"{origin}: case {name}, run {run!r}, level {level!r}")
+                    self.runs[f"{name}/{run}/{file_name(level)}"] = Planned(name, run, level, scene)
+                section, field = case.size.split(".")
+                self._sizes[name, level] = float(getattr(getattr(built, section), field))
+
+    def of(self, case: str) -> dict[str, Planned]:
+        """The runs of a case, by file name."""
+        return {path: planned for path, planned in self.runs.items() if planned.case == case}
+
+    def sizes(self, case: str) -> list[float]:
+        """Spacing (m) or time step (s) of the case's levels, in their order."""
+        return [self._sizes[case, level] for level in self.cases[case].levels]
+
+
+def _checked(scene: Mapping[str, Any], where: str) -> Scene:
+    built = make_scene(scene, where)
+    try:
+        check_time_step(built)
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error
+    return built
+
+
+def load_suite(path: Path | str = "config/validation.yaml", folders: Sequence[Path] = (Path(),)) -> Suite:
+    """Validate a suite and every scene in it; ValueError names file, key and value.  ``folders`` are searched in order for the files."""
+    validation = validated(Validation, read_yaml(found_file(folders, str(path), "validation")), str(path))
+    scenes = {
+        name: read_yaml(found_file(folders, case.scene, f"{path}: cases.{name}.scene")) for name, case in validation.cases.items()
+    }
+    return Suite(validation, scenes, str(path))

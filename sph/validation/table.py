@@ -1,0 +1,102 @@
+"""The table of the suite: every quantity beside its reference, with error, order of convergence and verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from sph.analysis.tables import read_csv
+from sph.trajectory import Variable
+from sph.validation import CASES
+from sph.validation.level import Found, Level
+from sph.validation.suite import Case
+
+HOLDS, MISSES = "holds", "misses"
+ROW = ("row",)
+NO_ORDER_BELOW = 1e-6
+"""Errors below this are rounding: no order of convergence is given."""
+
+
+def _text(name: str, text: str) -> Variable:
+    return Variable(name, ROW, "str", "1", text)
+
+
+def _number(name: str, units: str, text: str) -> Variable:
+    return Variable(name, ROW, "f8", units, text)
+
+
+VALIDATION: tuple[Variable, ...] = (
+    _text("case", "name of the case"),
+    _text("title", "what is tested"),
+    _text("quantity", "name of the quantity"),
+    _text("text", "the quantity in words"),
+    _text("units", "its unit"),
+    _number("computed", "see units", "value on the finest level"),
+    _number("reference", "see units", "value to meet"),
+    _number("error", "1", "difference over the reference; where that is 0 the difference, in units"),
+    _number("tolerance", "1", "largest error allowed on the finest level"),
+    _text("verdict", f"{HOLDS} or {MISSES}"),
+    _text("levels", "resolutions, from coarse to fine"),
+    _text("errors", "errors of the levels, from coarse to fine"),
+    _number("order", "1", "observed order of convergence, from the two finest levels; NaN where the error is rounding or changes its sign"),
+    _number("cost", "s", "computing time of all runs of the case on one core"),
+    _text("reason", "why this tolerance"),
+    _text("source", "where the reference comes from"),
+)
+"""The columns."""
+
+
+def observed_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
+    """Order of convergence from the two finest levels; NaN for one level, for errors of two signs and for rounding."""
+    if len(errors) < 2 or min(abs(error) for error in errors[-2:]) < NO_ORDER_BELOW or errors[-2] * errors[-1] < 0:
+        return math.nan
+    return math.log(errors[-2] / errors[-1]) / math.log(sizes[-2] / sizes[-1])
+
+
+def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequence[float]) -> list[dict[str, object]]:
+    """Rows of a case's table from the results of its levels, by label from coarse to fine.
+
+    Raises ValueError where the measure and the configuration do not name the same quantities.
+    """
+    found = [CASES[name][0](level) for level in levels.values()]
+    if set(found[-1]) != set(case.quantities):
+        raise ValueError(f"{name}: quantities {sorted(case.quantities)} are asked for, {sorted(found[-1])} are measured")
+    cost = sum(float(result.data.attrs.get("wall_time_s", 0.0)) for level in levels.values() for result in level.values())
+    rows = []
+    for quantity, asked in case.quantities.items():
+        finest = found[-1][quantity]
+        errors = [of_level[quantity].error for of_level in found]
+        rows.append(
+            {
+                "case": name,
+                "title": case.title,
+                "quantity": quantity,
+                "text": finest.text,
+                "units": finest.units,
+                "computed": finest.computed,
+                "reference": finest.reference,
+                "error": finest.error,
+                "tolerance": asked.tolerance,
+                "verdict": verdict(finest, asked.tolerance),
+                "levels": ", ".join(levels),
+                "errors": ", ".join(f"{error:.3g}" for error in errors),
+                "order": observed_order(sizes, errors),
+                "cost": cost,
+                "reason": asked.reason,
+                "source": case.source,
+            }
+        )
+    return rows
+
+
+def verdict(found: Found, tolerance: float) -> str:
+    """Whether a number meets its reference; NaN misses."""
+    return HOLDS if abs(found.error) <= tolerance else MISSES
+
+
+def read_validation(path: Path | str) -> pd.DataFrame:
+    """Table of a suite from its CSV; ValueError names a file that is none."""
+    return read_csv(path, VALIDATION, "a validation")
