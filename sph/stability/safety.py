@@ -1,0 +1,74 @@
+"""Factor of safety, critical strength ratio and yield acceleration: three questions to one search."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+from sph.scene import GRAVITY, Scene
+from sph.stability.search import Search, Trial, search
+from sph.stability.standing import FailureRule, divided_strength, stand, static_scene, weakened
+
+GROWTH = 1.5
+"""Ratio of neighbouring values while the bracket is sought."""
+FACTORS = tuple(GROWTH**power for power in range(-7, 8))
+"""Factors of safety, from 0.06 to 17, by which a bracket is sought."""
+STRENGTH_RATIOS = tuple(GROWTH**-power for power in range(9))
+"""Strength ratios, from 1 to 0.04."""
+ACCELERATIONS = (0.0, *(0.1 * GRAVITY * GROWTH**power for power in range(11)))
+"""Accelerations of the box, 0 and from 0.1 to 5.8 g, m/s2."""
+
+Report = Callable[[Trial], None]
+DEFAULT_RULE = FailureRule()
+
+
+def factor_of_safety(scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None) -> Search:
+    """The factor by which cohesion and tan(phi) can be divided until the slope fails, to a relative tolerance.
+
+    ValueError where the slope stands or fails at every factor tried.
+    """
+    static = static_scene(scene, rule)
+
+    def test(factor: float) -> Trial:
+        return stand(divided_strength(static, factor), rule, factor)
+
+    found = search(test, FACTORS, FACTORS.index(1.0), tolerance, report=report)
+    if math.isnan(found.failed):
+        raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not decide its stability")
+    if math.isnan(found.stood):
+        raise ValueError(f"{scene.name}: fails even at a factor of {found.failed:.3g}; a slope of soil without strength cannot stand")
+    return found
+
+
+def critical_strength_ratio(scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None) -> Search:
+    """The paper's S_R, on cohesion and phi, at which the fully weakened slope just stands, to a relative tolerance.
+
+    ValueError where the slope fails at full strength or stands at every ratio tried.
+    """
+    static = static_scene(scene, rule)
+
+    def test(ratio: float) -> Trial:
+        return stand(weakened(static, ratio), rule, ratio)
+
+    found = search(test, STRENGTH_RATIOS, 0, tolerance, report=report)
+    if math.isnan(found.failed):
+        raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not decide its stability")
+    if math.isnan(found.stood):
+        raise ValueError(f"{scene.name}: fails with S_R 1, at its full strength")
+    return found
+
+
+def yield_acceleration(scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None) -> Search:
+    """The constant horizontal acceleration of the box, towards the toe, at which the slope fails (pseudo-static), m/s2.
+
+    The tolerance is relative, and below 0.1 g relative to that.  A slope that fails without the load has yield
+    acceleration 0.  ValueError where the slope stands at every acceleration tried.
+    """
+
+    def test(acceleration: float) -> Trial:
+        return stand(static_scene(scene, rule, acceleration), rule, acceleration)
+
+    found = search(test, ACCELERATIONS, 0, tolerance, smallest=ACCELERATIONS[1], report=report)
+    if math.isnan(found.failed):
+        raise ValueError(f"{scene.name}: stands even at {found.stood / GRAVITY:.3g} g")
+    return found._replace(stood=0.0) if math.isnan(found.stood) else found

@@ -1,0 +1,83 @@
+"""The limit between what stands and what fails, by bracket and bisection."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+
+class Trial(NamedTuple):
+    """One static test."""
+
+    value: float
+    """what was tried: a factor of safety, a strength ratio or an acceleration (m/s2)"""
+    stands: bool
+    displaced_area: float
+    """area of the soil displaced by more than the rule allows, m2"""
+    largest_displacement: float
+    """m"""
+    status: str
+    """of the run, see ``sph.trajectory.STATUSES``"""
+    wall_time: float
+    """s"""
+
+
+class Search(NamedTuple):
+    """The limit found, between the last value that stood and the first that failed (NaN where nothing tried did)."""
+
+    stood: float
+    failed: float
+    trials: tuple[Trial, ...]
+
+    @property
+    def lower(self) -> float:
+        """Smaller end of the bracket."""
+        return min(self.stood, self.failed)
+
+    @property
+    def upper(self) -> float:
+        """Larger end of the bracket."""
+        return max(self.stood, self.failed)
+
+    @property
+    def value(self) -> float:
+        """Middle of the bracket."""
+        return 0.5 * (self.stood + self.failed)
+
+
+def search(
+    test: Callable[[float], Trial],
+    values: Sequence[float],
+    start: int = 0,
+    tolerance: float = 0.01,
+    smallest: float = 0.0,
+    report: Callable[[Trial], None] | None = None,
+) -> Search:
+    """Walk along ``values``, from stable to unstable, until the verdict changes; then bisect.
+
+    The walk begins at index ``start`` and goes towards the unstable end while the tests stand, towards the stable one while they
+    fail.  The bracket is closed to ``tolerance`` times its middle, or times ``smallest`` if that is larger.
+    ValueError unless the tolerance is positive.
+    """
+    if not tolerance > 0:
+        raise ValueError(f"tolerance: {tolerance} must be positive")
+    trials: list[Trial] = []
+
+    def stands(value: float) -> bool:
+        trials.append(test(value))
+        if report is not None:
+            report(trials[-1])
+        return trials[-1].stands
+
+    first = stands(values[start])
+    ends = {first: values[start], not first: math.nan}
+    for value in values[start + 1 :] if first else values[:start][::-1]:
+        verdict = stands(value)
+        ends[verdict] = value
+        if verdict != first:
+            break
+    while abs(ends[True] - ends[False]) > tolerance * max(0.5 * (ends[True] + ends[False]), smallest):
+        middle = 0.5 * (ends[True] + ends[False])
+        ends[stands(middle)] = middle
+    return Search(ends[True], ends[False], tuple(trials))

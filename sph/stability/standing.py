@@ -1,0 +1,120 @@
+"""Does a slope stand?  The static test of a scene, and the written rule that decides it.
+
+The test is the classical one of strength reduction (Griffiths and Lane 1999): elastic, perfectly plastic soil with non-associated flow
+under gravity.  It is a run of the scene's own soil, box and discretisation with
+
+* ``coupling.gamma: 0``: the solid state keeps its Mohr-Coulomb strength and nothing softens;
+* no ground motion, or a constant acceleration after the gravity stage: the pseudo-static load;
+* no Rayleigh damping: its stiffness part would be a viscosity of beta_R G (0.6 MPa s in the paper's soil), by which a slope that has
+  lost its balance only creeps, and seems to stand; the gravity stage keeps its own damping, which fades before observation;
+* the longest time step that is stable (``numerics.adaptive_step``).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sph.configuration import Section, dotted, key, merge
+from sph.scene import NoMotion, Scene, make_scene
+from sph.solver import run
+from sph.stability.search import Trial
+
+COURANT = 0.8
+"""Part of the measured limit that the time step of a static test takes."""
+
+
+class FailureRule(Section):
+    """When a slope has failed, in numbers that hold for any size of slope and box."""
+
+    displacement: float = key("soil counts as displaced beyond this part of the slope's height H", gt=0, le=1, default=0.05)
+    area: float = key("the slope has failed when displaced soil covers more than this part of H^2", ge=0, le=1, default=0.01)
+    observation: float = key("free observation after the gravity stage, and after the load, over sqrt(H / g)", gt=0, le=1000, default=10.0)
+    ramp: float = key("duration in which the pseudo-static acceleration is brought on", "s", ge=0, le=100, default=1.0)
+
+    def sentence(self) -> str:
+        """The rule in words."""
+        return (
+            f"failed: soil displaced by more than {self.displacement:g} H since the end of the ramp of gravity (or since the start of the "
+            f"pseudo-static load) covers more than {self.area:g} H^2 after {self.observation:g} sqrt(H/g) of free observation, "
+            "or the run diverged"
+        )
+
+
+def slope_height(scene: Scene) -> float:
+    """H: height of the highest corner above the toe, m."""
+    return scene.geometry.crest[1] - scene.geometry.toe[1]
+
+
+def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
+    """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe."""
+    if scene.gravity.acceleration == 0:
+        raise ValueError("gravity.acceleration: 0 m/s2: without gravity every slope stands")
+    if scene.prescribed_velocity_gradient is not None:
+        raise ValueError("prescribed_velocity_gradient: an element test has no stability")
+    stage, interval = scene.gravity.duration, scene.outputs.series_interval
+    load: dict[str, Any] = {"kind": "none"}
+    loaded = stage
+    if acceleration != 0:
+        load = {"kind": "constant", "amplitude": acceleration, "start": stage, "ramp": rule.ramp}
+        loaded += rule.ramp
+    observed = rule.observation * math.sqrt(slope_height(scene) / scene.gravity.acceleration)
+    changes = {
+        "duration": math.ceil((loaded + observed) / interval) * interval,
+        "motion": load,
+        "coupling.gamma": 0.0,
+        "coupling.initial_state": "solid",
+        "coupling.fluid": {"law": "elastic_viscoplastic"},
+        "initial_velocity": None,
+        "damping": None,
+        "early_stop": None,
+        "numerics.time_step": interval,
+        "numerics.adaptive_step": {"courant": COURANT},
+    }
+    return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)
+
+
+def divided_strength(scene: Scene, factor: float) -> Scene:
+    """A scene whose cohesion and tan(phi) are divided by a factor: classical strength reduction.
+
+    Not validated: with a factor below 1 the strength may lie above what a scene file may hold.
+    """
+    tangent = math.tan(scene.soil.friction_angle_si) / factor
+    return _with_strength(scene, scene.soil.cohesion / factor, math.degrees(math.atan(tangent)))
+
+
+def weakened(scene: Scene, strength_ratio: float) -> Scene:
+    """A scene whose cohesion and phi are multiplied by the paper's S_R (Eqs. 14 and 15): the fluid state's strength throughout."""
+    return _with_strength(scene, strength_ratio * scene.soil.cohesion, strength_ratio * scene.soil.friction_angle)
+
+
+def _with_strength(scene: Scene, cohesion: float, friction_angle: float) -> Scene:
+    soil = scene.soil.model_copy(update={"cohesion": cohesion, "friction_angle": friction_angle})
+    return scene.model_copy(update={"soil": soil})
+
+
+def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
+    """Run a static test and judge it; ``value`` is what it tries.
+
+    Displacements count from the first frame at or after the end of gravity's ramp, not of the gravity stage: a slope that
+    collapses while the stage's damping holds it back has failed too, and the elastic settlement is over by then.  Under a
+    pseudo-static load they count from its start.
+    """
+    result = run(scene)
+    since = scene.gravity.ramp if isinstance(scene.motion, NoMotion) else scene.gravity.duration
+    displacement = displacements(result.trajectory, since)
+    limit = rule.displacement * slope_height(scene)
+    area = np.count_nonzero(displacement > limit) * scene.numerics.spacing**2
+    stands = result.status != "diverged" and not area > rule.area * slope_height(scene) ** 2
+    return Trial(value, stands, area, float(displacement.max()), result.status, float(result.trajectory.attrs["wall_time_s"]))
+
+
+def displacements(ds: xr.Dataset, since: float) -> np.ndarray:
+    """How far each soil particle has moved from the first frame at or after a time (s) to the last, m; infinite where not a number."""
+    frames = ds[["x", "y"]].isel(particle=ds["kind"].values == 0)
+    first = min(int(np.searchsorted(ds["time"].values, since - 1e-9)), frames.sizes["frame"] - 1)
+    moved = [frames[axis].values[-1].astype(float) - frames[axis].values[first] for axis in ("x", "y")]
+    return np.nan_to_num(np.hypot(*moved), nan=math.inf)
