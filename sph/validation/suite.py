@@ -88,6 +88,15 @@ class Suite:
         """Spacing (m) or time step (s) of the case's levels, in their order."""
         return [self._sizes[case, level] for level in self.cases[case].levels]
 
+    def plan(self, case: str) -> dict[str, Any]:
+        """What measuring a case needs, as plain data: its configuration, sizes, and (level, run, scene) of every run in order."""
+        return {
+            "name": case,
+            "case": self.cases[case].model_dump(),
+            "sizes": self.sizes(case),
+            "runs": [(planned.level, planned.run, planned.scene) for planned in self.of(case).values()],
+        }
+
 
 def _checked(scene: Mapping[str, Any], where: str) -> Scene:
     built = make_scene(scene, where)

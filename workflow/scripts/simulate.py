@@ -1,4 +1,4 @@
-"""Simulate one stage or run of a study."""
+"""Simulate one stage or run of a study, or search the limit of a scene by many runs."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -7,6 +7,7 @@ from sph import trajectory
 from sph.command.progress import reporter
 from sph.scene import make_scene
 from sph.solver import Until, run
+from sph.validation.slopes import run_search
 
 
 def simulate(scene: Mapping[str, Any], until: Until, path_to_restart: str | None, path_to_trajectory: str, path_to_log: str) -> None:
@@ -17,11 +18,17 @@ def simulate(scene: Mapping[str, Any], until: Until, path_to_restart: str | None
         print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
 
+def find_limit(scene: Mapping[str, Any], by: str, path_to_trials: str, path_to_log: str) -> None:
+    """Search the strength at which a scene just stands, and write the trials."""
+    with open(path_to_log, "w", encoding="utf-8") as log:
+        trials = run_search(scene, by, lambda trial: print(*trial, file=log, flush=True))
+    trajectory.write(path_to_trials, trials)
+
+
 if __name__ == "__main__":
-    simulate(
-        snakemake.params.scene,  # type: ignore[name-defined]
-        snakemake.params.until,  # type: ignore[name-defined]
-        snakemake.input.get("restart"),  # type: ignore[name-defined]
-        snakemake.output[0],  # type: ignore[name-defined]
-        snakemake.log[0],  # type: ignore[name-defined]
-    )
+    scene, by = snakemake.params.scene, snakemake.params.get("by", "simulation")  # type: ignore[name-defined]
+    out, log = snakemake.output[0], snakemake.log[0]  # type: ignore[name-defined]
+    if by == "simulation":
+        simulate(scene, snakemake.params.until, snakemake.input.get("restart"), out, log)  # type: ignore[name-defined]
+    else:
+        find_limit(scene, by, out, log)

@@ -1,0 +1,102 @@
+# Purpose: the reference cases: does the solver give the numbers that are known? (`snakemake --cores 2 validation`)
+# Inputs:  the suite (config: validation); the sources of solver, analysis and drawing.
+# Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv
+import functools
+
+from sph.validation.suite import FOLDER as VALIDATION, load_suite
+
+# Read and checked once a rule of the suite is asked for.
+SUITE = functools.cache(functools.partial(load_suite, PLAN.study.validation, FOLDERS))
+# The companions that search by runs count as sources of their results.
+SEARCHING = SOLVER + sorted(
+    str(path) for path in Path(workflow.basedir, "sph", "stability").glob("*.py")
+)
+VALIDATING = DRAWING + sorted(
+    str(path) for path in Path(workflow.basedir, "sph", "validation").glob("*.py")
+)
+
+
+def case_runs(wildcards):
+    """Files of a case's runs; a case of functions alone has none."""
+    if SUITE().cases[wildcards.case].by == "computation":
+        return []
+    return [f"{VALIDATION}/runs/{run}.nc" for run in SUITE().of(wildcards.case)]
+
+
+wildcard_constraints:
+    case="V[0-9]+",
+
+
+rule validation:
+    """The reference cases: table and figures."""
+    input:
+        f"{VALIDATION}/validation.csv",
+        lambda wildcards: expand(
+            "{validation}/figures/{case}.{kind}",
+            validation=VALIDATION,
+            case=SUITE().cases,
+            kind=["png", "pdf"],
+        ),
+
+
+rule validation_run:
+    """One run of a case, or one search by many runs, on one core."""
+    input:
+        sources=SEARCHING,
+    output:
+        f"{VALIDATION}/runs/{{case}}/{{run}}.nc",
+    log:
+        f"{VALIDATION}/logs/{{case}}/{{run}}.log",
+    benchmark:
+        f"{VALIDATION}/benchmarks/{{case}}/{{run}}.tsv"
+    wildcard_constraints:
+        run=".+",
+    threads: 1
+    params:
+        scene=lambda wildcards: SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene,
+        until="end",
+        by=lambda wildcards: SUITE().cases[wildcards.case].by,
+    script:
+        "../scripts/simulate.py"
+
+
+rule validation_case:
+    """Measure a case on all its levels, and draw it."""
+    input:
+        sources=SEARCHING + VALIDATING,
+        runs=case_runs,
+    output:
+        csv=f"{VALIDATION}/cases/{{case}}.csv",
+        png=report(
+            f"{VALIDATION}/figures/{{case}}.png",
+            caption="../report/validation_figure.rst",
+            category="Validation",
+            labels={"case": "{case}"},
+        ),
+        pdf=f"{VALIDATION}/figures/{{case}}.pdf",
+    log:
+        f"{VALIDATION}/logs/{{case}}.log",
+    params:
+        suite=lambda wildcards: SUITE().plan(wildcards.case),
+    script:
+        "../scripts/measure_case.py"
+
+
+rule validation_table:
+    """All cases in one table."""
+    input:
+        lambda wildcards: expand(
+            "{validation}/cases/{case}.csv",
+            validation=VALIDATION,
+            case=SUITE().cases,
+        ),
+    output:
+        report(
+            f"{VALIDATION}/validation.csv",
+            caption="../report/validation.rst",
+            category="Validation",
+        ),
+    log:
+        f"{VALIDATION}/logs/validation.log",
+    script:
+        "../scripts/join_cases.py"
