@@ -8,7 +8,12 @@ from pathlib import Path
 import pytest
 
 SPH = Path(__file__).resolve().parents[1] / "sph"
-FORBIDDEN = {"": ("sph.analysis", "sph.command", "snakemake"), "analysis": ("sph.command", "snakemake"), "command": ("snakemake",)}
+FORBIDDEN = {
+    "": ("sph.analysis", "sph.stability", "sph.command", "snakemake"),
+    "stability": ("sph.analysis", "sph.command", "snakemake"),
+    "analysis": ("sph.command", "snakemake"),
+    "command": ("snakemake",),
+}
 
 
 def imports(path: Path) -> set[str]:
