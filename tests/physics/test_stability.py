@@ -112,7 +112,7 @@ def test_the_static_test_softens_nothing_and_shakes_nothing() -> None:
     calm, loaded = static_scene(shaken, rule), static_scene(shaken, rule, 2.0)
     assert calm.coupling.gamma == 0 and calm.motion.kind == "none" and calm.damping is None
     assert calm.soil == shaken.soil and calm.gravity == shaken.gravity and calm.walls == shaken.walls
-    assert calm.duration == pytest.approx(2.0 + 7.0 * math.sqrt(HEIGHT / GRAVITY), abs=0.01)
+    assert 0 <= calm.duration - (2.0 + 7.0 * math.sqrt(HEIGHT / GRAVITY)) < 0.25
     assert loaded.motion.acceleration(np.array([2.0, 2.5, 9.0])).tolist() == [0.0, 1.0, 2.0]
     assert loaded.duration == pytest.approx(calm.duration + 1.0)
 
@@ -135,6 +135,7 @@ def test_a_run_that_diverges_has_failed() -> None:
     [
         ({"gravity.acceleration": 0.0}, r"gravity\.acceleration: 0 m/s2"),
         ({"prescribed_velocity_gradient": {"xy": 1.0}}, "prescribed_velocity_gradient"),
+        ({"numerics.spacing": 1.25, "geometry.width": 7.5}, r"numerics\.spacing: 1\.25 m is too coarse for the rule: 0\.05 H is 0\.5 m"),
     ],
 )
 def test_scenes_without_stability_are_refused(overrides: dict[str, Any], wanted: str) -> None:
