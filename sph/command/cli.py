@@ -1,7 +1,7 @@
 """The command ``sph``.
 
 Exit codes: 0 done; 2 the scene, the command line or a file was refused, nothing was computed, or nothing measured is as good as asked;
-3 the run was stopped by its guard (status ``diverged``), and what there is was written.
+3 the run was stopped by its guard (status ``diverged``), and what there is was written.  A static test that diverges has failed: 0.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from rich.console import Console
 from rich.table import Table
 
 REFUSED, DIVERGED = 2, 3
+EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
 app = typer.Typer(
     help="Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics.",
@@ -45,7 +46,7 @@ def refusals() -> Iterator[None]:
         raise typer.Exit(REFUSED) from error
 
 
-def parse_settings(settings: list[str] | None) -> dict[str, Any]:
+def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
     """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
     from sph.configuration import dotted
 
@@ -53,11 +54,11 @@ def parse_settings(settings: list[str] | None) -> dict[str, Any]:
     for setting in settings or []:
         name, equals, text = setting.partition("=")
         if not equals or not all(name.split(".")):
-            raise ValueError(f"--set {setting!r}: write KEY=VALUE, e.g. coupling.S_R=0.10")
+            raise ValueError(f"{option} {setting!r}: write KEY=VALUE, e.g. {EXAMPLES[option]}")
         try:
             pairs[name] = yaml.safe_load(text)
         except yaml.YAMLError as error:
-            raise ValueError(f"--set {setting!r}: the value is not readable: {error}") from error
+            raise ValueError(f"{option} {setting!r}: the value is not readable: {error}") from error
     return dotted(pairs)
 
 
@@ -177,6 +178,52 @@ def metrics(
         value = values[row.name]
         table.add_row(row.name, f"{value:.4g}" if isinstance(value, float) else str(value), row.units, row.text)
     Console().print(table)
+
+
+Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]
+Rule = Annotated[
+    list[str] | None,
+    typer.Option("--rule", metavar="KEY=VALUE", help="change the failure rule: displacement, area, observation, ramp; may be repeated"),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI units, trials included")]
+Trials = Annotated[Path | None, typer.Option(help="table of the trials to write (CSV)")]
+
+
+@app.command(epilog="Examples:  sph fos slope.yaml  |  sph fos slope.yaml --reduce S_R --set numerics.spacing=2 --rule observation=20")
+def fos(
+    scene: SceneFile,
+    set_: Settings = None,
+    reduce: Annotated[str, typer.Option(help="strength: c and tan(phi) over F; S_R: the paper's factor on c and phi")] = "strength",
+    tolerance: Tolerance = 0.01,
+    rule: Rule = None,
+    as_json: AsJson = False,
+    out: Trials = None,
+) -> None:
+    """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands."""
+    from sph.command.stability import answer
+    from sph.scene import load_scene
+
+    with refusals():
+        if reduce not in ("strength", "S_R"):
+            raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
+        answer(reduce, load_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
+
+
+@app.command(epilog="Example:  sph yield-acceleration slope.yaml --set numerics.spacing=2 --out trials.csv")
+def yield_acceleration(
+    scene: SceneFile,
+    set_: Settings = None,
+    tolerance: Tolerance = 0.01,
+    rule: Rule = None,
+    as_json: AsJson = False,
+    out: Trials = None,
+) -> None:
+    """Find the constant horizontal acceleration at which the slope fails (pseudo-static), for Newmark's method."""
+    from sph.command.stability import answer
+    from sph.scene import load_scene
+
+    with refusals():
+        answer("acceleration", load_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")

@@ -40,7 +40,9 @@ def factor_of_safety(scene: Scene, tolerance: float = 0.01, rule: FailureRule = 
     return found
 
 
-def critical_strength_ratio(scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None) -> Search:
+def critical_strength_ratio(
+    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None
+) -> Search:
     """The paper's S_R, on cohesion and phi, at which the fully weakened slope just stands, to a relative tolerance.
 
     ValueError where the slope fails at full strength or stands at every ratio tried.

@@ -25,6 +25,10 @@ from sph.stability.search import Trial
 
 COURANT = 0.8
 """Part of the measured limit that the time step of a static test takes."""
+FRAME_INTERVAL = 0.25
+"""Interval of the frames of a static test, from which displacements are taken and at which the time step adapts, s, about."""
+REARRANGEMENT = 0.5
+"""Distance over the spacing by which particles of a standing slope may move as their lattice rearranges (measured: h = 1.6 spacings)."""
 
 
 class FailureRule(Section):
@@ -55,15 +59,22 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         raise ValueError("gravity.acceleration: 0 m/s2: without gravity every slope stands")
     if scene.prescribed_velocity_gradient is not None:
         raise ValueError("prescribed_velocity_gradient: an element test has no stability")
+    height, spacing = slope_height(scene), scene.numerics.spacing
+    if rule.displacement * height < (REARRANGEMENT - 1e-9) * spacing:
+        raise ValueError(
+            f"numerics.spacing: {spacing:g} m is too coarse for the rule: {rule.displacement:g} H is {rule.displacement * height:.3g} m, "
+            f"and particles that only rearrange their lattice move by {REARRANGEMENT:g} spacings"
+        )
     stage, interval = scene.gravity.duration, scene.outputs.series_interval
+    frame = max(round(FRAME_INTERVAL / interval), 1) * interval
     load: dict[str, Any] = {"kind": "none"}
     loaded = stage
     if acceleration != 0:
         load = {"kind": "constant", "amplitude": acceleration, "start": stage, "ramp": rule.ramp}
         loaded += rule.ramp
-    observed = rule.observation * math.sqrt(slope_height(scene) / scene.gravity.acceleration)
+    observed = rule.observation * math.sqrt(height / scene.gravity.acceleration)
     changes = {
-        "duration": math.ceil((loaded + observed) / interval) * interval,
+        "duration": math.ceil((loaded + observed) / frame) * frame,
         "motion": load,
         "coupling.gamma": 0.0,
         "coupling.initial_state": "solid",
@@ -71,6 +82,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         "initial_velocity": None,
         "damping": None,
         "early_stop": None,
+        "outputs.frame_interval": frame,
         "numerics.time_step": interval,
         "numerics.adaptive_step": {"courant": COURANT},
     }

@@ -1,0 +1,274 @@
+"""Factor of safety, critical strength ratio and yield acceleration against closed forms; the search against numbers."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from scipy.optimize import brentq
+from typer.testing import CliRunner, Result
+
+from sph.command.cli import REFUSED, app
+from sph.configuration import dotted, merge
+from sph.scene import GRAVITY, Scene, make_scene
+from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
+from sph.stability.search import Trial, search
+from sph.stability.standing import FailureRule, divided_strength, stand, static_scene, weakened
+
+HEIGHT, UNIT_WEIGHT, COHESION = 10.0, 20e3, 100e3
+
+LAYER: dict[str, Any] = {
+    "name": "layer",
+    "duration": 3.0,
+    "geometry": {"shape": "block", "width": 6.0, "height": HEIGHT},
+    "walls": {"sides": "periodic"},
+    "soil": {
+        "density": UNIT_WEIGHT / GRAVITY,
+        "youngs_modulus": 1e5,
+        "poisson_ratio": 0.3,
+        "cohesion": COHESION / 1e3,
+        "friction_angle": 0.0,
+    },
+    "gravity": {"ramp": 1.0, "duration": 2.0},
+    "numerics": {"spacing": 0.5, "smoothing_ratio": 1.3},
+}
+"""An endless layer of soil on a rough base."""
+
+CUT: dict[str, Any] = {
+    "geometry": {
+        "shape": "slope",
+        "slope_angle": 90.0,
+        "slope_height": HEIGHT,
+        "base_depth": 0.0,
+        "apron_length": 10.0,
+        "crest_length": 15.0,
+    },
+    "walls": {"sides": "free_slip"},
+}
+"""A vertical cut in the same soil."""
+
+
+def layer(overrides: dict[str, Any] | None = None) -> Scene:
+    return make_scene(merge(LAYER, dotted(overrides or {})))
+
+
+# ------------------------------------------------------------ the search
+
+
+def limit_at(limit: float, weaker_is_smaller: bool = False) -> Any:
+    def test(value: float) -> Trial:
+        stands = value > limit if weaker_is_smaller else value < limit
+        return Trial(value, stands, 0.0 if stands else 9.0, 0.0, "complete", 0.0)
+
+    return test
+
+
+GROWING = (0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
+
+
+@pytest.mark.parametrize("limit", [0.3, 0.99, 1.01, 1.7, 7.9])
+@pytest.mark.parametrize("tolerance", [0.1, 1e-3])
+def test_the_limit_is_bracketed_to_the_tolerance(limit: float, tolerance: float) -> None:
+    told: list[Trial] = []
+    found = search(limit_at(limit), GROWING, start=2, tolerance=tolerance, report=told.append)
+    assert found.lower == found.stood < limit <= found.failed == found.upper
+    assert found.upper - found.lower <= tolerance * found.value
+    assert found.trials == tuple(told)
+    assert len({t.value for t in told}) == len(told), "nothing is run twice"
+
+
+def test_a_limit_from_above_is_found_by_the_same_search() -> None:
+    found = search(limit_at(0.4, weaker_is_smaller=True), (1.0, 0.5, 0.25), tolerance=0.01)
+    assert found.lower == found.failed <= 0.4 < found.stood == found.upper
+
+
+def test_near_zero_the_tolerance_is_that_of_the_smallest_value() -> None:
+    found = search(limit_at(1e-9), (0.0, 1.0), tolerance=0.01, smallest=1.0)
+    assert found.stood == 0.0 and 0 < found.failed <= 0.01
+
+
+def test_without_a_limit_one_end_is_nan() -> None:
+    assert math.isnan(search(limit_at(100.0), GROWING, start=2).failed)
+    assert math.isnan(search(limit_at(0.0), GROWING, start=2).stood)
+
+
+def test_a_tolerance_of_nothing_is_refused() -> None:
+    with pytest.raises(ValueError, match="tolerance: 0"):
+        search(limit_at(1.0), GROWING, tolerance=0.0)
+
+
+# ------------------------------------------------------------ the static test
+
+
+def test_the_static_test_softens_nothing_and_shakes_nothing() -> None:
+    shaken = layer({"motion": {"kind": "ricker", "amplitude": 3.0, "frequency": 1.0, "peak": 4.0}, "coupling.gamma": 5.0})
+    rule = FailureRule(observation=7.0)
+    calm, loaded = static_scene(shaken, rule), static_scene(shaken, rule, 2.0)
+    assert calm.coupling.gamma == 0 and calm.motion.kind == "none" and calm.damping is None
+    assert calm.soil == shaken.soil and calm.gravity == shaken.gravity and calm.walls == shaken.walls
+    assert 0 <= calm.duration - (2.0 + 7.0 * math.sqrt(HEIGHT / GRAVITY)) < 0.25
+    assert loaded.motion.acceleration(np.array([2.0, 2.5, 9.0])).tolist() == [0.0, 1.0, 2.0]
+    assert loaded.duration == pytest.approx(calm.duration + 1.0)
+
+
+def test_both_reductions_of_strength() -> None:
+    scene = layer({"soil.friction_angle": 30.0})
+    half, twice = divided_strength(scene, 2.0).soil, divided_strength(scene, 0.5).soil
+    assert half.cohesion == 50.0 and math.tan(half.friction_angle_si) == pytest.approx(0.5 * math.tan(math.radians(30.0)))
+    assert twice.friction_angle == pytest.approx(49.1, abs=0.1) and twice.cohesion == 200.0
+    assert (weakened(scene, 0.5).soil.cohesion, weakened(scene, 0.5).soil.friction_angle) == (50.0, 15.0)
+
+
+def test_a_run_that_diverges_has_failed() -> None:
+    trial = stand(static_scene(layer({"soil.youngs_modulus": 1.0}), FailureRule()), FailureRule(), 1.0)
+    assert trial.status == "diverged" and not trial.stands
+
+
+@pytest.mark.parametrize(
+    ("overrides", "wanted"),
+    [
+        ({"gravity.acceleration": 0.0}, r"gravity\.acceleration: 0 m/s2"),
+        ({"prescribed_velocity_gradient": {"xy": 1.0}}, "prescribed_velocity_gradient"),
+        ({"numerics.spacing": 1.25, "geometry.width": 7.5}, r"numerics\.spacing: 1\.25 m is too coarse for the rule: 0\.05 H is 0\.5 m"),
+    ],
+)
+def test_scenes_without_stability_are_refused(overrides: dict[str, Any], wanted: str) -> None:
+    with pytest.raises(ValueError, match=wanted):
+        static_scene(layer(overrides), FailureRule())
+
+
+# ------------------------------------------------------------ closed forms
+
+
+@pytest.mark.parametrize("friction_angle", [0.0, 30.0])
+def test_factor_of_safety_of_an_endless_slope(friction_angle: float) -> None:
+    """c / F cos(phi_F) + gamma H cos(theta) sin(phi_F) = gamma H sin(theta) with tan(phi_F) = tan(phi) / F.
+
+    Soil without dilation shears parallel to the slope with its principal stresses at 45 degrees (Davis 1968), hence c cos(phi) and
+    sin(phi) in place of c and tan(phi).  Tolerance, stated before the first run: 20 rows of particles know the depth of the
+    slip surface to half a kernel's support, 1.3 spacings in 20, and the search ends at 2 %: 8.5 %.
+    """
+    slope = math.radians(20.0)
+    cohesion = COHESION if friction_angle == 0 else 40e3
+
+    def excess(factor: float) -> float:
+        phi = math.atan(math.tan(math.radians(friction_angle)) / factor)
+        strength = cohesion / factor * math.cos(phi) + UNIT_WEIGHT * HEIGHT * math.cos(slope) * math.sin(phi)
+        return strength - UNIT_WEIGHT * HEIGHT * math.sin(slope)
+
+    scene = layer({"gravity.inclination": 20.0, "soil.friction_angle": friction_angle, "soil.cohesion": cohesion / 1e3})
+    assert factor_of_safety(scene, tolerance=0.02).value == pytest.approx(brentq(excess, 0.1, 10.0), rel=0.085)
+
+
+def test_rows_of_a_full_kernel_do_not_interlock() -> None:
+    """The same without friction at h = 2.3 spacings.
+
+    At 1.3 spacings the row that slips is held by its neighbours until it has moved by a third of a spacing, which adds 4 to 5 % to the
+    strength at any spacing; with 66 neighbours the closed form is met to 1 %.  Tolerance set after that was seen: 3 %.
+    """
+    full = {"numerics.smoothing_ratio": 2.3, "walls.layers": 5, "geometry.width": 12.0, "gravity.inclination": 20.0}
+    exact = COHESION / (UNIT_WEIGHT * HEIGHT * math.sin(math.radians(20.0)))
+    assert factor_of_safety(layer(full)).value == pytest.approx(exact, rel=0.03)
+
+
+def test_critical_strength_ratio_of_an_endless_slope() -> None:
+    """S_R c = gamma H sin(theta); tolerance as above."""
+    found = critical_strength_ratio(layer({"gravity.inclination": 20.0}), tolerance=0.02)
+    assert found.lower == found.failed
+    assert found.value == pytest.approx(UNIT_WEIGHT * HEIGHT * math.sin(math.radians(20.0)) / COHESION, rel=0.085)
+
+
+def test_yield_acceleration_of_level_ground() -> None:
+    """c = rho a H, 0.5 g here; tolerance as above."""
+    assert yield_acceleration(layer(), tolerance=0.02).value == pytest.approx(0.5 * GRAVITY, rel=0.085)
+
+
+def test_a_slope_that_fails_by_itself_has_no_yield_acceleration() -> None:
+    found = yield_acceleration(layer({"gravity.inclination": 20.0, "soil.cohesion": 30.0}))
+    assert found.value == 0.0 and len(found.trials) == 1
+
+
+def test_factor_of_safety_of_a_vertical_cut() -> None:
+    """gamma H / c between 3.77 and 3.83 (limit analysis, phi = 0).
+
+    Tolerance, stated before the first run for a height of 10 particles: of these the face knows half a one, the rule lets 5 % of it
+    slip, and the wedge slips into less weight meanwhile: 15 %.  Measured are 15.3 % with 10 particles, 7.6 % with the 20 of
+    this test and 1.5 % with 40: the tolerance was too small, the spacing is what it is about.
+    """
+    found = factor_of_safety(make_scene(merge(LAYER, CUT)), tolerance=0.02)
+    assert found.value == pytest.approx(3.80 * COHESION / (UNIT_WEIGHT * HEIGHT), rel=0.15)
+
+
+# ------------------------------------------------------------ no limit
+
+
+@pytest.mark.parametrize(
+    ("find", "overrides", "wanted"),
+    [
+        (factor_of_safety, {}, "layer: stands even at a factor of 17.1"),
+        (factor_of_safety, {"gravity.inclination": 20.0, "soil.cohesion": 0.0}, "layer: fails even at a factor of 0.0585"),
+        (critical_strength_ratio, {"gravity.inclination": 20.0, "soil.cohesion": 30.0}, "layer: fails with S_R 1"),
+        (critical_strength_ratio, {}, "layer: stands even with S_R 0.039"),
+        (yield_acceleration, {"soil.cohesion": 1e5}, "layer: stands even at 5.77 g"),
+    ],
+)
+def test_a_slope_without_a_limit_is_refused(find: Any, overrides: dict[str, Any], wanted: str) -> None:
+    coarse = layer({"numerics.spacing": 1.0} | overrides)
+    with pytest.raises(ValueError, match=wanted):
+        find(coarse, rule=FailureRule(observation=2.0))
+
+
+# ------------------------------------------------------------ the command
+
+
+def call(tmp_path: Path, command: str, *arguments: object) -> Result:
+    path = tmp_path / "layer.yaml"
+    path.write_text(yaml.safe_dump(LAYER | {"numerics": LAYER["numerics"] | {"spacing": 1.0}}))
+    return CliRunner().invoke(app, [command, str(path), *(str(a) for a in arguments)])
+
+
+def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
+    out = tmp_path / "trials.csv"
+    tilted = ("--set", "gravity.inclination=20", "--tolerance", "0.1", "--rule", "observation=5", "--out", out)
+    result = call(tmp_path, "fos", *tilted)
+    assert result.exit_code == 0, result.output
+    trials = pd.read_csv(out)
+    *tried, answered, rule = result.stdout.splitlines()
+    assert len(tried) == len(trials) and tried[0].startswith("F = 1.0000  stands: 0 m2 displaced")
+    assert answered.startswith("factor of safety: 1.") and f"{len(trials)} runs" in answered
+    assert "0.05 H" in rule and "5 sqrt(H/g)" in rule
+    assert list(trials.columns) == list(Trial._fields)
+
+    found = json.loads(call(tmp_path, "fos", *tilted, "--reduce", "S_R", "--json").stdout)
+    assert found["quantity"] == "critical strength ratio" and found["lower"] < found["value"] < found["upper"]
+    assert found["runs"] == len(found["trials"]) and found["rule"]["observation"] == 5.0
+
+
+def test_the_yield_acceleration_is_printed_in_both_units(tmp_path: Path) -> None:
+    result = call(tmp_path, "yield-acceleration", "--tolerance", "0.2", "--rule", "observation=5")
+    assert result.exit_code == 0, result.output
+    assert "yield acceleration: " in result.stdout and " g)" in result.stdout
+    fails = call(tmp_path, "yield-acceleration", "--set", "gravity.inclination=20", "--set", "soil.cohesion=30")
+    assert "yield acceleration: 0, the slope fails without the load" in fails.stdout
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wanted"),
+    [
+        (("--reduce", "cohesion"), "--reduce 'cohesion': must be strength or S_R"),
+        (("--rule", "area=2"), "--rule: area: Input should be less than or equal to 1 (found 2)"),
+        (("--rule", "width"), "--rule 'width': write KEY=VALUE"),
+        (("--tolerance", "0"), "tolerance: 0.0 must be positive"),
+        (("--out", "absent/folder/trials.csv"), "--out"),
+        (("--set", "gravity.acceleration=0"), "gravity.acceleration: 0"),
+    ],
+)
+def test_refusals(tmp_path: Path, arguments: tuple[str, ...], wanted: str) -> None:
+    result = call(tmp_path, "fos", *arguments)
+    assert result.exit_code == REFUSED and wanted in result.stderr and "Traceback" not in result.stderr
