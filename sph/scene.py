@@ -138,7 +138,17 @@ class RingBody(Section):
     def contains(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Which of the places (n,) lie inside."""
         r = np.hypot(x - self.centre[0], y - self.centre[1])
-        return (self.inner_radius < r) & (r < self.outer_radius)
+        return (self.inner_radius <= r) & (r < self.outer_radius)
+
+
+def _upper_side(outline: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Height (n,) of the top of a body at the places x (n,), m; 0 beside it."""
+    y = np.zeros(x.size)
+    for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if x1 != x2:
+            over = (min(x1, x2) <= x) & (x <= max(x1, x2))
+            y[over] = np.maximum(y[over], y1 + (x[over] - x1) / (x2 - x1) * (y2 - y1))
+    return y
 
 
 class Bodies(Section):
