@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -166,12 +166,13 @@ class Bodies(Section):
         corners = np.unique(np.concatenate([outline[:, 0] for outline in outlines]))
         beside = 1e-9 * self.width
         x = np.unique(np.clip(np.concatenate([[0.0, self.width], corners - beside, corners + beside]), 0.0, self.width))
-        y = np.zeros(x.size)
-        for outline in outlines:
-            for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-                if x1 != x2:
-                    over = (min(x1, x2) <= x) & (x <= max(x1, x2))
-                    y[over] = np.maximum(y[over], y1 + (x[over] - x1) / (x2 - x1) * (y2 - y1))
+        crossings = [x]
+        for one, other in combinations([_upper_side(outline, x) for outline in outlines], 2):
+            above = one - other
+            cross = (above[:-1] * above[1:] < 0.0) & (np.diff(x) > 3.0 * beside)
+            crossings.append((x[:-1] + np.diff(x) * above[:-1] / np.where(cross, above[:-1] - above[1:], 1.0))[cross])
+        x = np.unique(np.concatenate(crossings))
+        y = np.max([_upper_side(outline, x) for outline in outlines], axis=0)
         return tuple(x.tolist()), tuple(y.tolist())
 
     @property
