@@ -420,7 +420,7 @@ class InitialVelocity(Section):
             if len(getattr(self, name)) != len(self.position):
                 raise ValueError(f"{name}: {len(getattr(self, name))} velocities for {len(self.position)} places")
         if any(after <= before for before, after in pairwise(self.position)):
-            raise ValueError("position: the places must increase")
+            raise ValueError(f"position: the places {list(self.position)} m must increase")
         return self
 
 
