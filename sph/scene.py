@@ -607,7 +607,7 @@ class Scene(Section):
         _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
         if self.early_stop is not None:
             _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
-        if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration:
+        if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
         if self.gravity.ramp > self.gravity.duration:
