@@ -38,6 +38,7 @@ from sph.state import (
     SHAKING,
     VISCOUS,
     WALLS,
+    DrivenTerm,
     State,
     Terms,
     initial_state,
@@ -167,10 +168,14 @@ class Run:
 
         It returns the stress to the yield surface and computes the accelerations.  The energy stored so far counts as work done.
         """
-        loading, self.loading = self.loading, NO_LOADING
-        self.step = -1
+        loading, terms, velocity = self.loading, self.terms, (self.state.vx.copy(), self.state.vy.copy())
+        self.loading, self.step = NO_LOADING, -1
+        if terms.driven is not None:
+            self.terms = terms._replace(driven=DrivenTerm(0.0, 0.0, 0.0, 0.0))
+        self.state.vx[:] = self.state.vy[:] = 0.0
         self.advance_steps(1)
-        self.step, self.loading = 0, loading
+        self.loading, self.terms, self.step = loading, terms, 0
+        self.state.vx[:], self.state.vy[:] = velocity
         self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
 
     def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
