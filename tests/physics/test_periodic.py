@@ -68,12 +68,11 @@ def soil(ds: xr.Dataset, name: str) -> np.ndarray:
 
 
 def test_uniform_motion_goes_on_forever() -> None:
-    # Galileo: no relative motion, no strain, no force; 1.2 m/s for 4 s carries every particle around the box once, through all cells and lists.
-    # Nothing is computed but x += v dt: exactly the same velocities and energy, no stress but that of the initial density (rounding).
+    # Galileo: no relative motion, no strain, no force; 1.2 m/s for 4 s carries every particle around the box once, through all cells
+    # and lists.  Nothing is computed but x += v dt: the same velocities and energy to the last bit, no stress but rounding.
     drift = {"along": "x", "position": [0.0], "x": [1.2], "y": [-0.1]}
-    ds = run(
-        scene(FLOATING | {"initial_velocity": drift, "duration": 4.0, "outputs": {"frame_interval": 0.5, "series_interval": 0.05}})
-    ).trajectory
+    seldom = {"gravity.duration": 0.05, "outputs": {"frame_interval": 0.5, "series_interval": 0.05}}
+    ds = run(scene(FLOATING | seldom | {"initial_velocity": drift, "duration": 4.0})).trajectory
     assert np.all(soil(ds, "velocity_x") == np.float32(1.2)) and np.all(soil(ds, "velocity_y") == np.float32(-0.1))
     assert np.ptp(ds["kinetic_energy"].values) == 0.0
     np.testing.assert_allclose(soil(ds, "displacement_x")[-1], 4.8, rtol=1e-6)
@@ -83,21 +82,21 @@ def test_uniform_motion_goes_on_forever() -> None:
 
 def stirred() -> Run:
     """The floating strip with waves along it, pulled apart in places, so that artificial viscosity and stress act."""
-    wave = {"along": "x", "position": [0.0, 1.0, 2.0, 3.0, 4.0], "x": [3.0, 5.0, 3.0, 1.0, 3.0], "y": [0.0, 1.0, 0.0, -1.0, 0.0]}
+    wave = {"along": "x", "position": [0.0, 1.0, 2.0, 3.0, 4.0], "x": [6.0, 7.0, 6.0, 5.0, 6.0], "y": [0.0, 1.0, 0.0, -1.0, 0.0]}
     simulation = Run(scene(FLOATING | {"initial_velocity": wave}))
     simulation.prepare()
     return simulation
 
 
 def test_momentum_is_conserved_around_the_box() -> None:
-    # Forces of a pair are equal and opposite to the last bit, also across the sides: 1000 steps of sums over 400 particles, as in
-    # test_conservation.  The waves meet (the velocities change by metres per second) and tension occurs.
+    # Forces of a pair are equal and opposite to the last bit, also across the sides: 400 steps of sums over 400 particles, as in
+    # test_conservation.  The waves meet (velocities change by half of what they differ) and tension occurs.
     simulation = stirred()
     n, mass, state = simulation.particles.n_soil, simulation.particles.mass, simulation.state
     start = np.array([mass[:n] @ state.vx[:n], mass[:n] @ state.vy[:n]])
     scale = mass[:n] @ np.hypot(state.vx[:n], state.vy[:n])
     before = state.vx[:n].copy()
-    assert simulation.advance_steps(1000)[1] == 1000
+    assert simulation.advance_steps(400)[1] == 400
     drift = np.array([mass[:n] @ state.vx[:n], mass[:n] @ state.vy[:n]]) - start
     print(f"drift {np.abs(drift).max() / scale:.1e}")
     assert np.abs(drift).max() < 1e-11 * scale
@@ -107,13 +106,15 @@ def test_momentum_is_conserved_around_the_box() -> None:
 
 
 def test_energy_around_the_box() -> None:
-    # Kinetic + elastic + dissipated stays: what is left is the last half step's work (as in test_conservation), measured below 1e-4.
+    # Kinetic + elastic + dissipated stays.  Velocities lag half a step, which alone is 5 % here (waves go around in 45 ms, a step is 0.5);
+    # with the kinetic energy at the time of the stress, the mean of two samples, what is left is of second order.
     wave = {"along": "x", "position": [0.0, 1.0, 2.0, 3.0, 4.0], "x": [0.0, 2.0, 0.0, -2.0, 0.0], "y": [0.0] * 5}
-    ds = run(scene(FLOATING | {"initial_velocity": wave})).trajectory
-    stored = sum(ds[f"{name}_energy"].values for name in ("kinetic", "elastic", "dissipated"))
+    ds = run(scene(FLOATING | {"initial_velocity": wave, "duration": 0.1})).trajectory
+    kinetic = ds["kinetic_energy"].values
+    stored = 0.5 * (kinetic[:-1] + kinetic[1:]) + (ds["elastic_energy"] + ds["dissipated_energy"]).values[:-1]
     print(f"open by {np.ptp(stored) / stored[0]:.1e}")
-    assert np.ptp(stored) < 2e-3 * stored[0]
-    assert ds["kinetic_energy"].values.min() < 0.7 * stored[0]
+    assert np.ptp(stored) < 5e-3 * stored[0]
+    assert kinetic.min() < 0.5 * kinetic[0], "the wave must be stored as strain for the test to mean something"
 
 
 # ---------------------------------------------------------------- a shift
@@ -136,8 +137,8 @@ def hill(shift: int) -> Run:
 
 @pytest.mark.parametrize("shift", [7, 19, 26])
 def test_a_shift_changes_nothing(shift: int) -> None:
-    # The same hill elsewhere, cut by the sides (19, 26) or not (7): the same motion but for rounding of the positions, which
-    # kernel gradients in single precision turn into 1e-7 of the forces; measured below 1e-9 m of 18 mm.
+    # The same hill elsewhere, cut by the sides (19, 26) or not (7): the same motion but for rounding of the positions and
+    # of sums in another order: measured 4e-15 of 3e-3 m.  (Gradients in single precision round alike but for rare cases, hence 1e-12.)
     results = []
     for columns in (0, shift):
         simulation = hill(columns)
@@ -149,8 +150,8 @@ def test_a_shift_changes_nothing(shift: int) -> None:
         moved = [(now - first)[:n][order] for now, first in zip(simulation.state[:2], simulation.particles[:2], strict=True)]
         results.append(np.array(moved))
     print(f"moved by {np.abs(results[0]).max():.1e} m, differs by {np.abs(results[0] - results[1]).max():.1e} m")
-    assert np.abs(results[0]).max() > 5e-3
-    np.testing.assert_allclose(results[1], results[0], rtol=0, atol=1e-7)
+    assert np.abs(results[0]).max() > 2e-3
+    np.testing.assert_allclose(results[1], results[0], rtol=0, atol=1e-12)
 
 
 # ---------------------------------------------------------------- soil between plates
@@ -189,16 +190,18 @@ WHOLE = PRESSED | {
     "gravity.duration": 0.1,
     "gravity.damping": 5.0,
     "motion": {"kind": "ricker", "amplitude": 30.0, "frequency": 20.0, "peak": 0.2},
-    "soil.cohesion": 2.0,
+    "soil.cohesion": 0.5,
+    "soil.friction_angle": 10.0,
+    "gravity.acceleration": 2.0,
     "numerics.gradient_tolerance": 0.01,
-    "initial_velocity": {"along": "y", "position": [0.0, 1.0], "x": [0.5, -0.5], "y": [0.0, 0.0]},
+    "initial_velocity": {"along": "y", "position": [0.0, 1.0], "x": [0.05, -0.05], "y": [0.0, 0.0]},
 }
 """Soil that slides, is shaken and fails between the plates."""
 
 
 def test_a_run_goes_on_bit_for_bit(tmp_path: Path) -> None:
     whole = run(scene(WHOLE))
-    assert 0.0 < float(whole.trajectory["failed_fraction"][-1]), "it must fail for the test to mean something"
+    assert float(whole.trajectory["failed_fraction"][-1]) > 0.1, "it must fail for the test to mean something"
     first = run(scene(WHOLE), until="gravity")
     trajectory.write(tmp_path / "gravity.nc", first.trajectory, first.restart)
     same_bits(run(scene(WHOLE), restart=tmp_path / "gravity.nc"), whole)
