@@ -81,8 +81,8 @@ def test_stretching_along_y_is_that_along_x_turned(along: str) -> None:
 
 @pytest.mark.parametrize("component", ["xy", "yx"])
 def test_simple_shear(component: str) -> None:
-    # Jaumann: sigma_xy = G sin(g), sigma_xx = -sigma_yy = +-G (1 - cos g), no pressure (L^2 = 0 makes L' = L).  A step turns the stress before
-    # it and not its own increment, which leaves the normal stresses behind by half a step, G g * rate dt / 2.
+    # Jaumann: sigma_xy = G sin(g), sigma_xx = -sigma_yy = +-G (1 - cos g), no pressure (L^2 = 0 makes L' = L).  A step turns the
+    # stress before it and not its own increment, which leaves the normal stresses behind by half a step, G g * rate dt / 2.
     scene, ds = element({component: 0.7})
     g, modulus = 0.7 * 0.1, scene.soil.shear_modulus_si
     sign = 1 if component == "xy" else -1

@@ -88,8 +88,8 @@ def test_pairs_push_alike(precision: str) -> None:
 
 
 def test_one_particle_by_hand() -> None:
-    # Four particles in a square under tension along x, sigma / rho^2 = 1: the lower left one is pushed left by its right neighbour at dx with
-    # (W / W)^3 = 1, and by the one across at sqrt(2) dx with (W(sqrt 2 dx) / W(dx))^3; the one above is beside.  R = -0.4 each.
+    # Four particles in a square under tension along x, sigma / rho^2 = 1: the lower left one is pushed left by its right neighbour at dx
+    # with (W / W)^3 = 1, and by the one across at sqrt(2) dx with (W(sqrt 2 dx) / W(dx))^3; the one above is beside.  R = -0.4 each.
     patch = Patch({"geometry": {"shape": "block", "width": 1.0, "height": 1.0}})
     assert patch.n == 4
     patch.stress(1.0, 0.0, 0.0)
