@@ -105,7 +105,9 @@ def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str
     """One line per bad key: origin, key as written, what is allowed and the value found."""
     lines = []
     for item in error.errors():
-        where = ".".join(_path_as_written(item["loc"], data))
+        if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
+            continue  # only because bad items, which have lines of their own, do not count
+        where = ".".join(_path_as_written(item["loc"], data, item["type"] == "missing"))
         message = item["msg"].removeprefix("Value error, ")
         if item["type"] == "extra_forbidden":
             message = "there is no such key here"
@@ -115,13 +117,25 @@ def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str
     return "\n".join(lines)
 
 
-def _path_as_written(location: tuple[int | str, ...], data: Any) -> list[str]:
-    """Path of a key without the names of variants ('tapered_sine') that the validator puts into it."""
+def _path_as_written(location: tuple[int | str, ...], data: Any, missing: bool) -> list[str]:
+    """Path of a key, of one that is ``missing`` if so, without the names of variants ('tapered_sine') that the validator puts into it.
+
+    A variant may have the name of one of its keys ('bodies').
+    """
     path = []
+    variant_named = False
     for depth, part in enumerate(location):
-        here = data.get(part) if isinstance(data, Mapping) else None
-        if isinstance(data, Mapping) and part not in data and depth < len(location) - 1:
+        last = depth == len(location) - 1
+        if isinstance(data, Mapping):
+            known = part in data or missing and last
+            if not known or not variant_named and any(data.get(tag) == part for tag in VARIANT_KEYS):
+                variant_named = True
+                continue
+            data = data.get(part)
+        elif isinstance(data, (list, tuple)) and isinstance(part, int):
+            data = data[part] if part < len(data) else None
+        else:
             continue
         path.append(str(part))
-        data = here
+        variant_named = False
     return path

@@ -32,7 +32,7 @@ def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: 
 
 
 def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
-    """Density and solid deviator of geostatic stress.
+    """Density and deviator of geostatic stress, in the fluid state as well where the scene starts with it.
 
     The depth counts from the ground vertically above; base particles continue it downwards, particles beside the box take
     the ground at the box's edge, and those above the ground have no stress.
@@ -47,3 +47,6 @@ def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n
     state.density_pairs[:] = state.density
     state.solid_d[:n_stressed] = 0.5 * (1.0 - ratio) * vertical
     state.solid_z[:n_stressed] = mean - ratio * vertical
+    if scene.coupling.initial_state == "fluid":
+        for solid, fluid in ((state.solid_d, state.fluid_d), (state.solid_q, state.fluid_q), (state.solid_z, state.fluid_z)):
+            fluid[:] = solid

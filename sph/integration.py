@@ -95,7 +95,8 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
         shaking += mass[i] * ((forced_x - ground) * mean_x + forced_y * mean_y)
         falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
         rubbed += mass[i] * (_rate(terms.friction, free_x, held_x, dt) * mean_x + _rate(terms.friction, free_y, held_y, dt) * mean_y)
-        damped += mass[i] * rate * (mean_x * mean_x + mean_y * mean_y)
+        # Damping acts on the velocity that friction or a prescribed motion has not changed yet.
+        damped += mass[i] * rate * 0.5 * ((free_x + vx_old) * mean_x + (free_y + vy_old) * mean_y)
         viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
     return shaking * dt, falling * dt, damped * dt, viscous * dt, rubbed * dt
 

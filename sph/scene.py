@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import pairwise
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -138,7 +138,17 @@ class RingBody(Section):
     def contains(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
         """Which of the places (n,) lie inside."""
         r = np.hypot(x - self.centre[0], y - self.centre[1])
-        return (self.inner_radius < r) & (r < self.outer_radius)
+        return (self.inner_radius <= r) & (r < self.outer_radius)
+
+
+def _upper_side(outline: np.ndarray, x: np.ndarray) -> np.ndarray:
+    """Height (n,) of the top of a body at the places x (n,), m; 0 beside it."""
+    y = np.zeros(x.size)
+    for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
+        if x1 != x2:
+            over = (min(x1, x2) <= x) & (x <= max(x1, x2))
+            y[over] = np.maximum(y[over], y1 + (x[over] - x1) / (x2 - x1) * (y2 - y1))
+    return y
 
 
 class Bodies(Section):
@@ -156,12 +166,13 @@ class Bodies(Section):
         corners = np.unique(np.concatenate([outline[:, 0] for outline in outlines]))
         beside = 1e-9 * self.width
         x = np.unique(np.clip(np.concatenate([[0.0, self.width], corners - beside, corners + beside]), 0.0, self.width))
-        y = np.zeros(x.size)
-        for outline in outlines:
-            for (x1, y1), (x2, y2) in zip(outline, np.roll(outline, -1, axis=0), strict=True):
-                if x1 != x2:
-                    over = (min(x1, x2) <= x) & (x <= max(x1, x2))
-                    y[over] = np.maximum(y[over], y1 + (x[over] - x1) / (x2 - x1) * (y2 - y1))
+        crossings = [x]
+        for one, other in combinations([_upper_side(outline, x) for outline in outlines], 2):
+            above = one - other
+            cross = (above[:-1] * above[1:] < 0.0) & (np.diff(x) > 3.0 * beside)
+            crossings.append((x[:-1] + np.diff(x) * above[:-1] / np.where(cross, above[:-1] - above[1:], 1.0))[cross])
+        x = np.unique(np.concatenate(crossings))
+        y = np.max([_upper_side(outline, x) for outline in outlines], axis=0)
         return tuple(x.tolist()), tuple(y.tolist())
 
     @property
@@ -409,7 +420,7 @@ class InitialVelocity(Section):
             if len(getattr(self, name)) != len(self.position):
                 raise ValueError(f"{name}: {len(getattr(self, name))} velocities for {len(self.position)} places")
         if any(after <= before for before, after in pairwise(self.position)):
-            raise ValueError("position: the places must increase")
+            raise ValueError(f"position: the places {list(self.position)} m must increase")
         return self
 
 
@@ -596,7 +607,7 @@ class Scene(Section):
         _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
         if self.early_stop is not None:
             _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
-        if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration:
+        if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
         if self.gravity.ramp > self.gravity.duration:

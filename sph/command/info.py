@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sph.analysis.advice import expected_sentence
-from sph.particles import BASE, SIDE, SOIL, locate_probes, place_particles
+from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
 from sph.timestep import limits
@@ -34,7 +34,8 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     """Pairs of label and text, for ``sph info``."""
     particles = place_particles(scene)
     numerics, soil = scene.numerics, scene.soil
-    count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE)}
+    count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE, TOP)}
+    lid = f", {count[TOP]:,} lid" if count[TOP] else ""
     neighbours = np.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
     smallest = min(limit.seconds for limit in limits(scene))
     step = numerics.time_step if numerics.adaptive_step is None else min(numerics.time_step, numerics.adaptive_step.courant * smallest)
@@ -43,7 +44,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     cost = 1e-9 * steps * n * (neighbours * NANOSECONDS_PER_PAIR + NANOSECONDS_PER_PARTICLE)
     rows = [
         ("scene", f"{scene.name}: {scene.title}"),
-        ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls)"),
+        ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls{lid})"),
         (
             "kernel",
             f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, {neighbours:.0f} neighbours in {2 * numerics.smoothing_length:g} m",
@@ -71,7 +72,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
 def warnings(scene: Scene) -> list[str]:
     """What a user should know before trusting a scene's numbers."""
     found = []
-    walled = scene.walls.base != "none" or scene.walls.sides in ("sticky", "free_slip")
+    walled = (scene.walls.base, scene.walls.top) != ("none", "none") or scene.walls.sides in ("sticky", "free_slip")
     if walled and scene.walls.layers < scene.layers_filling_support:
         found.append(
             f"{scene.walls.layers} layers of boundary particles do not fill the kernel's support: stresses beside the box alternate "

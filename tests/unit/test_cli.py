@@ -61,7 +61,14 @@ def test_info_warns_of_a_thin_box(scene_file: Path) -> None:
 
 def test_info_shows_limits_and_terms(scene_file: Path) -> None:
     shown = call("info", scene_file, "--set", "walls.sides=free_slip", "--set", "walls.layers=4").stdout
-    for wanted in ("85 soil", "V_p = 1159.9 m/s", "limit: acoustic", "free_slip [walls.sides]", "not compiled", "estimated cost"):
+    for wanted in (
+        "85 soil",
+        "V_p = 1159.9 m/s",
+        "limit: acoustic",
+        "free_slip [walls.base, walls.sides, walls.top]",
+        "not compiled",
+        "estimated cost",
+    ):
         assert wanted in shown
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sph.motion import gravity_history, make_loading
-from sph.scene import GravityStage, NoMotion, TaperedSine
+from sph.scene import ConstantAcceleration, GravityStage, NoMotion, Ricker, TaperedSine, make_scene
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
 
@@ -91,3 +93,63 @@ def test_loading_does_not_depend_on_the_duration(small_slope) -> None:
     short, long = (make_loading(small_slope({"duration": d})) for d in (2.5, 3.0))
     for a, b in zip(short, long, strict=True):
         np.testing.assert_array_equal(a, b[: a.size])
+
+
+# ---------------------------------------------------------------- other kinds
+
+WAVELETS = st.builds(
+    Ricker,
+    kind=st.just("ricker"),
+    amplitude=st.floats(0.1, 100.0),
+    frequency=st.floats(0.1, 100.0),
+    peak=st.floats(0.0, 100.0),
+)
+
+
+@given(WAVELETS)
+def test_a_ricker_wavelet_is_a_pulse_without_net_velocity(wavelet: Ricker) -> None:
+    # Peak at its time, symmetric, side lobes of -2 exp(-3/2), zero outside start to end.  The integral from minus to plus infinity is 0;
+    # the parts cut off are below 1e-9 of amplitude / frequency, and the sum of so smooth a function is exact but for rounding.
+    time = np.linspace(wavelet.start, wavelet.end, 4001)
+    a = wavelet.acceleration(time)
+    assert wavelet.acceleration(np.array([wavelet.peak]))[0] == wavelet.amplitude == a.max()
+    assert a.min() == pytest.approx(-2 * np.exp(-1.5) * wavelet.amplitude, rel=1e-4)
+    np.testing.assert_allclose(a[1:-1], a[-2:0:-1], atol=1e-6 * wavelet.amplitude)
+    assert abs(a.sum() * (time[1] - time[0])) < 1e-8 * wavelet.amplitude / wavelet.frequency
+    outside = np.array([wavelet.start - 1e-3 / wavelet.frequency, wavelet.end + 1e-3 / wavelet.frequency, 1e4])
+    assert not wavelet.acceleration(outside).any()
+    assert np.abs(a[[1, -2]]).max() < 1.1e-8 * wavelet.amplitude, "what is cut off is nothing"
+
+
+def test_a_ricker_wavelet_by_hand() -> None:
+    # (1 - 2 s^2) exp(-s^2) with s = pi f (t - t_p): zero at s = 1 / sqrt(2); its spectrum, s^2-like, peaks at f.
+    wavelet = Ricker(kind="ricker", amplitude=2.0, frequency=4.0, peak=1.0)
+    zero = 1.0 + 1.0 / (np.sqrt(2.0) * np.pi * 4.0)
+    quarter = 2.0 * (1 - np.pi**2 / 2) * np.exp(-(np.pi**2) / 4)  # at t_p + 1 / 8 s
+    np.testing.assert_allclose(wavelet.acceleration(np.array([zero, 1.125])), [0.0, quarter], atol=1e-12)
+    frequencies = np.linspace(1.0, 10.0, 91)
+    time = np.arange(0.0, 2.0, 1e-3)
+    spectrum = np.abs(np.exp(-2j * np.pi * np.outer(frequencies, time)) @ wavelet.acceleration(time))
+    assert frequencies[spectrum.argmax()] == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize("amplitude", [3.0, -3.0])
+def test_a_constant_motion_is_brought_on_and_stays(amplitude: float) -> None:
+    motion = ConstantAcceleration(kind="constant", amplitude=amplitude, start=1.0, ramp=2.0)
+    a = motion.acceleration(np.array([0.0, 0.999, 1.0, 1.5, 3.0, 1e4]))
+    np.testing.assert_allclose(a, amplitude * np.array([0, 0, 0, 0.25, 1, 1]), atol=1e-12)
+    assert motion.end == 3.0
+    at_once = ConstantAcceleration(kind="constant", amplitude=amplitude, start=1.0, ramp=0.0)
+    np.testing.assert_array_equal(at_once.acceleration(np.array([0.999, 1.0, 2.0])), [0.0, amplitude, amplitude])
+
+
+def test_loading_of_the_other_kinds(small_slope) -> None:
+    # The history at the steps' times; in the gravity stage there is none.
+    for motion in (
+        {"kind": "ricker", "amplitude": 2.0, "frequency": 2.0, "peak": 2.0},
+        {"kind": "constant", "amplitude": -1.0, "start": 1.0, "ramp": 0.5},
+    ):
+        data = small_slope({}).model_dump() | {"motion": motion}
+        loading = make_loading(make_scene(data))
+        assert not loading.ground[:1000].any()
+        assert loading.ground[2000] == pytest.approx(motion["amplitude"], rel=1e-9)

@@ -52,7 +52,7 @@ def _draw_box(ax: Axes, scene: Scene) -> None:
     style: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "/////", "linewidth": 0.5}
     if scene.walls.base != "none":
         ax.add_patch(Rectangle((-thick, -thick), width + 2 * thick, thick, **style))
-    if scene.walls.sides == "none":
+    if scene.walls.sides in ("none", "periodic"):
         return
     for left in (-thick, width):
         ax.add_patch(Rectangle((left, 0.0), thick, height, **style))
@@ -113,7 +113,7 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     ax.plot(trajectory["sample_time"].values, trajectory["ground_acceleration"].values, color="black", linewidth=0.9)
     shade_shaking(ax, scene)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
-    peak = 1.0 if isinstance(scene.motion, NoMotion) else scene.motion.amplitude
+    peak = 1.0 if isinstance(scene.motion, NoMotion) else abs(scene.motion.amplitude) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     _name_stages(ax, scene)
     add_note(figure, [scene], fidelity)

@@ -1,0 +1,245 @@
+"""Options of general scenes: refused with key and value where they make no sense, compiled only where wanted, right at the start."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sph.configuration import dotted, merge
+from sph.coupling import cauchy_stress
+from sph.integration import TERM_NAMES, active_terms
+from sph.particles import place_particles
+from sph.scene import Scene, make_scene
+from sph.solver import Run, wanted_terms
+from sph.state import FAILED, UNARMED, initial_state, make_terms
+
+Builder = Callable[[dict[str, Any]], Scene]
+
+BOX: dict[str, Any] = {
+    "name": "box",
+    "duration": 2.0,
+    "geometry": {"shape": "block", "width": 6.0, "height": 4.0},
+    "walls": {"layers": 3},
+    "gravity": {"ramp": 0.5, "duration": 1.0},
+    "damping": None,
+    "numerics": {
+        "spacing": 0.5,
+        "smoothing_ratio": 1.3,
+        "time_step": 1e-4,
+        "artificial_viscosity": None,
+        "short_range_repulsion": None,
+    },
+}
+"""A scene without a single optional term; sticky walls are none."""
+SLIP = {"walls.base": "free_slip"}
+VELOCITY = {"along": "y", "position": [0.0, 1.0, 4.0], "x": [0.0, 2.0, -1.0], "y": [1.0, 1.0, 0.0]}
+TWO_BODIES = {
+    "shape": "bodies",
+    "width": 6.0,
+    "height": 4.0,
+    "bodies": [
+        {"kind": "polygon", "points": [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]]},
+        {"kind": "ring", "centre": [4.0, 2.0], "outer_radius": 1.5, "inner_radius": 0.5},
+    ],
+}
+POLYGON, RING = TWO_BODIES["bodies"]
+
+
+def box(overrides: dict[str, Any]) -> Scene:
+    return make_scene(merge(BOX, dotted(overrides)), "some.yaml")
+
+
+def bodies(*changed: dict[str, Any], **box_keys: Any) -> dict[str, Any]:
+    return {"geometry": TWO_BODIES | {"bodies": list(changed) or [POLYGON, RING]} | box_keys}
+
+
+BAD = [
+    # override, and the words its error must hold: key as written, value, what is allowed
+    (bodies(width=-1.0), ["geometry.width: ", "-1.0", "greater than 0"]),
+    (bodies({}), ["geometry.bodies.0", "kind"]),
+    ({"geometry": TWO_BODIES | {"bodies": []}}, ["geometry.bodies: ", "at least 1", "[]"]),
+    (bodies({"kind": "cone"}), ["geometry.bodies.0: ", "cone", "polygon", "ring"]),
+    (bodies(POLYGON | {"points": [[0, 0], [1, 1]]}), ["geometry.bodies.0.points: ", "at least 3", "[[0, 0], [1, 1]]"]),
+    (bodies(RING, POLYGON | {"points": [[0, 0], [1, "a"], [2, 2]]}), ["geometry.bodies.1.points.1.1: ", "'a'", "number"]),
+    (bodies(POLYGON, RING | {"outer_radius": 0}), ["geometry.bodies.1.outer_radius: ", "found 0", "greater than 0"]),
+    (bodies(RING | {"inner_radius": 1.5}), ["geometry.bodies.0: ", "inner_radius: 1.5", "outer_radius: 1.5", "smaller"]),
+    (bodies(RING | {"colour": 1}), ["geometry.bodies.0.colour: ", "no such key"]),
+    (bodies({"kind": "ring", "centre": [0, 0]}), ["geometry.bodies.0.outer_radius: ", "required"]),
+    ({"walls.top": "wet"}, ["walls.top: ", "wet", "sticky", "free_slip", "none"]),
+    ({"walls.top": "periodic"}, ["walls.top: ", "periodic"]),
+    (SLIP | {"walls.layers": 1}, ["walls.layers: 1", "needs 2", "1.3 m"]),
+    ({"walls.top": "free_slip", "walls.layers": 1}, ["walls.layers: 1", "needs 2"]),
+    (SLIP | {"walls.friction": {"base": -0.1}}, ["walls.friction.base: ", "-0.1", "greater than or equal to 0"]),
+    ({"walls.friction": {"base": 0.3}}, ["walls.friction.base: 0.3", "free_slip"]),
+    (SLIP | {"walls.friction": {"sides": 0.4}}, ["walls.friction.sides: 0.4", "free_slip"]),
+    ({"walls.sides": "periodic", "walls.friction": {"sides": 0.4}}, ["walls.friction.sides: 0.4", "free_slip"]),
+    ({"walls.sides": "periodic", "geometry.width": 6.1}, ["geometry.width: 6.1 m", "multiple", "numerics.spacing (0.5 m)"]),
+    ({"walls.sides": "periodic", "geometry.width": 2.5}, ["geometry.width: 2.5 m", "twice the kernel's reach", "2.9 m"]),
+    ({"gravity.inclination": 90.5}, ["gravity.inclination: ", "90.5", "less than or equal to 90"]),
+    (
+        {"gravity.inclination": 10.0, "gravity.ramp": 0.0, "gravity.initial_stress": "geostatic"},
+        ["gravity.inclination: 10.0", "geostatic"],
+    ),
+    ({"gravity.initial_stress": {"pressure": 1e9}}, ["gravity.initial_stress.pressure: ", "1000000000.0", "less than or equal to 1000000"]),
+    ({"gravity.initial_stress": {"presure": 1}}, ["gravity.initial_stress.presure: ", "no such key"]),
+    ({"gravity.initial_stress": "wet"}, ["gravity.initial_stress: ", "'wet'", "none", "geostatic"]),
+    ({"coupling.initial_state": "gas"}, ["coupling.initial_state: ", "gas", "solid", "fluid"]),
+    ({"initial_velocity": VELOCITY | {"along": "z"}}, ["initial_velocity.along: ", "'z'"]),
+    ({"initial_velocity": VELOCITY | {"x": [1.0]}}, ["initial_velocity: x: 1 velocities for 3 places"]),
+    ({"initial_velocity": VELOCITY | {"y": [1.0] * 4}}, ["initial_velocity: y: 4 velocities for 3 places"]),
+    ({"initial_velocity": VELOCITY | {"position": [0.0, 1.0, 1.0]}}, ["initial_velocity: position", "[0.0, 1.0, 1.0]", "increase"]),
+    ({"initial_velocity": VELOCITY | {"position": [], "x": [], "y": []}}, ["initial_velocity.position: ", "at least 1", "[]"]),
+    ({"prescribed_velocity_gradient": {"xx": 1e5}}, ["prescribed_velocity_gradient.xx: ", "100000", "less than or equal to 10000"]),
+    ({"prescribed_velocity_gradient": {"zz": 1.0}}, ["prescribed_velocity_gradient.zz: ", "no such key"]),
+    ({"numerics.artificial_stress": {"factor": 0.0}}, ["numerics.artificial_stress.factor: ", "0.0", "greater than 0"]),
+    ({"numerics.artificial_stress": {"exponent": 0.5}}, ["numerics.artificial_stress.exponent: ", "0.5", "greater than or equal to 1"]),
+    ({"motion": {"kind": "ricker", "amplitude": 1.0, "frequency": 0.0, "peak": 1.5}}, ["motion.frequency: ", "0.0", "greater than 0"]),
+    ({"motion": {"kind": "ricker", "amplitude": 1.0, "frequency": 3.0, "peak": 1.4}}, ["motion.peak", "0.9 s", "gravity.duration: 1.0 s"]),
+    ({"motion": {"kind": "constant", "amplitude": 1.0, "start": 0.9, "ramp": 0.5}}, ["motion.start: 0.9 s", "gravity.duration: 1.0 s"]),
+    ({"motion": {"kind": "constant", "amplitude": 1.0, "start": 1.0}}, ["motion.ramp: ", "required"]),
+]
+
+
+@pytest.mark.parametrize(("overrides", "words"), BAD, ids=lambda v: ",".join(v) if isinstance(v, dict) else v[0])
+def test_bad_input_is_named(overrides: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(ValueError) as raised:
+        box(overrides)
+    message = str(raised.value)
+    for word in ["some.yaml", *words]:
+        assert word in message, f"{word!r} is missing in: {message}"
+
+
+def test_one_bad_corner_is_one_line() -> None:
+    # No line about a list that is 'too short' only because its bad item does not count, none with a name the user did not write.
+    with pytest.raises(ValueError) as raised:
+        box(bodies(POLYGON | {"points": [[0, 0], [1, "a"], [2, 2]]}))
+    assert len(str(raised.value).splitlines()) == 1
+    with pytest.raises(ValueError) as raised:
+        box({"gravity.initial_stress": "wet"})
+    assert all(line.startswith("some.yaml: gravity.initial_stress: ") for line in str(raised.value).splitlines())
+
+
+@given(frequency=st.integers(1, 40), duration=st.integers(1, 300))
+def test_a_wavelet_may_start_when_the_gravity_stage_ends(frequency: int, duration: int) -> None:
+    # 'at least 1.5 / frequency after the gravity stage': exactly that is allowed, whatever the rounding of the sum.
+    end = duration / 100
+    motion = {"kind": "ricker", "amplitude": 1.0, "frequency": frequency, "peak": end + 1.5 / frequency}
+    scene = box({"duration": 4.0, "gravity.ramp": 0.0, "gravity.duration": end, "motion": motion})
+    assert scene.motion.kind == "ricker"
+
+
+EVERYTHING = SLIP | {
+    "geometry": TWO_BODIES,
+    "walls.top": "free_slip",
+    "walls.sides": "periodic",
+    "walls.friction": {"base": 0.3},
+    "gravity.inclination": -12.5,
+    "gravity.initial_stress": {"pressure": 50.0},
+    "coupling.initial_state": "fluid",
+    "initial_velocity": VELOCITY,
+    "prescribed_velocity_gradient": {"xy": 0.1},
+    "numerics.artificial_stress": {},
+    "motion": {"kind": "ricker", "amplitude": 1.0, "frequency": 3.0, "peak": 1.5},
+}
+
+
+def test_a_scene_with_every_option_survives_json() -> None:
+    # A trajectory holds its scene as JSON; a restart compares with it.
+    scene = box(EVERYTHING)
+    assert Scene.model_validate_json(scene.model_dump_json()) == scene
+    assert make_scene(json.loads(scene.model_dump_json())) == scene
+
+
+# ---------------------------------------------------------------- terms
+
+TERM_OPTIONS = {
+    "free_slip": [SLIP, {"walls.top": "free_slip"}, {"walls.sides": "free_slip"}],
+    "wall_friction": [{"walls.friction": {}}],
+    "periodic": [{"walls.sides": "periodic"}],
+    "artificial_stress": [{"numerics.artificial_stress": {}}],
+    "prescribed_motion": [{"prescribed_velocity_gradient": {}}],
+}
+FREE = [
+    {},
+    {"walls.top": "sticky"},
+    {"walls.base": "none", "walls.sides": "none"},
+    {"gravity.inclination": 30.0},
+    {"gravity.initial_stress": {"pressure": 10.0}},
+    {"coupling.initial_state": "fluid"},
+    {"initial_velocity": VELOCITY},
+    {"motion": {"kind": "constant", "amplitude": 1.0, "start": 1.0, "ramp": 0.0}},
+    {"geometry": TWO_BODIES},
+]
+"""Options that are no term of the solver's loops."""
+
+
+@pytest.mark.parametrize(
+    ("name", "overrides"),
+    [("", o) for o in FREE] + [(name, o) for name, all_of in TERM_OPTIONS.items() for o in all_of],
+    ids=lambda v: ",".join(v) if isinstance(v, dict) else v or "none",
+)
+def test_a_term_is_compiled_only_where_it_is_asked_for(name: str, overrides: dict[str, Any]) -> None:
+    # What the scene wants, what the pack of terms holds and what a function compiled for that pack reports are the same.
+    scene = box(overrides)
+    terms = make_terms(scene, place_particles(scene))
+    expected = {name} - {""}
+    assert {n for n, on in zip(TERM_NAMES, wanted_terms(scene), strict=True) if on} == expected
+    assert {n for n, on in zip(TERM_NAMES, active_terms(terms), strict=True) if on} == expected
+
+
+# ---------------------------------------------------------------- the start
+
+
+def test_initial_velocity_between_and_beyond_the_places() -> None:
+    # Rows at y = 0.25, 0.75, ..., 3.75; the table is linear between y = 0, 1 and 4: by hand, exact to rounding.
+    scene = box({"initial_velocity": VELOCITY})
+    particles = place_particles(scene)
+    state, n = initial_state(particles, scene), particles.n_soil
+    y = particles.y[:n]
+    np.testing.assert_allclose(state.vx[:n], np.where(y < 1, 2 * y, 2 - (y - 1)), atol=1e-14)
+    np.testing.assert_allclose(state.vy[:n], np.where(y < 1, 1, (4 - y) / 3), atol=1e-14)
+    assert not state.vx[n:].any() and not state.vy[n:].any(), "the box stands still"
+    short = box({"initial_velocity": {"along": "x", "position": [2.0, 4.0], "x": [-1.0, 1.0], "y": [0.0, 0.5]}})
+    state, x = initial_state(particles, short), particles.x[:n]
+    np.testing.assert_allclose(state.vx[:n], np.clip(x - 3, -1, 1), atol=1e-14)
+    np.testing.assert_allclose(state.vy[:n], np.clip(0.25 * (x - 2), 0, 0.5), atol=1e-14)
+
+
+@pytest.mark.parametrize("walls", [{}, SLIP], ids=["sticky", "free_slip"])
+@pytest.mark.parametrize("kPa", [100.0, -20.0, 0.0])
+def test_uniform_stress_is_the_stress_at_the_start(kPa: float, walls: dict[str, Any]) -> None:
+    # Through density and back: rounding of the density, 2e-16 of K = 1.8 GPa, is 4e-7 Pa.
+    simulation = Run(box(walls | {"gravity.initial_stress": {"pressure": kPa}}))
+    stress = np.empty((simulation.state.x.size, 4))
+    cauchy_stress(simulation.state, simulation.terms, stress)
+    held = simulation.terms.n_stressed
+    np.testing.assert_allclose(stress[:held, :3], -1e3 * kPa, atol=2e-6)
+    assert not stress[:, 3].any()
+    np.testing.assert_allclose(stress[held:], 0.0, atol=2e-6, err_msg="free-slip walls have no stress of their own")
+
+
+def test_a_fluid_has_failed_long_before_the_start() -> None:
+    scene = box({"coupling.initial_state": "fluid"})
+    state = initial_state(place_particles(scene), scene)
+    assert np.all(state.phase == FAILED) and not state.beta.any() and not state.t_f.any()
+    solid = box({})
+    state = initial_state(place_particles(solid), solid)
+    assert np.all(state.phase == UNARMED) and np.all(state.beta == 1.0) and np.isnan(state.t_f).all()
+
+
+def test_geostatic_stress_of_a_fluid() -> None:
+    # sigma_yy = -rho g d and sigma_xx = nu / (1 - nu) sigma_yy as for a solid, to the rounding of the density.
+    scene = box({"coupling.initial_state": "fluid", "gravity.ramp": 0.0, "gravity.initial_stress": "geostatic"})
+    simulation = Run(scene)
+    stress = np.empty((simulation.state.x.size, 4))
+    cauchy_stress(simulation.state, simulation.terms, stress)
+    n, ratio = simulation.particles.n_soil, scene.soil.poisson_ratio / (1 - scene.soil.poisson_ratio)
+    weight = scene.soil.density * 9.81 * (4.0 - simulation.particles.y[:n])
+    np.testing.assert_allclose(stress[:n, 1], -weight, atol=2e-6)
+    np.testing.assert_allclose(stress[:n, 0], -ratio * weight, atol=2e-6)
