@@ -33,7 +33,7 @@ def measure_gravity_column(level: Level) -> dict[str, Found]:
     """Stress over its closed form, in the inner half of the column."""
     result = level["run"]
     depth, vertical, ratio = _ratios(result)
-    inner = (0.25 <= depth) & (depth <= 0.75)
+    inner = (depth >= 0.25) & (depth <= 0.75)
     rest = result.scene.soil.poisson_ratio / (1.0 - result.scene.soil.poisson_ratio)
     worst = vertical[inner][np.argmax(np.abs(vertical[inner] - 1.0))]
     return {
@@ -146,7 +146,7 @@ def transfer(result: Result) -> tuple[np.ndarray, np.ndarray]:
     surface = np.gradient(result.data["probe_velocity_x"].values[:, 0], time) + ground
     size = 16 * time.size
     frequency = np.fft.rfftfreq(size, time[1] - time[0])
-    shown = (0.5 <= frequency) & (frequency <= 10.0)
+    shown = (frequency >= 0.5) & (frequency <= 10.0)
     return frequency[shown], np.abs(np.fft.rfft(surface, size)[shown] / np.fft.rfft(ground, size)[shown])
 
 

@@ -98,8 +98,9 @@ def strengths(scene: Scene) -> tuple[float, float]:
     """Shear strength (Pa) of the solid and the fluid state at the scene's pressure."""
     pressure = 1e3 * scene.gravity.initial_stress.pressure  # type: ignore[union-attr]
     soil, ratio = scene.soil, scene.coupling.S_R
-    surfaces = make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si), make_mohr_coulomb(
-        ratio * soil.cohesion_si, ratio * soil.friction_angle_si
+    surfaces = (
+        make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),
+        make_mohr_coulomb(ratio * soil.cohesion_si, ratio * soil.friction_angle_si),
     )
     return tuple(float(strength(surface, pressure)) for surface in surfaces)  # type: ignore[return-value]
 

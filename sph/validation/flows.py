@@ -54,7 +54,9 @@ def measure_poiseuille(level: Level) -> dict[str, Found]:
             _plug_half_width(y, speed),
             _plug_half_width(fine, poiseuille(result.scene, fine)),
         ),
-        "profile_error": Found("root mean square error of the profile over the plug's speed", "1", float(np.sqrt(np.mean((speed - exact) ** 2))) / top, 0.0),
+        "profile_error": Found(
+            "root mean square error of the profile over the plug's speed", "1", float(np.sqrt(np.mean((speed - exact) ** 2))) / top, 0.0
+        ),
     }
 
 

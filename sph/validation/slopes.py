@@ -68,7 +68,9 @@ def draw_search(levels: Mapping[str, Level]) -> Figure:
         stands = data["stands"].values.astype(bool)
         ax.plot(data["value"], share, color=colour, linewidth=0.7)
         ax.plot(data["value"].values[~stands], share[~stands], linestyle="", marker=marker, markersize=4, color=colour, label=label)
-        ax.plot(data["value"].values[stands], share[stands], linestyle="", marker=marker, markersize=4, color=colour, markerfacecolor="white")
+        ax.plot(
+            data["value"].values[stands], share[stands], linestyle="", marker=marker, markersize=4, color=colour, markerfacecolor="white"
+        )
     ax.axvline(REFERENCES[by], color="black", linewidth=0.7)
     ax.set(xlabel=TEXTS[by], ylabel="displaced area over H²", ylim=(0.0, None))
     ax.legend(title="spacing")

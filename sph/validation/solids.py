@@ -177,7 +177,7 @@ def draw_incline(levels: Mapping[str, Level]) -> Figure:
     figure = Figure(figsize=(0.6 * WIDTH, 2.9), layout="constrained")
     ax = figure.subplots()
     for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
-        for name, result in level.items():
+        for result in level.values():
             time = result.data["time"].values
             slip = [-result.frame("displacement_x", frame).mean() for frame in range(time.size)]
             ax.plot(time, slip, linestyle="", marker=marker, markersize=4, markerfacecolor="none", color=colour, label=label)
