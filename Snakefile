@@ -18,6 +18,9 @@ GRID = Paramspace(PLAN.study.points, filename_params="*", param_sep="-")
 RUN = f"{RESULTS}/runs/{GRID.wildcard_pattern}.nc"
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
 SOLVER = sorted(str(path) for path in Path(workflow.basedir, "sph").glob("*.py"))
+SEARCHING = SOLVER + sorted(
+    str(path) for path in Path(workflow.basedir, "sph", "stability").glob("*.py")
+)
 ANALYSIS = sorted(
     str(path)
     for pattern in ("*.py", "measured/*.csv")
@@ -57,3 +60,4 @@ include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/trade.smk"
 include: "workflow/rules/validation.smk"
+include: "workflow/rules/limits.smk"

@@ -11,7 +11,8 @@ SPH = Path(__file__).resolve().parents[1] / "sph"
 FORBIDDEN = {
     "": ("sph.analysis", "sph.stability", "sph.command", "snakemake"),
     "stability": ("sph.analysis", "sph.command", "snakemake"),
-    "analysis": ("sph.command", "snakemake"),
+    "analysis": ("sph.validation", "sph.command", "snakemake"),
+    "validation": ("sph.command", "snakemake"),
     "command": ("snakemake",),
 }
 

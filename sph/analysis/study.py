@@ -76,6 +76,7 @@ class Study(Section):
     claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
     trade: str = key("file of the ladder that 'snakemake trade' runs, searched for as the scene", default="config/trade.yaml")
     validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
+    limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
 
     @model_validator(mode="after")
     def _known(self) -> Study:

@@ -38,7 +38,25 @@ EXPECTED: tuple[Variable, ...] = tuple(
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
 """What the ladder lets one expect of a run; see ``sph.analysis.advice``."""
-VALUES = METRICS + EXPECTED
+BASELINE: tuple[Variable, ...] = (
+    Variable(
+        "yield_acceleration",
+        GRID,
+        "f8",
+        "m s-2",
+        "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s (pseudo-static search)",
+    ),
+    Variable(
+        "newmark_displacement",
+        GRID,
+        "f8",
+        "m",
+        "slip of a rigid block with that yield acceleration under the run's motion (Newmark 1965), which loses no strength; "
+        "infinite where the slope fails without shaking",
+    ),
+)
+"""The sliding block beside the run; see ``sph.analysis.baseline``."""
+VALUES = METRICS + EXPECTED + BASELINE
 COLUMNS = [row.name for row in AXES + VALUES]
 
 

@@ -31,7 +31,7 @@ CASE_KEYS = ("S_R", "gamma")
 """Keys of ``coupling`` that say what is simulated."""
 
 Overrides = dict[str, Any]
-Label = Annotated[str, Field(pattern=r"^\S(.{0,38}\S)?$")]
+Label = Annotated[str, Field(pattern=r"^\S(.{0,58}\S)?$")]
 Name = Annotated[str, Field(pattern=NAME)]
 
 

@@ -2,35 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
 from sph import trajectory
 from sph.analysis.figures.style import WIDTH, curve_colours, styled
-from sph.scene import Scene, make_scene
-from sph.stability.safety import critical_strength_ratio, factor_of_safety
-from sph.stability.search import Search, Trial
 from sph.validation.level import Found, Level, Result
 
-SEARCHES: dict[str, Callable[..., Search]] = {
-    "factor_of_safety": factor_of_safety,
-    "critical_strength_ratio": critical_strength_ratio,
-}
 REFERENCES = {"factor_of_safety": 1.385, "critical_strength_ratio": 0.46}
 """Griffiths and Lane's and Bishop and Morgenstern's factors lie at 1.37 to 1.40; 0.46 is our log-spiral limit analysis."""
 TEXTS = {"factor_of_safety": "factor of safety", "critical_strength_ratio": "strength ratio at which the slope just stands"}
-
-
-def search_dataset(scene: Scene, by: str, found: Search) -> xr.Dataset:
-    """The trials of a search as a dataset along ``trial``, with the bracket and the scene in its attributes."""
-    columns = {name: ("trial", np.array([getattr(trial, name) for trial in found.trials])) for name in Trial._fields}
-    attrs: dict[str, Any] = {"by": by, "stood": found.stood, "failed": found.failed, "wall_time_s": float(columns["wall_time"][1].sum())}
-    return xr.Dataset(columns, attrs=trajectory.run_attributes(scene) | attrs).astype({"stands": "int8"})
 
 
 def read_search(path: Path | str) -> Result:
@@ -39,17 +22,11 @@ def read_search(path: Path | str) -> Result:
     return Result(trajectory.scene_of(data, str(path)), data)
 
 
-def run_search(scene: Mapping[str, Any], by: str, report: Callable[[Trial], None] | None = None) -> xr.Dataset:
-    """Search the limit of a scene by one of ``SEARCHES``; its trials."""
-    built = make_scene(scene)
-    return search_dataset(built, by, SEARCHES[by](built, report=report))
-
-
 def measure_search(level: Level) -> dict[str, Found]:
     """Middle of the bracket."""
     data = level["run"].data
     by = data.attrs["by"]
-    return {by: Found(TEXTS[by], "1", 0.5 * (data.attrs["stood"] + data.attrs["failed"]), REFERENCES[by])}
+    return {by: Found(TEXTS[by], "1", float(data.attrs["value"]), REFERENCES[by])}
 
 
 @styled

@@ -1,12 +1,30 @@
 # Purpose: from runs to numbers.
 # Inputs:  runs/*.nc; the analysis' sources.
-# Outputs: study.nc, study.csv, claims.csv
+# Outputs: stages/yield_acceleration.nc, study.nc, study.csv, claims.csv
+
+
+rule yield_acceleration:
+    """Search the constant acceleration at which the slope fails: the strength of the sliding block beside every run."""
+    input:
+        sources=SEARCHING,
+    output:
+        f"{RESULTS}/stages/yield_acceleration.nc",
+    log:
+        f"{RESULTS}/logs/yield_acceleration.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/yield_acceleration.tsv"
+    params:
+        scene=PLAN.scene(),
+        by="yield_acceleration",
+    script:
+        "../scripts/simulate.py"
 
 
 rule study:
     """Measure every run and put the metrics into one table, as netCDF and CSV."""
     input:
-        sources=SOLVER + ANALYSIS,
+        sources=SEARCHING + ANALYSIS,
+        yields=f"{RESULTS}/stages/yield_acceleration.nc",
         runs=expand(
             "{results}/runs/{point}.nc", results=RESULTS, point=GRID.instance_patterns
         ),

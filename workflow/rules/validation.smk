@@ -7,10 +7,6 @@ from sph.validation.suite import FOLDER as VALIDATION, load_suite
 
 # Read and checked once a rule of the suite is asked for.
 SUITE = functools.cache(functools.partial(load_suite, PLAN.study.validation, FOLDERS))
-# The companions that search by runs count as sources of their results.
-SEARCHING = SOLVER + sorted(
-    str(path) for path in Path(workflow.basedir, "sph", "stability").glob("*.py")
-)
 VALIDATING = DRAWING + sorted(
     str(path) for path in Path(workflow.basedir, "sph", "validation").glob("*.py")
 )

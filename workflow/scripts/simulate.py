@@ -7,7 +7,7 @@ from sph import trajectory
 from sph.command.progress import reporter
 from sph.scene import make_scene
 from sph.solver import Until, run
-from sph.validation.slopes import run_search
+from sph.stability.record import run_search
 
 
 def simulate(scene: Mapping[str, Any], until: Until, path_to_restart: str | None, path_to_trajectory: str, path_to_log: str) -> None:

@@ -1,0 +1,52 @@
+# Purpose: what the answers rest on: box, walls, motion, damping, each changed alone (`snakemake --cores 2 limits`).
+# Inputs:  config: limits; the sources of solver and analysis.
+# Outputs: results/limits: runs/<change>/<case>.nc, limits.csv
+import functools
+
+from sph.analysis.limits import FOLDER as LIMITS, load_limits
+
+CHANGES = functools.cache(functools.partial(load_limits, PLAN.study.limits, FOLDERS))
+
+
+rule limits:
+    """What the answers rest on."""
+    input:
+        f"{LIMITS}/limits.csv",
+
+
+rule limits_run:
+    """Run the scene with one choice changed, from the start to the end, on one core."""
+    input:
+        sources=SOLVER,
+    output:
+        f"{LIMITS}/runs/{{run}}.nc",
+    log:
+        f"{LIMITS}/logs/{{run}}.log",
+    benchmark:
+        f"{LIMITS}/benchmarks/{{run}}.tsv"
+    wildcard_constraints:
+        run=".+",
+    threads: 1
+    params:
+        scene=lambda wildcards: CHANGES().runs[wildcards.run],
+        until="end",
+    script:
+        "../scripts/simulate.py"
+
+
+rule limits_table:
+    """Measure every run against the scene as it is."""
+    input:
+        sources=SOLVER + ANALYSIS,
+        runs=lambda wildcards: [f"{LIMITS}/runs/{run}.nc" for run in CHANGES().runs],
+    output:
+        report(
+            f"{LIMITS}/limits.csv", caption="../report/limits.rst", category="Limits"
+        ),
+    log:
+        f"{LIMITS}/logs/limits.log",
+    params:
+        rows=lambda wildcards: CHANGES().rows,
+        settings=PLAN.study.metrics.model_dump(),
+    script:
+        "../scripts/measure_limits.py"
