@@ -1,0 +1,66 @@
+"""Fast versions of the reference cases: every case of config/validation.yaml on its coarsest level, within its coarse tolerance."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+
+import pytest
+import xarray as xr
+
+from sph.scene import make_scene
+from sph.solver import run
+from sph.stability.record import run_search
+from sph.validation import CASES
+from sph.validation.level import Found, Level, Result
+from sph.validation.suite import load_suite
+from sph.validation.table import verdict
+
+SUITE = load_suite(folders=[Path(__file__).parents[2]])
+QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cases[case].quantities]
+MISSES: dict[tuple[str, str], str] = {}
+"""What the solver is known to miss, and why; a miss that is gone fails the test."""
+
+
+@cache
+def coarsest(name: str) -> dict[str, Found]:
+    case = SUITE.cases[name]
+    level: Level = {
+        planned.run: result(planned.scene, case.by) for planned in SUITE.of(name).values() if planned.level == next(iter(case.levels))
+    }
+    return CASES[name][0](level)
+
+
+def result(scene: dict[str, object], by: str) -> Result:
+    built = make_scene(scene)
+    if by == "simulation":
+        done = run(built)
+        return Result(built, done.trajectory, done.restart)
+    return Result(built, xr.Dataset() if by == "computation" else run_search(scene, by))
+
+
+@pytest.mark.parametrize(
+    ("case", "quantity"),
+    [
+        pytest.param(*key, id="-".join(key), marks=[pytest.mark.xfail(reason=MISSES[key], strict=True)] if key in MISSES else [])
+        for key in QUANTITIES
+    ],
+)
+def test_coarsest_level_meets_its_reference(case: str, quantity: str) -> None:
+    found, asked = coarsest(case)[quantity], SUITE.cases[case].quantities[quantity]
+    print(f"{case} {found.text}: {found.computed:.5g} {found.units}, reference {found.reference:.5g}, error {found.error:.2%}")
+    assert verdict(found, asked.coarse) == "holds"
+
+
+def test_every_case_is_measured_and_configured() -> None:
+    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 16)}
+    for name in CASES:
+        assert set(coarsest(name)) == set(SUITE.cases[name].quantities)
+
+
+def test_every_level_is_finer_than_the_one_before() -> None:
+    for name in SUITE.cases:
+        sizes = SUITE.sizes(name)
+        assert sizes == sorted(sizes, reverse=True) and len(set(sizes)) == len(sizes)
+        if SUITE.cases[name].by != "computation":
+            assert len(sizes) >= 2, "an order of convergence needs two levels"
