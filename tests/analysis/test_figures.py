@@ -130,6 +130,20 @@ def test_motion_is_the_stored_one_with_its_stages(slid: xr.Dataset) -> None:
     assert "shaking" not in still and "gravity" in still
 
 
+def test_motion_downwards_points_downwards() -> None:
+    # A constant load away from the toe is negative: the axis must not be turned upside down by it.
+    load = {"kind": "constant", "amplitude": -2.0, "start": 3.0, "ramp": 1.0}
+    low, high = figure_motion(synthetic(overrides={"motion": load})).axes[0].get_ylim()
+    assert low < -2.0 and high > 0.0
+
+
+def test_geometry_of_a_slope_with_periodic_sides() -> None:
+    # 55 + 25 + 35 m are whole spacings.  No side wall is drawn, and none named.
+    geometry = {"shape": "slope", "slope_angle": 45.0, "crest_length": 35.0}
+    periodic = synthetic(overrides={"geometry": geometry, "walls": {"sides": "periodic"}})
+    assert "side wall" not in texts(figure_geometry(periodic)).replace("periodic side walls", "")
+
+
 def test_histories_show_the_vertical_displacement_named_and_told_apart_without_colour() -> None:
     runs = {f"S_R = {depth}": synthetic(translation(-1.0, -depth), step_ramp(4.0, 8.0)) for depth in (5.0, 3.0, 1.0)}
     figure = figure_strength_histories(runs)

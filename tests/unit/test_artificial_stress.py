@@ -53,6 +53,7 @@ class Patch:
 
 
 PATCH = Patch()
+PATCH.stress(0.0, 0.0, 0.0)  # compiled here, since hypothesis limits the time of an example
 STRESS = st.floats(-1e6, 1e6).filter(lambda s: s == 0 or abs(s) > 1e-3)
 
 
