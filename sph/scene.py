@@ -98,7 +98,7 @@ Point = tuple[float, float]
 class PolygonBody(Section):
     """A body of soil inside a polygon."""
 
-    kind: Literal["polygon"] = key("inside of a polygon")
+    kind: Literal["polygon"] = key("inside of a polygon", default="polygon")
     points: tuple[Point, ...] = key("corners [x, y] in order, the last joined to the first", "m", min_length=3, max_length=10000)
 
     @property
@@ -158,6 +158,17 @@ class Bodies(Section):
     width: float = key("inner width of the box", "m", gt=0, le=2000)
     height: float = key("height of the box's side walls", "m", gt=0, le=1000)
     bodies: tuple[Annotated[PolygonBody | RingBody, Field(discriminator="kind")], ...] = key("the bodies", min_length=1, max_length=100)
+
+    @model_validator(mode="after")
+    def _inside(self) -> Bodies:
+        for number, body in enumerate(self.bodies):
+            low, high = body.outline.min(axis=0), body.outline.max(axis=0)
+            if min(low) < 0 or high[0] > self.width * (1 + 1e-9) or high[1] > self.height * (1 + 1e-9):
+                raise ValueError(
+                    f"bodies.{number}: reaches from ({low[0]:g}, {low[1]:g}) to ({high[0]:g}, {high[1]:g}) m, "
+                    f"out of the box of {self.width:g} x {self.height:g} m"
+                )
+        return self
 
     @property
     def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:

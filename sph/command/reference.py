@@ -37,6 +37,9 @@ def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, st
             yield from key_rows(section, f"{path} ({_tag(section)})." if len(sections) > 1 else f"{path}.")
         for section in _named_sections(field.annotation):
             yield from key_rows(section, f"{path}.<name>.")
+        listed = _listed_sections(field.annotation)
+        for section in listed:
+            yield from key_rows(section, f"{path}[] ({_tag(section)})." if len(listed) > 1 else f"{path}[].")
 
 
 def variable_rows(variables: Iterable[Variable]) -> Iterator[tuple[str, str, str, str, str]]:
@@ -112,6 +115,11 @@ def _sections(annotation: Any) -> list[type[BaseModel]]:
 def _named_sections(annotation: Any) -> list[type[BaseModel]]:
     """Sections that a mapping holds under names of the user's choice."""
     return _sections(typing.get_args(annotation)[1]) if typing.get_origin(annotation) is dict else []
+
+
+def _listed_sections(annotation: Any) -> list[type[BaseModel]]:
+    """Sections of which a list holds any number."""
+    return _sections(typing.get_args(annotation)[0]) if typing.get_origin(annotation) is tuple else []
 
 
 def _errors(rung: Summary) -> tuple[str, ...]:

@@ -115,13 +115,28 @@ def slump(scene: Scene) -> tuple[float, float]:
     return central, central**2 / slope
 
 
+LAYER = 0.015
+"""Thickness of the sliding layer, the upper one where there are two, m."""
+
+
+def traction(result: Result) -> float:
+    """Stress that holds a sliding layer, from its deceleration between 0.25 and 0.45 s, over the yield stress."""
+    time, soil, y = result.data["time"].values, result.scene.soil, result.start("y0")
+    upper = y > y.max() + 0.5 * result.scene.numerics.spacing - LAYER
+    speed = np.array([result.frame("velocity_x", frame)[upper].mean() for frame in range(time.size)])
+    seen = (0.249 <= time) & (time <= 0.451)
+    return -float(np.polyfit(time[seen], speed[seen], 1)[0]) * soil.density * LAYER / soil.cohesion_si
+
+
 def measure_slump(level: Level) -> dict[str, Found]:
-    """Reach and height at the end of the run."""
+    """Reach and height at the end of the run, and what holds a layer that slides on the base."""
     result = level["run"]
     central, reach = slump(result.scene)
     return {
         "runout": Found("reach", "m", front(result), reach),
         "central_height": Found("height at the centre", "m", height_at_wall(result), central),
+        "traction_on_base": Found("hold of the base on a sliding layer, over τ_y", "1", traction(level["on_base"]), 1.0),
+        "traction_on_fluid": Found("hold of the fluid on a sliding layer, over τ_y", "1", traction(level["on_fluid"]), 1.0),
     }
 
 
