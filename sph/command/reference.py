@@ -1,11 +1,12 @@
 """Tables of every key and every variable, generated from their declarations, and of what the ladder measured.
 
-``config/README.md`` holds the tables ``scene``, ``study`` and ``trade_keys``, ``results/README.md`` the tables ``trajectory``,
-``metrics``, ``trade_variables`` and ``convergence``, ``README.md`` the tables ``presets`` and ``trade``; a test keeps them in step.
+``config/README.md`` holds the tables of keys, ``results/README.md`` those of variables, ``README.md`` what was measured for this
+release: ``presets``, ``trade``, ``validation`` and ``limits``; a test keeps them in step.
 """
 
 from __future__ import annotations
 
+import math
 import types
 import typing
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -18,12 +19,17 @@ from pydantic.fields import FieldInfo
 from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
+from sph.analysis.limits import LIMITS, Limits, read_limits
+from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
 from sph.analysis.study import Study
 from sph.analysis.tables import VALUES
 from sph.analysis.trade import PRESETS, Trade
 from sph.analysis.trade_table import QUANTITIES, TRADE, Summary, summary
 from sph.scene import Scene
+from sph.stability.standing import FailureRule
 from sph.trajectory import VARIABLES, Variable
+from sph.validation.suite import Validation
+from sph.validation.table import MISSES, SHIPPED_VALIDATION, VALIDATION, read_validation
 
 
 def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
@@ -82,17 +88,66 @@ def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequen
     return markdown(head, rows(table)) + f"\n\nCases {cases}; one core of {table['machine'].iloc[0]}, runs side by side."
 
 
+def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (case, quantity, computed, reference, errors, tolerance, order, verdict, cost) of the suite; title and cost once a case."""
+    for case, rows in table.groupby("case", sort=False):
+        for number, row in enumerate(rows.itertuples()):
+            first = number == 0
+            unit = "" if row.units == "1" else f" {row.units}"
+            exact = row.reference == 0
+            errors = [float(error) for error in str(row.errors).split(", ")]
+            yield (
+                str(case),
+                f"**{row.title}**: {row.text}" if first else row.text,
+                f"{row.computed:.4g}{unit}",
+                f"{row.reference:.4g}{unit}",
+                " / ".join(f"{error:.1e}" if exact else f"{100 * error:.2g} %" for error in errors),
+                f"{row.tolerance:.2g}" if exact else f"{100 * row.tolerance:.2g} %",
+                "" if math.isnan(row.order) else f"{row.order:.1f}",
+                f"**{row.verdict}**" if row.verdict == MISSES else row.verdict,
+                f"{row.cost:.3g} s" if first else "",
+            )
+
+
+def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (change, then for every case A's displacement and run-out over those of the scene as it is) of the limits."""
+    cases = list(dict.fromkeys(table["case"]))
+    for change, rows in table.groupby("change", sort=False):
+        by_case = rows.set_index("case")
+        cells = []
+        for case in cases:
+            row = by_case.loc[case]
+            reference = change == table["change"].iloc[0]
+            for name in LIMIT_QUANTITIES:
+                value = f"{row[name]:.3g} m"
+                cells.append(value if reference else f"{value} ({100 * row[f'{name}_change']:+.0f} %)")
+        yield str(change), *cells
+
+
+def _limits_table(table: pd.DataFrame) -> str:
+    cases = dict.fromkeys(table["case"])
+    return markdown(("change", *(f"{case}, {what}" for case in cases for what in ("A", "run-out"))), change_lines(table))
+
+
 RUNG_HEAD = ("rung", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
 PRESET_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
     "class as the reference",
 )  # fmt: skip
+CASE_HEAD = ("case", "quantity", "computed", "reference", "error, coarse to fine", "tolerance", "order", "verdict", "cost")
 KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
 VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
 TABLES: dict[str, Callable[[], str]] = {
     "scene": lambda: markdown(KEY_HEAD, key_rows(Scene)),
     "study": lambda: markdown(KEY_HEAD, key_rows(Study)),
     "trade_keys": lambda: markdown(KEY_HEAD, key_rows(Trade)),
+    "validation_keys": lambda: markdown(KEY_HEAD, key_rows(Validation)),
+    "limits_keys": lambda: markdown(KEY_HEAD, key_rows(Limits)),
+    "failure_rule": lambda: markdown(KEY_HEAD, key_rows(FailureRule)),
+    "validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(VALIDATION)),
+    "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
+    "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
+    "limits": lambda: _limits_table(read_limits()),
     "trajectory": lambda: markdown(VARIABLE_HEAD, variable_rows(VARIABLES)),
     "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(VALUES)),
     "trade_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TRADE)),

@@ -35,6 +35,7 @@ def run_search(scene: Mapping[str, Any], by: str, report: Callable[[Trial], None
 def search_dataset(scene: Scene, by: str, found: Search, reason: str = "") -> xr.Dataset:
     """The trials of a search."""
     columns = {name: ("trial", np.array([getattr(trial, name) for trial in found.trials])) for name in Trial._fields}
+    columns["stands"] = ("trial", columns["stands"][1].astype("int8"))
     cost = math.fsum(trial.wall_time for trial in found.trials)
     facts = {"by": by, "stood": found.stood, "failed": found.failed, "value": found.value, "reason": reason, "wall_time_s": cost}
-    return xr.Dataset(columns, attrs=trajectory.run_attributes(scene) | facts).astype({"stands": "int8"})
+    return xr.Dataset(columns, attrs=trajectory.run_attributes(scene) | facts)

@@ -124,7 +124,7 @@ def traction(result: Result) -> float:
     time, soil, y = result.data["time"].values, result.scene.soil, result.start("y0")
     upper = y > y.max() + 0.5 * result.scene.numerics.spacing - LAYER
     speed = np.array([result.frame("velocity_x", frame)[upper].mean() for frame in range(time.size)])
-    seen = (0.249 <= time) & (time <= 0.451)
+    seen = (time >= 0.249) & (time <= 0.451)
     return -float(np.polyfit(time[seen], speed[seen], 1)[0]) * soil.density * LAYER / soil.cohesion_si
 
 

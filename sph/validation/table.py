@@ -15,6 +15,8 @@ from sph.validation.level import Found, Level
 from sph.validation.suite import Case
 
 HOLDS, MISSES = "holds", "misses"
+SHIPPED_VALIDATION = Path(__file__).with_name("measured") / "validation.csv"
+"""Table measured for this release, by ``snakemake validation``."""
 ROW = ("row",)
 NO_ORDER_BELOW = 1e-6
 """Errors below this are rounding: no order of convergence is given."""

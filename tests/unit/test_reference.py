@@ -17,12 +17,17 @@ HOMES = {
     "scene": "config",
     "study": "config",
     "trade_keys": "config",
+    "validation_keys": "config",
+    "limits_keys": "config",
+    "failure_rule": "config",
     "trajectory": "results",
     "metrics": "results",
     "trade_variables": "results",
     "convergence": "results",
+    "validation_variables": "results",
+    "limits_variables": "results",
 }
-MEASURED = ("presets", "trade")
+MEASURED = ("presets", "trade", "validation", "limits")
 
 
 def test_every_table_has_a_home() -> None:

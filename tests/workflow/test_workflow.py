@@ -16,7 +16,9 @@ import yaml
 
 from sph import trajectory
 from sph.analysis.tables import read_study, read_table
+from sph.ground_motion import motion_of
 from sph.scene import Scene
+from sph.stability.newmark import sliding_block
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY: dict[str, Any] = {
@@ -28,7 +30,8 @@ STUDY: dict[str, Any] = {
     "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
     "claims": {"amplitude": 8.0},
 }
-"""Eight runs of 163 particles; at 0.1 m/s2 nothing fails."""
+"""Eight runs of 404 particles; at 0.1 m/s2 nothing fails."""
+RUN = "results/small/draft/runs/S_R-0.10_gamma-1_amplitude-8.0.nc"
 
 
 def snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
@@ -57,10 +60,11 @@ def write_config(folder: Path, **changes: Any) -> tuple[str, str]:
 def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
     """Folder of a finished small study."""
     folder = tmp_path_factory.mktemp("study")
-    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, "numerics.spacing": 2.5, "numerics.time_step": 5e-4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
-    assert planned_jobs(folder, *config) == {"all": 1, "gravity": 1, "trunk": 2, "simulate": 8, "study": 1, "claims": 1, "figure": 7}
+    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1}
+    assert planned_jobs(folder, *config) == once | {"trunk": 2, "simulate": 8, "figure": 7}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
     return folder
@@ -68,7 +72,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
-    assert jobs == {"all": 1, "gravity": 1, "trunk": 3, "simulate": 24, "study": 1, "claims": 1, "figure": 7}
+    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1}
+    assert jobs == once | {"trunk": 3, "simulate": 24, "figure": 7}
 
 
 def test_lint_finds_nothing_but_the_missing_containers() -> None:
@@ -91,6 +96,19 @@ def test_tables(finished: Path) -> None:
     claims = pd.read_csv(folder / "claims.csv")
     assert list(claims["claim"]) == list(range(1, 13))
     assert set(claims["verdict"]) <= {"holds", "fails", "not yet", "not covered"}
+
+
+def test_the_sliding_block_beside_every_run(finished: Path) -> None:
+    # A shaking of 0.1 m/s2 moves no block, and a stronger one moves it by the same for every S_R and gamma: it loses no strength.
+    study = read_study(finished / "results" / "small" / "draft" / "study.nc")
+    trials = trajectory.read(finished / "results" / "small" / "draft" / "stages" / "yield_acceleration.nc")
+    found = study["yield_acceleration"].values
+    assert trials.attrs["by"] == "yield_acceleration" and np.all(found == trials.attrs["value"])
+    assert trials.attrs["stood"] < found[0, 0, 0] < trials.attrs["failed"] and trials.sizes["trial"] > 3
+    slip = study["newmark_displacement"]
+    assert (slip.sel(amplitude=0.1) == 0).all() and (slip == slip.isel(S_R=0, gamma=0)).all()
+    motion = motion_of(trajectory.scene_of(trajectory.read(finished / RUN)))
+    assert slip.sel(amplitude=8.0).values[0, 0] == sliding_block(motion.time, motion.acceleration, found[0, 0, 0]).permanent
 
 
 def test_an_amplitude_that_fails_nothing_needs_no_branches(finished: Path) -> None:
