@@ -90,23 +90,23 @@ def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequen
 
 def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (case, quantity, computed, reference, errors, tolerance, order, verdict, cost) of the suite; title and cost once a case."""
-    for case, rows in table.groupby("case", sort=False):
-        for number, row in enumerate(rows.itertuples()):
-            first = number == 0
-            unit = "" if row.units == "1" else f" {row.units}"
-            exact = row.reference == 0
-            errors = [float(error) for error in str(row.errors).split(", ")]
-            yield (
-                str(case),
-                f"**{row.title}**: {row.text}" if first else row.text,
-                f"{row.computed:.4g}{unit}",
-                f"{row.reference:.4g}{unit}",
-                " / ".join(f"{error:.1e}" if exact else f"{100 * error:.2g} %" for error in errors),
-                f"{row.tolerance:.2g}" if exact else f"{100 * row.tolerance:.2g} %",
-                "" if math.isnan(row.order) else f"{row.order:.1f}",
-                f"**{row.verdict}**" if row.verdict == MISSES else row.verdict,
-                f"{row.cost:.3g} s" if first else "",
-            )
+    seen = set()
+    for row in table.to_dict("records"):
+        first, exact = row["case"] not in seen, row["reference"] == 0
+        seen.add(row["case"])
+        unit = "" if row["units"] == "1" else f" {row['units']}"
+        errors = [float(error) for error in row["errors"].split(", ")]
+        yield (
+            row["case"],
+            f"**{row['title']}**: {row['text']}" if first else row["text"],
+            f"{row['computed']:.4g}{unit}",
+            f"{row['reference']:.4g}{unit}",
+            " / ".join(f"{error:.1e}" if exact else f"{100 * error:.2g} %" for error in errors),
+            f"{row['tolerance']:.2g}" if exact else f"{100 * row['tolerance']:.2g} %",
+            "" if math.isnan(row["order"]) else f"{row['order']:.1f}",
+            f"**{row['verdict']}**" if row["verdict"] == MISSES else row["verdict"],
+            f"{row['cost']:.3g} s" if first else "",
+        )
 
 
 def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:

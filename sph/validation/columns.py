@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 from sph.scene import GRAVITY, Scene
@@ -193,7 +194,9 @@ def draw_shear_column(levels: Mapping[str, Level]) -> Figure:
     fade = 1e3 * size[0] * np.exp(-float(rayleigh_ratio(scene, first)) * omega * (time - time[0]))
     axes[1].plot(time, fade, color="black", linewidth=0.7, label="closed form")
     axes[0].set(xlabel="frequency (Hz)", ylabel="surface over base", xlim=(0.0, 10.0), ylim=(0.0, None))
-    axes[1].set(xlabel="time (s)", ylabel="extremes of the surface's velocity (mm/s)", yscale="log")
+    axes[1].set(xlabel="time (s)", ylabel="extremes of surface velocity (mm/s)", yscale="log")
+    for axis in (axes[1].yaxis.set_major_formatter, axes[1].yaxis.set_minor_formatter):
+        axis(FuncFormatter(lambda value, _: f"{value:g}"))
     label_panels(axes, ["amplification", "free vibration"])
     axes[0].legend()
     return figure

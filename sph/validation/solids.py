@@ -176,18 +176,18 @@ def draw_incline(levels: Mapping[str, Level]) -> Figure:
     """Slip of a block on an incline of 30 degrees without friction, with less and with more friction than tan θ (lines: closed form)."""
     figure = Figure(figsize=(0.6 * WIDTH, 2.9), layout="constrained")
     ax = figure.subplots()
+    for result in next(iter(levels.values())).values():
+        fine, friction = np.linspace(0.0, result.scene.duration, 100), result.scene.walls.friction
+        exact = incline_slip(result.scene, fine)
+        ax.plot(fine, exact, color="black", linewidth=0.7)
+        name = f"μ = {0.0 if friction is None else friction.base:g}"
+        ax.annotate(name, (fine[-1], float(np.max(exact))), xytext=(5, -3), textcoords="offset points")
     for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
-        for result in level.values():
+        for number, result in enumerate(level.values()):
             time = result.data["time"].values
             slip = [-result.frame("displacement_x", frame).mean() for frame in range(time.size)]
-            ax.plot(time, slip, linestyle="", marker=marker, markersize=4, markerfacecolor="none", color=colour, label=label)
-            fine = np.linspace(0.0, time[-1], 100)
-            ax.plot(fine, incline_slip(result.scene, fine), color="black", linewidth=0.7, label="closed form")
-            friction = result.scene.walls.friction
-            ax.annotate(
-                f"μ = {0.0 if friction is None else friction.base:g}", (time[-1], slip[-1]), xytext=(4, -3), textcoords="offset points"
-            )
+            look = {"marker": marker, "markersize": 4, "markerfacecolor": "none", "color": colour}
+            ax.plot(time, slip, linestyle="", label="" if number else label, **look)
     ax.set(xlabel="time (s)", ylabel="slip (m)", xlim=(0.0, 1.15 * time[-1]))
-    handles, labels = ax.get_legend_handles_labels()
-    ax.legend(*zip(*dict(zip(labels, zip(handles, labels, strict=True), strict=True)).values(), strict=True))
+    ax.legend(title="spacing")
     return figure
