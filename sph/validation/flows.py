@@ -146,7 +146,7 @@ def draw_slump(levels: Mapping[str, Level]) -> Figure:
     result = list(levels.values())[-1]["run"]
     central, reach = slump(result.scene)
     length, height = column(result.scene)
-    figure = Figure(figsize=(WIDTH, 1.9), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 1.7), layout="constrained")
     ax = figure.subplots()
     spacing = result.scene.numerics.spacing
     draw_circles(ax, 1e3 * spread(result)[0], 1e3 * spread(result)[1], 1e3 * spacing, facecolor="#d9c9a8", edgecolor="0.4", linewidth=0.1)
@@ -157,7 +157,7 @@ def draw_slump(levels: Mapping[str, Level]) -> Figure:
         ax.axvline(1e3 * front(level["run"]), color=colour, linestyle=look, label=f"front, {label}")
     ax.set(aspect="equal", xlabel="distance from the centre (mm)", ylabel="height (mm)", xlim=(0.0, 1.05e3 * max(reach, front(result))))
     ax.set_ylim(0.0, 1.1e3 * height)
-    ax.legend(loc="upper right")
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside upper center", ncols=len(levels) + 1)
     return figure
 
 

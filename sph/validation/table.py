@@ -43,7 +43,11 @@ VALIDATION: tuple[Variable, ...] = (
     _text("verdict", f"{HOLDS} or {MISSES}"),
     _text("levels", "resolutions, from coarse to fine"),
     _text("errors", "errors of the levels, from coarse to fine"),
-    _number("order", "1", "observed order of convergence, from the two finest levels; NaN where the error is rounding or changes its sign"),
+    _number(
+        "order",
+        "1",
+        "observed order of convergence, from the two finest levels; NaN where the error is rounding or changes its sign, or a run diverged",
+    ),
     _number("cost", "s", "computing time of all runs of the case on one core"),
     _text("reason", "why this tolerance"),
     _text("source", "where the reference comes from"),
@@ -53,7 +57,7 @@ VALIDATION: tuple[Variable, ...] = (
 
 def observed_order(sizes: Sequence[float], errors: Sequence[float]) -> float:
     """Order of convergence from the two finest levels; NaN for one level, for errors of two signs and for rounding."""
-    if len(errors) < 2 or min(abs(error) for error in errors[-2:]) < NO_ORDER_BELOW or errors[-2] * errors[-1] < 0:
+    if len(errors) < 2 or not min(abs(error) for error in errors[-2:]) >= NO_ORDER_BELOW or errors[-2] * errors[-1] < 0:
         return math.nan
     return math.log(errors[-2] / errors[-1]) / math.log(sizes[-2] / sizes[-1])
 
@@ -63,7 +67,7 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequenc
 
     Raises ValueError where the measure and the configuration do not name the same quantities.
     """
-    found = [CASES[name][0](level) for level in levels.values()]
+    found = [measured(name, level) for level in levels.values()]
     if set(found[-1]) != set(case.quantities):
         raise ValueError(f"{name}: quantities {sorted(case.quantities)} are asked for, {sorted(found[-1])} are measured")
     cost = sum(float(result.data.attrs.get("wall_time_s", 0.0)) for level in levels.values() for result in level.values())
@@ -92,6 +96,14 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequenc
             }
         )
     return rows
+
+
+def measured(name: str, level: Level) -> dict[str, Found]:
+    """What a case measures on a level; NaN for all of it where a run diverged."""
+    found = CASES[name][0](level)
+    if any(result.data.attrs.get("status") == "diverged" for result in level.values()):
+        return {quantity: each._replace(computed=math.nan) for quantity, each in found.items()}
+    return found
 
 
 def verdict(found: Found, tolerance: float) -> str:

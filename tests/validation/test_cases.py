@@ -14,7 +14,7 @@ from sph.stability.record import run_search
 from sph.validation import CASES
 from sph.validation.level import Found, Level, Result
 from sph.validation.suite import load_suite
-from sph.validation.table import verdict
+from sph.validation.table import measured, verdict
 
 SUITE = load_suite(folders=[Path(__file__).parents[2]])
 QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cases[case].quantities]
@@ -28,7 +28,7 @@ def coarsest(name: str) -> dict[str, Found]:
     level: Level = {
         planned.run: result(planned.scene, case.by) for planned in SUITE.of(name).values() if planned.level == next(iter(case.levels))
     }
-    return CASES[name][0](level)
+    return measured(name, level)
 
 
 def result(scene: dict[str, object], by: str) -> Result:

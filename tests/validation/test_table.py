@@ -83,6 +83,9 @@ def test_rows_hold_every_level(monkeypatch: pytest.MonkeyPatch) -> None:
     (row,) = case_rows("V14", case, levels, [1.0, 0.5])
     assert row["computed"] == pytest.approx(1.01) and row["error"] == pytest.approx(0.01) and row["order"] == pytest.approx(2.0)
     assert (row["levels"], row["errors"], row["cost"], row["verdict"]) == ("1 m, 0.5 m", "0.04, 0.01", 4.0, "holds")
+    levels["0.5 m"]["run"].data.attrs["status"] = "diverged"
+    (row,) = case_rows("V14", case, levels, [1.0, 0.5])
+    assert row["verdict"] == "misses" and math.isnan(row["computed"]) and math.isnan(row["order"]) and row["errors"] == "0.04, nan"
     monkeypatch.setitem(CASES, "V14", (lambda level: {}, CASES["V14"][1]))
     with pytest.raises(ValueError, match=r"V14: quantities \['overshoot'\] are asked for, \[\] are measured"):
         case_rows("V14", case, levels, [1.0, 0.5])
