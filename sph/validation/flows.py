@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
@@ -119,13 +120,19 @@ LAYER = 0.015
 """Thickness of the sliding layer, the upper one where there are two, m."""
 
 
-def traction(result: Result) -> float:
-    """Stress that holds a sliding layer, from its deceleration between 0.25 and 0.45 s, over the yield stress."""
-    time, soil, y = result.data["time"].values, result.scene.soil, result.start("y0")
-    upper = y > y.max() + 0.5 * result.scene.numerics.spacing - LAYER
+def deceleration(result: Result, thickness: float, first: float, last: float) -> float:
+    """Deceleration (m/s2) of the upper layer of a thickness (m) between two times (s)."""
+    time, y = result.data["time"].values, result.start("y0")
+    upper = y > y.max() + 0.5 * result.scene.numerics.spacing - thickness
     speed = np.array([result.frame("velocity_x", frame)[upper].mean() for frame in range(time.size)])
-    seen = (time >= 0.249) & (time <= 0.451)
-    return -float(np.polyfit(time[seen], speed[seen], 1)[0]) * soil.density * LAYER / soil.cohesion_si
+    seen = (first - 1e-3 <= time) & (time <= last + 1e-3)
+    return -float(np.polyfit(time[seen], speed[seen], 1)[0])
+
+
+def traction(result: Result) -> float:
+    """Stress that holds a sliding layer of fluid over the yield stress."""
+    soil = result.scene.soil
+    return deceleration(result, LAYER, 0.25, 0.45) * soil.density * LAYER / soil.cohesion_si
 
 
 def measure_slump(level: Level) -> dict[str, Found]:
@@ -163,6 +170,8 @@ def draw_slump(levels: Mapping[str, Level]) -> Figure:
 
 # ---------------------------------------------------------------- V8: granular column
 
+COLUMNS = ("a05", "a10", "a20", "soil2")
+"""The runs that are columns."""
 SCALING = 1.2
 """(L_f - L_0) / L_0 over the aspect ratio, for aspect ratios below 2.3 (Lube et al. 2005; Lajeunesse et al. 2005)."""
 
@@ -170,7 +179,8 @@ SCALING = 1.2
 def measure_granular_column(level: Level) -> dict[str, Found]:
     """Spread over the column's length, and the height that stays at the wall."""
     found = {}
-    for name, result in level.items():
+    for name in COLUMNS:
+        result = level[name]
         length, height = column(result.scene)
         found[f"runout_{name}"] = Found(
             f"(L_f - L_0)/L_0, a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°",
@@ -178,7 +188,13 @@ def measure_granular_column(level: Level) -> dict[str, Found]:
             (front(result) - length) / length,
             SCALING * height / length,
         )
-    length, height = column(level["a05"].scene)
+    layer, (length, height) = level["layer"], column(level["a05"].scene)
+    found["friction"] = Found(
+        "friction on a sliding layer over g tan φ",
+        "1",
+        deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.tan(layer.scene.soil.friction_angle_si)),
+        1.0,
+    )
     found["plateau_a05"] = Found("height at the wall over H_0, a = 0.5", "1", height_at_wall(level["a05"]) / height, 1.0)
     return found
 
@@ -190,7 +206,8 @@ def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
     figure = Figure(figsize=(WIDTH, 3.4), layout="compressed")
     axes = figure.subplots(2, 2, sharex=True, sharey=True)
     titles = []
-    for ax, result in zip(axes.flat, level.values(), strict=True):
+    for ax, name in zip(axes.flat, COLUMNS, strict=True):
+        result = level[name]
         length, height = column(result.scene)
         spacing = result.scene.numerics.spacing
         x, y = spread(result)
