@@ -22,6 +22,7 @@ import xarray as xr
 from sph import trajectory
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
+from sph.guard import likely_cause, trouble
 from sph.initial_stress import NO_LOADING, impose_stress
 from sph.integration import TERM_NAMES, advance, make_lists, renew_candidates
 from sph.jit import cache_folder, compile_lock
@@ -48,9 +49,6 @@ from sph.team import make_team, together
 from sph.timestep import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
 Until = Literal["end", "gravity", "first_failure"]
-MAX_SPEED_RATIO = 1.0
-"""The guard stops a run in which a particle is faster than this multiple of V_p."""
-
 FIRST_TURNS, TURNS = 60, 6
 """Turns of the power iteration that measures the limit of the time step, at the start and at every frame."""
 
@@ -199,12 +197,12 @@ class Run:
                 self._restore(saved)
                 status, reason = "paused", "before the first failure"
                 break
-            if done < block:
-                status, reason = "diverged", f"a particle jumped or is not a number at {self.time:.4f} s"
+            if done == block:
+                self._record()
+            wrong = trouble(scene, self.particles, self.state, self._series, jumped=done < block)
+            if wrong:
+                status, reason = "diverged", f"{wrong}, at {self.time:.4f} s; {likely_cause(scene, self._largest_ratio())}"
                 break
-            self._record()
-            if not self._series["maximum_speed"][-1] < MAX_SPEED_RATIO * scene.soil.p_wave_speed:
-                status, reason = "diverged", f"a particle is faster than V_p at {self.time:.4f} s"
             if report is not None:
                 steps = (self.steps_made - first_steps_made) * self.state.x.size
                 report(
@@ -226,6 +224,10 @@ class Run:
                 self._record_frame()
         elapsed = clock.perf_counter() - started
         return self._result(status, reason, elapsed, (self.steps_made - first_steps_made) * self.state.x.size)
+
+    def _largest_ratio(self) -> float:
+        """Largest time step over its measured limit, over the frames."""
+        return float(np.max(np.array(self._frames["time_step"]) / np.array(self._frames["time_step_limit"]), initial=0.0))
 
     def _rest(self) -> str:
         return rest_reason(self.scene, self.step, self._series, self.state, float(self.particles.mass[: self.particles.n_soil].sum()))

@@ -168,7 +168,7 @@ def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
 
 def test_a_diverged_run_stays_diverged(tmp_path: Path, small_slope: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its branches are results of the same status; they neither go on nor come back to life."""
-    monkeypatch.setattr("sph.solver.MAX_SPEED_RATIO", 1e-9)
+    monkeypatch.setattr("sph.guard.MAX_SPEED_RATIO", 1e-9)
     stopped = run(small_slope(TRUNK), until="first_failure")
     assert stopped.status == "diverged"
     trajectory.write(tmp_path / "diverged.nc", stopped.trajectory, stopped.restart)

@@ -18,8 +18,16 @@ from sph.validation.table import measured, verdict
 
 SUITE = load_suite(folders=[Path(__file__).parents[2]])
 QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cases[case].quantities]
-MISSES: dict[tuple[str, str], str] = {}
-"""What the solver is known to miss, and why; a miss that is gone fails the test."""
+MISSES = {
+    ("V1", "worst_vertical_stress"): "rows of particles alternate; with ten rows by 23 %",
+    ("V4", "period_small"): "five particles through the plate",
+    ("V4", "period_large"): "five particles through the plate",
+    ("V7", "runout"): "fixed particles hold a sliding fluid by a part of its yield stress only",
+    ("V7", "traction_on_base"): "fixed particles hold a sliding fluid by a part of its yield stress only",
+    ("V8", "runout_a10"): "soil of 19.8 degrees cannot stand as steep as the deposits of the scaling, and a thin front runs ahead",
+    ("V8", "runout_a20"): "soil of 19.8 degrees cannot stand as steep as the deposits of the scaling, and a thin front runs ahead",
+}
+"""What the solver is known to miss on the coarsest level, and why; a miss that is gone fails the test."""
 
 
 @cache

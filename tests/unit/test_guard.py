@@ -1,0 +1,107 @@
+"""The guard: what it sees, and what it says."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sph.guard import PARTS, likely_cause, trouble
+from sph.particles import locate_probes, place_particles
+from sph.scene import Scene
+from sph.state import State, initial_state
+
+Builder = Callable[[dict[str, Any]], Scene]
+BOXED = {"walls.base": "sticky", "walls.sides": "sticky", "walls.layers": 2}
+AT_REST = {name: [0.0, 0.0, 0.0] for name in (*PARTS, "shaking_work")}
+
+
+def parts(scene: Scene) -> tuple[Any, State]:
+    particles = place_particles(scene)
+    assert locate_probes(scene, particles)
+    return particles, initial_state(particles, scene)
+
+
+@pytest.fixture
+def boxed(free_block: Builder) -> tuple[Scene, Any, State]:
+    scene = free_block(BOXED)
+    return scene, *parts(scene)
+
+
+def test_a_sound_run_is_left_alone(boxed: tuple[Scene, Any, State]) -> None:
+    assert trouble(*boxed, AT_REST) == ""
+
+
+@pytest.mark.parametrize("name", ["x", "vy", "density", "ax"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_not_a_number(boxed: tuple[Scene, Any, State], name: str, value: float) -> None:
+    getattr(boxed[2], name)[37] = value
+    assert trouble(*boxed, AT_REST).startswith("particle 37, at first at (") and "not a number" in trouble(*boxed, AT_REST)
+
+
+def test_a_jump_names_the_particle_that_moved_furthest(boxed: tuple[Scene, Any, State]) -> None:
+    boxed[2].x[[3, 41]] += (0.1, 0.4)
+    assert "particle 41" in trouble(*boxed, AT_REST, jumped=True) and "jumped" in trouble(*boxed, AT_REST, jumped=True)
+    assert trouble(*boxed, AT_REST) == ""
+
+
+def test_faster_than_the_p_wave(boxed: tuple[Scene, Any, State]) -> None:
+    speed = boxed[0].soil.p_wave_speed
+    boxed[2].vx[12] = 0.9 * speed
+    assert trouble(*boxed, AT_REST) == ""
+    boxed[2].vy[12] = -0.9 * speed
+    assert "particle 12" in trouble(*boxed, AT_REST) and "faster than V_p" in trouble(*boxed, AT_REST)
+
+
+@pytest.mark.parametrize(
+    ("place", "outside"),
+    [
+        ((5.0, -1.9), False),  # among the base's two layers of 1 m
+        ((5.0, -2.1), True),
+        ((-1.9, 5.0), False),
+        ((-2.1, 5.0), True),
+        ((12.1, 5.0), True),
+        ((12.1, 30.0), False),  # thrown over the wall, which is 10 m high
+        ((12.1, -5.0), True),
+        ((5.0, 99.0), False),
+    ],
+)
+def test_behind_the_walls(boxed: tuple[Scene, Any, State], place: tuple[float, float], outside: bool) -> None:
+    boxed[2].x[7], boxed[2].y[7] = place
+    assert bool(trouble(*boxed, AT_REST)) == outside
+    assert not outside or "particle 7" in trouble(*boxed, AT_REST)
+
+
+def test_without_walls_nothing_is_behind_them(free_block: Builder) -> None:
+    scene = free_block({})
+    particles, state = parts(scene)
+    state.x[7], state.y[7] = -500.0, -500.0
+    assert trouble(scene, particles, state, AT_REST) == ""
+
+
+def test_energy_that_nobody_put_in(boxed: tuple[Scene, Any, State]) -> None:
+    # 100 cells of 1964 kg at 1.16 m/s are 0.13 MJ: below that nothing is judged.
+    def series(**energies: float) -> dict[str, list[float]]:
+        return {name: [0.0, 0.0, energies.get(name, 0.0)] for name in AT_REST}
+
+    put_in = {"kinetic_energy": 4e6, "dissipated_energy": 1e6, "shaking_work": 5e6}
+    assert trouble(*boxed, series(**put_in)) == ""
+    assert "budget is open by 40%" in trouble(*boxed, series(**put_in | {"shaking_work": 3e6}))
+    made = {"kinetic_energy": 5e6, "dissipated_energy": -1e6, "shaking_work": 4e6}
+    assert "energy was made" in trouble(*boxed, series(**made))
+    assert trouble(*boxed, series(kinetic_energy=1e4)) == "", "a small gap in a run at rest"
+
+
+@pytest.mark.parametrize(
+    ("ratio", "keys", "word"),
+    [
+        (1.3, {}, "1.30 times its measured limit"),
+        (0.9, {"numerics.artificial_viscosity": None}, "artificial viscosity"),
+        (0.9, {"walls.sides": "free_slip", "walls.layers": 4}, "free-slip wall"),
+        (0.9, {}, "finer spacing"),
+    ],
+)
+def test_the_likely_cause(free_block: Builder, ratio: float, keys: dict[str, Any], word: str) -> None:
+    assert word in likely_cause(free_block(keys), ratio)
