@@ -243,7 +243,7 @@ class Soil(Section):
 
     density: float = key("density", "kg/m3", "Table 1", gt=0, le=1e5, default=1964.0)
     youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", gt=0, le=1e9, default=1.675e6)
-    poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.49, default=0.346)
+    poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.499, default=0.346)
     cohesion: float = key("cohesion of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
     friction_angle: float = key("internal friction angle of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)

@@ -79,8 +79,9 @@ class Result(NamedTuple):
 class Run:
     """One simulation under way: state, lists, and what has been recorded."""
 
-    def __init__(self, scene: Scene, threads: int = 1) -> None:
+    def __init__(self, scene: Scene, threads: int = 1, enforce_limit: bool = True) -> None:
         self.scene = scene
+        self.enforce_limit = enforce_limit
         self.particles: Particles = place_particles(scene)
         self.terms: Terms = make_terms(scene, self.particles)
         self.loading: Loading = make_loading(scene)
@@ -104,7 +105,8 @@ class Run:
     def prepare(self) -> None:
         """Check the time step, compile or load the variant this scene needs, and make the neighbour lists."""
         with compile_lock():
-            check_time_step(self.scene)
+            if self.enforce_limit:
+                check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
             self.advance_steps(0)
@@ -112,7 +114,7 @@ class Run:
             renew_candidates(State(*(a.copy() for a in self.state)), self.terms)
             elastic_energy(self.state, self.terms, self.particles.mass)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
-        if self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
+        if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
             raise ValueError(
                 f"numerics.time_step: {self.terms.dt:g} s exceeds the limit measured on the particles at the start, {self.limit:.3g} s; "
                 "choose a smaller step"
@@ -364,9 +366,13 @@ def run(
     restart: Path | str | None = None,
     report: Callable[[Progress], None] | None = None,
     threads: int = 1,
+    enforce_limit: bool = True,
 ) -> Result:
-    """Simulate a scene, from the start or from a paused run's file; the number of threads does not change a bit of the result."""
-    simulation = Run(scene, threads)
+    """Simulate a scene, from the start or from a paused run's file; the number of threads does not change a bit of the result.
+
+    ValueError for a fixed time step above its limit, unless that is what is to be seen (``enforce_limit``).
+    """
+    simulation = Run(scene, threads, enforce_limit)
     if restart is not None:
         simulation.resume(restart)
     return simulation.go(until, report)

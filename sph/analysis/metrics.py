@@ -365,7 +365,16 @@ def _runout_metrics(
 
 
 def _energy_error(trajectory: xr.Dataset) -> float:
-    stored = [trajectory[f"{name}_energy"].values for name in ("kinetic", "elastic", "potential", "dissipated")]
-    balance = np.sum(stored, axis=0) - trajectory["shaking_work"].values
-    scale = np.abs(stored).sum(axis=0).max()
+    balance, scale = _energy_budget(trajectory)
     return float(abs(balance[-1] - balance[0]) / scale) if scale > 0 else 0.0
+
+
+def energy_gap(trajectory: xr.Dataset) -> float:
+    """Largest gap in the energy budget over all samples, over the largest sum of the absolute values of its parts."""
+    balance, scale = _energy_budget(trajectory)
+    return float(np.abs(balance - balance[0]).max() / scale) if scale > 0 else 0.0
+
+
+def _energy_budget(trajectory: xr.Dataset) -> tuple[np.ndarray, float]:
+    stored = [trajectory[f"{name}_energy"].values for name in ("kinetic", "elastic", "potential", "dissipated")]
+    return np.sum(stored, axis=0) - trajectory["shaking_work"].values, float(np.abs(stored).sum(axis=0).max())

@@ -77,6 +77,7 @@ class Study(Section):
     trade: str = key("file of the ladder that 'snakemake trade' runs, searched for as the scene", default="config/trade.yaml")
     validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
     limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
+    extremes: str = key("file of the sweeps that 'snakemake extremes' runs, likewise", default="config/extremes.yaml")
 
     @model_validator(mode="after")
     def _known(self) -> Study:

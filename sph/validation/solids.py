@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from sph.analysis.figures.profile import draw_circles
 from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.analysis.metrics import linked_sets
+from sph.analysis.metrics import energy_gap, linked_sets
 from sph.particles import place_particles
 from sph.scene import RingBody, Scene
 from sph.state import initial_state
@@ -92,14 +92,6 @@ def momentum(scene: Scene, result: Result) -> tuple[np.ndarray, np.ndarray]:
     return total(initial_state(particles, scene)._asdict()), total(end)
 
 
-def energy_error(result: Result) -> float:
-    """Largest gap in the energy budget over the largest sum of its parts."""
-    data = result.data
-    parts = [data[f"{name}_energy"].values for name in ("kinetic", "elastic", "potential", "dissipated")]
-    balance = np.sum(parts, axis=0) - data["shaking_work"].values
-    return float(np.abs(balance - balance[0]).max() / np.abs(parts).sum(axis=0).max())
-
-
 def measure_rings(level: Level) -> dict[str, Found]:
     """Pieces, shape, momentum and energy after the rings have met."""
     result = level["run"]
@@ -116,7 +108,7 @@ def measure_rings(level: Level) -> dict[str, Found]:
         "pieces": Found("pieces after the bounce", "1", float(pieces), 2.0),
         "ring_strain": Found("mean width of a ring at the end", "m", float(width), 2.0 * ring.outer_radius),
         "momentum_drift": Found("change of linear momentum over one ring's", "1", float(np.abs(end - start)[:2].max() / of_one_ring), 0.0),
-        "energy_error": Found("gap in the energy budget over its parts", "1", energy_error(result), 0.0),
+        "energy_error": Found("gap in the energy budget over its parts", "1", energy_gap(result.data), 0.0),
     }
 
 

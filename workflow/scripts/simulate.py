@@ -10,10 +10,12 @@ from sph.solver import Until, run
 from sph.stability.record import run_search
 
 
-def simulate(scene: Mapping[str, Any], until: Until, path_to_restart: str | None, path_to_trajectory: str, path_to_log: str) -> None:
+def simulate(
+    scene: Mapping[str, Any], until: Until, path_to_restart: str | None, path_to_trajectory: str, path_to_log: str, enforce_limit: bool
+) -> None:
     """Run a scene, from a restart if there is one, and write its trajectory; a run that diverges is a result."""
     with open(path_to_log, "w", encoding="utf-8") as log, reporter(path_to_trajectory, log) as report:
-        result = run(make_scene(scene), until, path_to_restart, report)
+        result = run(make_scene(scene), until, path_to_restart, report, enforce_limit=enforce_limit)
         trajectory.write(path_to_trajectory, result.trajectory, result.restart)
         print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
@@ -29,6 +31,7 @@ if __name__ == "__main__":
     scene, by = snakemake.params.scene, snakemake.params.get("by", "simulation")  # type: ignore[name-defined]
     out, log = snakemake.output[0], snakemake.log[0]  # type: ignore[name-defined]
     if by == "simulation":
-        simulate(scene, snakemake.params.until, snakemake.input.get("restart"), out, log)  # type: ignore[name-defined]
+        enforce = snakemake.params.get("enforce_limit", True)  # type: ignore[name-defined]
+        simulate(scene, snakemake.params.until, snakemake.input.get("restart"), out, log, enforce)  # type: ignore[name-defined]
     else:
         find_limit(scene, by, out, log)

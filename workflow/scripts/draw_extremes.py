@@ -1,0 +1,16 @@
+"""Draw the runs at the ends of their keys' ranges."""
+
+from collections.abc import Sequence
+
+from sph.analysis.extremes import read_extremes
+from sph.analysis.figures import save
+from sph.analysis.figures.extremes import figure_extremes
+
+
+def draw_extremes(path_to_table: str, paths_to_pictures: Sequence[str]) -> None:
+    """One panel a check."""
+    save(figure_extremes(read_extremes(path_to_table)), *paths_to_pictures)
+
+
+if __name__ == "__main__":
+    draw_extremes(snakemake.input.table, [snakemake.output.png, snakemake.output.pdf])  # type: ignore[name-defined]
