@@ -19,6 +19,7 @@ from pydantic.fields import FieldInfo
 from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
+from sph.analysis.extremes import EXTREMES, Extremes
 from sph.analysis.limits import LIMITS, Limits, read_limits
 from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
 from sph.analysis.study import Study
@@ -143,8 +144,10 @@ TABLES: dict[str, Callable[[], str]] = {
     "trade_keys": lambda: markdown(KEY_HEAD, key_rows(Trade)),
     "validation_keys": lambda: markdown(KEY_HEAD, key_rows(Validation)),
     "limits_keys": lambda: markdown(KEY_HEAD, key_rows(Limits)),
+    "extremes_keys": lambda: markdown(KEY_HEAD, key_rows(Extremes)),
     "failure_rule": lambda: markdown(KEY_HEAD, key_rows(FailureRule)),
     "validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(VALIDATION)),
+    "extremes_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(EXTREMES)),
     "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
     "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
     "limits": lambda: _limits_table(read_limits()),

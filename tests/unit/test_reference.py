@@ -19,6 +19,7 @@ HOMES = {
     "trade_keys": "config",
     "validation_keys": "config",
     "limits_keys": "config",
+    "extremes_keys": "config",
     "failure_rule": "config",
     "trajectory": "results",
     "metrics": "results",
@@ -26,6 +27,7 @@ HOMES = {
     "convergence": "results",
     "validation_variables": "results",
     "limits_variables": "results",
+    "extremes_variables": "results",
 }
 MEASURED = ("presets", "trade", "validation", "limits")
 
