@@ -102,12 +102,16 @@ def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
             f"**{row['title']}**: {row['text']}" if first else row["text"],
             f"{row['computed']:.4g}{unit}",
             f"{row['reference']:.4g}{unit}",
-            " / ".join(f"{error:.1e}" if exact else f"{100 * error:.2g} %" for error in errors),
+            " / ".join(f"{error:.1e}" if exact else _per_cent(error) for error in errors),
             f"{row['tolerance']:.2g}" if exact else f"{100 * row['tolerance']:.2g} %",
             "" if math.isnan(row["order"]) else f"{row['order']:.1f}",
             f"**{row['verdict']}**" if row["verdict"] == MISSES else row["verdict"],
             f"{row['cost']:.3g} s" if first else "",
         )
+
+
+def _per_cent(error: float) -> str:
+    return f"{100 * error:.0f} %" if abs(error) >= 0.1 else f"{100 * error:.2g} %"
 
 
 def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:

@@ -126,7 +126,7 @@ def draw_rings(levels: Mapping[str, Level]) -> Figure:
         style = {"cmap": "RdBu_r", "clim": (-bound, bound), "linewidth": 0}
         x, y = result.frame("x", frame), result.frame("y", frame)
         circles = draw_circles(ax, 1e3 * x, 1e3 * y, 1.2e3 * result.scene.numerics.spacing, array=values, **style)
-        ax.set(aspect="equal", xlim=(-60.0, 260.0), ylim=(-10.0, 110.0))
+        ax.set(aspect="equal", xlim=(-100.0, 300.0), ylim=(-10.0, 110.0))
     label_panels(axes.flat, [f"{1e3 * t:.2f} ms" for t in result.data["time"].values[frames]])
     for ax in axes[-1]:
         ax.set_xlabel("x (mm)")
