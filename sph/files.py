@@ -10,7 +10,7 @@ import fcntl
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 
@@ -28,6 +28,8 @@ def whole(path: Path | str) -> Iterator[Path]:
             _to_disk(temporary)
             os.replace(temporary, path)
         except (OSError, RuntimeError) as error:  # netCDF calls a full disk a RuntimeError
+            with suppress(OSError):
+                os.truncate(temporary, 0)  # and keeps the file open, whose blocks a full disk must get back
             raise unwritable(path, error) from error
         finally:
             temporary.unlink(missing_ok=True)

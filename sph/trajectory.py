@@ -157,7 +157,7 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
             return ds.load()
     except FileNotFoundError as error:
         raise ValueError(f"{path}: cannot be read as {what}: there is no such file") from error
-    except (OSError, KeyError, ValueError, RuntimeError) as error:  # netCDF calls damaged data a RuntimeError
+    except Exception as error:  # damaged data have raised RuntimeError, AttributeError and KeyError, too
         raise ValueError(f"{path}: cannot be read as {what}: {error}; if it was one, delete it and run again what wrote it") from error
 
 

@@ -116,8 +116,8 @@ def read_study(path: Path | str) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine="netcdf4") as ds:
             study = ds.load()
-    except (OSError, ValueError) as error:
-        raise ValueError(f"{path}: cannot be read as a study: {error}") from error
+    except Exception as error:  # as in sph.trajectory
+        raise ValueError(f"{path}: cannot be read as a study: {error}; if it was one, delete it and run again what wrote it") from error
     missing = [name for name in COLUMNS if name not in study.variables]
     if missing:
         raise ValueError(f"{path}: not a study of this program, it lacks {missing}")

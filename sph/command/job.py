@@ -32,7 +32,7 @@ def job_log(path: Path | str) -> Iterator[TextIO]:
         mendable = isinstance(error, (ValueError, OSError))
         line = f"{path.stem}: {error if mendable else repr(error)}"
         with suppress(OSError):
-            print(line if mendable else traceback.format_exc(), file=log)
+            print(line if mendable else traceback.format_exc().rstrip(), file=log)
         print(line, file=sys.stderr, flush=True)
         raise SystemExit(REFUSED if mendable else 1) from error
     finally:

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 import sph
+from sph.jit import mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -214,3 +215,75 @@ def test_compiled_and_loaded_code_give_the_same_bits(tmp_path: Path, small_slope
     )
     assert (compiled, loaded) == ("1", "0"), "the first must compile and the second load for the test to mean something"
     assert one == other
+
+
+# ---------------------------------------------------------------- damaged files
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def garble(path: Path) -> None:
+    """Other bytes in the middle, where the machine code is."""
+    data = bytearray(path.read_bytes())
+    middle = slice(len(data) // 3, len(data) // 3 + 200)
+    data[middle] = bytes(byte ^ 0x55 for byte in data[middle])
+    path.write_bytes(data)
+
+
+def empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+DAMAGES: tuple[Callable[[Path], None], ...] = (truncate, garble, empty, Path.unlink)
+
+
+def test_damaged_code_is_compiled_again_not_run(tmp_path: Path, free_block: Callable[..., Any]) -> None:
+    """Every file of the cache is hurt in one way or another; then the same bits, and a cache that is whole again."""
+    bare = {"duration": 0.02, "geometry": {"shape": "block", "width": 4.0, "height": 4.0}, "damping": None}
+    scene = json.dumps(free_block(bare).model_dump(mode="json"))
+    command = [sys.executable, "-c", DIGEST, scene]
+
+    def compiled_and_digest() -> tuple[str, str]:
+        done = subprocess.run(command, env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path)), capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        compiled, digest = done.stdout.split()
+        return compiled, digest
+
+    _, digest = compiled_and_digest()
+    files = sorted(tmp_path.glob("*/*/*.nb?"))
+    assert len(files) > len(DAMAGES)
+    for number, path in enumerate(files):
+        DAMAGES[number % len(DAMAGES)](path)
+    assert compiled_and_digest() == ("1", digest)
+    assert compiled_and_digest() == ("0", digest)
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
+@pytest.mark.parametrize("name", ["code/f.nbi", "code/f.1.nbc", "digests.json"])
+def test_what_is_not_as_listed_is_deleted(tmp_path: Path, name: str, damage: Callable[[Path], None]) -> None:
+    (tmp_path / "code").mkdir()
+    files = [tmp_path / "code" / name for name in ("f.nbi", "f.1.nbc", "f.2.nbc")]
+    for path in files:
+        path.write_bytes(path.name.encode() * 100)
+    seal(tmp_path)
+    mend(tmp_path)
+    assert all(path.exists() for path in files)
+    (tmp_path / "code" / "f.3.nbc.tmp.abc").write_bytes(b"left by a process that was killed")
+    damage(tmp_path / name)
+    mend(tmp_path)
+    sound = [path for path in files if path != tmp_path / name] if name != "digests.json" else []
+    assert sorted((tmp_path / "code").iterdir()) == sorted(sound)
+
+
+def test_a_cache_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    done = subprocess.run(
+        [sys.executable, "-c", "from sph.jit import compile_lock\nwith compile_lock(): pass"],
+        env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path / "cache")),
+        capture_output=True,
+        text=True,
+    )
+    last = done.stderr.splitlines()[-1]
+    assert str(tmp_path / "cache") in last and "set SPH_CACHE_DIR" in last
