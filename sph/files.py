@@ -63,6 +63,8 @@ def alone(path: Path, role: str, wait: Callable[[], None] | None = None) -> Iter
                     wait()
                 waited = True
                 fcntl.flock(handle, fcntl.LOCK_EX)
+            except OSError:
+                pass  # a file system without locks: whoever starts two processes on one file must keep them apart
             # Who held it may have deleted the file meanwhile: a lock on that one keeps nobody out.
             if _is(handle.fileno(), lock):
                 try:

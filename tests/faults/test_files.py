@@ -150,17 +150,19 @@ import numpy as np
 from sph import trajectory
 
 source, target, seed, number = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
-data, sound, chance = source.read_bytes(), trajectory.read(source), np.random.default_rng(seed)
+data, sound, state = source.read_bytes(), trajectory.read(source), trajectory.read_restart(source)
+chance = np.random.default_rng(seed)
 refused = 0
 for place in chance.integers(len(data) - 64, size=number):
     target.write_bytes(data[:place] + chance.bytes(64) + data[place + 64:])
     try:
-        read = trajectory.read_run(target)
+        read, again = trajectory.read_run(target), trajectory.read_restart(target)
     except ValueError as error:
         assert str(target) in str(error)
         refused += 1
     else:
-        assert all(np.array_equal(read[name], sound[name], equal_nan=True) for name in ("x", "stress_xx", "kinetic_energy"))
+        for left, right in ((read, sound), (again, state)):
+            assert all(left[name].equals(right[name]) for name in right.data_vars), place
 print(refused)
 """
 
@@ -168,7 +170,7 @@ print(refused)
 def test_a_garbled_file_is_refused_or_read_as_it_was(tmp_path: Path, run_file: Path) -> None:
     """Fields are compressed, and carry a checksum by that."""
     command = [sys.executable, "-c", GARBLE, str(run_file), str(tmp_path / "garbled.nc"), "3", "40"]
-    assert int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) > 20
+    assert int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) > 10
 
 
 @pytest.mark.parametrize("command", ["plot", "metrics"])
