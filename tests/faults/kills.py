@@ -8,11 +8,8 @@ prints where the kills hit, what they cost, and whether all results equal the un
 from __future__ import annotations
 
 import argparse
-import os
 import random
-import signal
 import statistics
-import subprocess
 import sys
 import tempfile
 import time
@@ -27,6 +24,7 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from comparison import same_files, same_variables  # noqa: E402
 from conftest import SLOPE  # noqa: E402
+from killing import CHECKPOINT, TIMINGS, killed, start  # noqa: E402
 
 from sph import trajectory  # noqa: E402
 from sph.analysis.tables import read_study  # noqa: E402
@@ -44,13 +42,9 @@ STUDY: dict[str, Any] = {
     "figures": {"strengths": ["0.10"], "compared_gammas": ["100"], "compared_strengths": ["0.10"]},
     "claims": {"amplitude": 8.0},
 }
-CHECKPOINT = "0.1"
-"""Seconds between checkpoints: short, so that many kills hit the writing of one."""
 RESULTS = Path("results", "killed", "draft")
 LAST_STEP = 6.0
 """Seconds in which Snakemake starts and measures a finished study."""
-TIMINGS = {"wall_time", "particle_steps_per_second"}
-"""Metrics that tell how long a run took."""
 
 
 class Kill(NamedTuple):
@@ -62,25 +56,6 @@ class Kill(NamedTuple):
 
 def command(*arguments: object) -> list[str]:
     return [sys.executable, "-m", "sph.command.cli", *map(str, arguments)]
-
-
-def start(arguments: list[str], folder: Path) -> subprocess.Popen[bytes]:
-    """A process that leads its group, so that it can be killed with its children."""
-    path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
-    environment = os.environ | {"PYTHONPATH": path, "SPH_CHECKPOINT": CHECKPOINT}
-    with open(folder / "output.log", "ab") as log:
-        return subprocess.Popen(arguments, cwd=folder, env=environment, stdout=log, stderr=log, start_new_session=True)
-
-
-def killed(process: subprocess.Popen[bytes], after: float) -> bool:
-    """Kill a process and its children after some seconds; False if it ended before."""
-    try:
-        process.wait(after)
-        return False
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        return True
 
 
 def finish(arguments: list[str], folder: Path) -> None:

@@ -13,6 +13,7 @@ from typing import Any
 import kills
 import pytest
 from comparison import same_bits, same_files
+from killing import start
 
 from sph import trajectory
 from sph.checkpoint import run_to_file
@@ -44,7 +45,7 @@ def test_a_run_killed_in_writing(tmp_path: Path, name: str) -> None:
     folder.mkdir()
     (folder / "slope.yaml").write_text((reference.parent / "slope.yaml").read_text())
     arguments = kills.run_arguments("first_failure")
-    process = kills.start(arguments, folder)
+    process = start(arguments, folder)
     waiting_for(folder / name, process)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
@@ -80,15 +81,3 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
         assert written.attrs["particle_steps"] == whole.trajectory.attrs["particle_steps"]
         assert written.attrs["neighbours_mean"] == whole.trajectory.attrs["neighbours_mean"]
         path.unlink()
-
-
-@pytest.mark.parametrize("last_step", [False, True], ids=["simulating", "measuring"])
-def test_a_study_killed_with_its_jobs(tmp_path: Path, reference_study: Path, last_step: bool) -> None:
-    kills.killed_study(tmp_path / "study", reference_study, 4.0 if last_step else 8.0, last_step)
-
-
-@pytest.fixture(scope="module")
-def reference_study(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = kills.study_folder(tmp_path_factory.mktemp("reference") / "study")
-    kills.finish(kills.target(folder), folder)
-    return folder
