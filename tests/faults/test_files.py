@@ -203,13 +203,13 @@ def test_a_checkpoint_that_is_not_this_run_s_is_ignored(tmp_path: Path, run_file
 
     def stop(progress: Any) -> None:
         if progress.time > 0.1:
-            raise InterruptedError
+            raise KeyboardInterrupt
 
     other = small_slope(SHORT | {"soil.cohesion": 40.0}) if fault == "another scene" else scene
     gravity = tmp_path / "gravity.nc"
     if fault == "another restart":
         run_to_file(scene, gravity, "gravity")
-    with pytest.raises(InterruptedError):
+    with pytest.raises(KeyboardInterrupt):
         run_to_file(other, path, "end" if fault == "another stage" else "first_failure", report=stop, seconds=1e-9)
     if fault == "truncated":
         kept.write_bytes(kept.read_bytes()[:5000])
@@ -288,9 +288,9 @@ def test_files_from_the_future(tmp_path: Path, small_slope: Builder, run_file: P
 
     def stop(progress: Any) -> None:
         if progress.time > 0.1:
-            raise InterruptedError
+            raise KeyboardInterrupt
 
-    with pytest.raises(InterruptedError):
+    with pytest.raises(KeyboardInterrupt):
         run_to_file(small_slope(SHORT), path, "first_failure", report=stop, seconds=1e-9)
     for when in (0, 2**33):
         os.utime(beside(path, "checkpoint"), (when, when))

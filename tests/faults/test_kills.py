@@ -20,6 +20,8 @@ from sph.checkpoint import run_to_file
 from sph.files import beside
 from sph.scene import Scene
 from sph.solver import run
+from sph.stability.record import search_to_file
+from sph.stability.search import Trial
 
 Builder = Callable[[dict[str, Any]], Scene]
 
@@ -67,11 +69,11 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
 
         def stopping(progress: Any, stop: float = stop) -> None:
             if progress.time > stop:  # after a checkpoint at the block before
-                raise InterruptedError
+                raise KeyboardInterrupt
 
         said: list[str] = []
         path = tmp_path / "run.nc"
-        with pytest.raises(InterruptedError):
+        with pytest.raises(KeyboardInterrupt):
             run_to_file(scene, path, until, report=stopping, seconds=1e-9)
         assert not path.exists() and beside(path, "checkpoint").exists()
         same_bits(run_to_file(scene, path, until, seconds=0, say=said.append), whole)
@@ -81,3 +83,23 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
         assert written.attrs["particle_steps"] == whole.trajectory.attrs["particle_steps"]
         assert written.attrs["neighbours_mean"] == whole.trajectory.attrs["neighbours_mean"]
         path.unlink()
+
+
+def test_a_search_repeats_no_trial(tmp_path: Path, small_slope: Builder) -> None:
+    """Stopped in the middle by an error, which leaves what a kill would."""
+    scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
+    path, made, told = tmp_path / "search.nc", [], []
+
+    def stop(trial: Trial) -> None:
+        made.append(trial)
+        if len(made) == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        search_to_file(scene, "yield_acceleration", path, stop)
+    search_to_file(scene, "yield_acceleration", path, told.append)
+    # The time a trial took tells it from its repetition.  The fourth was made, but not kept.
+    assert told[:3] == made[:3] and told[3]._replace(wall_time=0.0) == made[3]._replace(wall_time=0.0) and len(told) > 4
+    found = trajectory.read(path)
+    assert found["value"].values.tolist() == [trial.value for trial in told] and found.attrs["stood"] < found.attrs["failed"]
+    assert [p.name for p in tmp_path.iterdir()] == ["search.nc"]

@@ -3,13 +3,12 @@
 from collections.abc import Mapping
 from typing import Any, TextIO
 
-from sph import trajectory
 from sph.checkpoint import run_to_file
 from sph.command.job import job_log
 from sph.command.progress import reporter
 from sph.scene import make_scene
 from sph.solver import Until
-from sph.stability.record import run_search
+from sph.stability.record import search_to_file
 
 
 def simulate(scene: Mapping[str, Any], until: Until, path_to_restart: str | None, path_to_trajectory: str, log: TextIO) -> None:
@@ -20,9 +19,8 @@ def simulate(scene: Mapping[str, Any], until: Until, path_to_restart: str | None
 
 
 def find_limit(scene: Mapping[str, Any], by: str, path_to_trials: str, log: TextIO) -> None:
-    """Search the strength at which a scene just stands, and write the trials."""
-    trials = run_search(scene, by, lambda trial: print(*trial, file=log, flush=True))
-    trajectory.write(path_to_trials, trials)
+    """Search the strength at which a scene just stands, from the trials of a search that was killed, and write the trials."""
+    search_to_file(scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True))
 
 
 if __name__ == "__main__":
