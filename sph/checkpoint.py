@@ -14,7 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sph import trajectory
-from sph.files import alone, beside
+from sph.files import alone, beside, tidy
 from sph.jit import solver_digest
 from sph.scene import Scene
 from sph.solver import Progress, Result, Run, Until
@@ -48,7 +48,8 @@ def run_to_file(
     with alone(path, "run", lambda: say(f"{path}: another process is writing it, waiting for its end")) as followed:
         checkpoint = Checkpoint(path, digest, seconds, say)
         if followed and (finished := _of_this_run(path, digest)):
-            checkpoint.path.unlink(missing_ok=True)
+            tidy(path)
+            checkpoint.discard()
             return finished
         simulation = checkpoint.resumed(scene, threads)
         if simulation is None:
@@ -58,7 +59,7 @@ def run_to_file(
         result = simulation.go(until, report, checkpoint.offer)
         result.trajectory.attrs["run_digest"] = digest
         trajectory.write(path, result.trajectory, result.restart)
-        checkpoint.path.unlink(missing_ok=True)
+        checkpoint.discard()
     return result
 
 
@@ -114,6 +115,11 @@ class Checkpoint:
         except OSError as error:
             self.say(f"{error}; the run goes on without this checkpoint")
         self.last = clock.monotonic()
+
+    def discard(self) -> None:
+        """Delete the checkpoint of a finished run, and one that a kill left half written."""
+        self.path.unlink(missing_ok=True)
+        tidy(self.path)
 
 
 def _of_this_run(path: Path, digest: str) -> Result | None:

@@ -40,6 +40,12 @@ def beside(path: Path, role: str) -> Path:
     return path.with_name(f".{path.name}.{role}")
 
 
+def tidy(path: Path) -> None:
+    """Delete what a killed process left beside a file; for who is alone at it."""
+    for role in ("part", "lock"):
+        beside(path, role).unlink(missing_ok=True)
+
+
 @contextmanager
 def alone(path: Path, role: str, wait: Callable[[], None] | None = None) -> Iterator[bool]:
     """Be the one process that has a role at a file; yields whether another one had it before and was killed or waited for.

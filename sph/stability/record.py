@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
-from sph.files import alone, beside
+from sph.files import alone, beside, tidy
 from sph.jit import solver_digest
 from sph.scene import Scene, make_scene
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
@@ -59,6 +59,7 @@ def search_to_file(scene: Mapping[str, Any], by: str, path: Path | str, report: 
     with alone(path, "run"):
         trajectory.write(path, run_search(scene, by, keep, {trial.value: trial for trial in read_trials(kept, digest)}))
         kept.unlink(missing_ok=True)
+        tidy(kept)
 
 
 def read_trials(path: Path, digest: str) -> list[Trial]:

@@ -175,18 +175,22 @@ def main() -> None:
         folder = Path(name)
         kills: list[Kill] = []
         runs = 0
-        references = {until: uninterrupted(folder / "reference" / until, until) for until in ("end", "first_failure")}
+        references = {until: uninterrupted(folder / "reference" / until, until) for until in ("end", "first_failure") if chosen.kills}
         while len(kills) < chosen.kills:
+            print(f"{len(kills)} kills", end="\r", flush=True)
             until = "first_failure" if runs % 4 == 3 else "end"
             reference, takes = references[until]
             most = min(5, chosen.kills - len(kills))
             kills += killed_run(folder / f"run{runs}", reference, until, instants, 1.1 * takes, most)
             runs += 1
-        print(f"{len(kills)} kills in {runs} runs, all finished with the same bits; uninterrupted {references['end'][1]:.1f} s")
-        for hit, number in Counter(kill.hit for kill in kills).most_common():
-            print(f"{number:5d}  {hit}")
-        lost = [kill.lost for kill in kills if kill.lost]
-        print(f"lost since the last checkpoint, s: median {statistics.median(lost):.2f}, largest {max(lost):.2f} (every {CHECKPOINT} s)")
+        if kills:
+            print(f"{len(kills)} kills in {runs} runs, all finished with the same bits; uninterrupted {references['end'][1]:.1f} s")
+            for hit, number in Counter(kill.hit for kill in kills).most_common():
+                print(f"{number:5d}  {hit}")
+            if lost := [kill.lost for kill in kills if kill.lost]:
+                print(
+                    f"lost since the last checkpoint, s: median {statistics.median(lost):.2f}, largest {max(lost):.2f} (every {CHECKPOINT} s)"
+                )
         made = 0
         if chosen.studies:
             reference_folder = study_folder(folder / "study")
@@ -198,7 +202,8 @@ def main() -> None:
             after = instants.uniform(0.0, LAST_STEP if last_step else takes)
             made += killed_study(folder / f"study{runs}", reference_folder, after, last_step)
             runs += 1
-        print(f"{made} kills of Snakemake with its jobs; all studies finished with the same bits")
+        if made:
+            print(f"{made} kills of Snakemake with its jobs, half of them in measuring; all studies finished with the same bits")
 
 
 if __name__ == "__main__":

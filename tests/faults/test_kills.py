@@ -76,6 +76,8 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
         with pytest.raises(KeyboardInterrupt):
             run_to_file(scene, path, until, report=stopping, seconds=1e-9)
         assert not path.exists() and beside(path, "checkpoint").exists()
+        for role in ("part", "lock"):  # left by a kill in writing a checkpoint, after which no further one is due
+            beside(beside(path, "checkpoint"), role).touch()
         same_bits(run_to_file(scene, path, until, seconds=0, say=said.append), whole)
         assert len(said) == 1 and "goes on" in said[0]
         assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
