@@ -164,46 +164,49 @@ def killed_study(folder: Path, reference: Path, after: float, last_step: bool = 
 # ---------------------------------------------------------------- the campaign
 
 
+def kill_runs(folder: Path, instants: random.Random, wanted: int) -> None:
+    """Kill single runs, some of them stages, and print where the kills hit and what they cost."""
+    references = {until: uninterrupted(folder / "reference" / until, until) for until in ("end", "first_failure")}
+    kills: list[Kill] = []
+    runs = 0
+    while len(kills) < wanted:
+        until = "first_failure" if runs % 4 == 3 else "end"
+        reference, takes = references[until]
+        kills += killed_run(folder / f"run{runs}", reference, until, instants, 1.1 * takes, min(5, wanted - len(kills)))
+        runs += 1
+    print(f"{len(kills)} kills in {runs} runs, all finished with the same bits; uninterrupted {references['end'][1]:.1f} s")
+    for hit, number in Counter(kill.hit for kill in kills).most_common():
+        print(f"{number:5d}  {hit}")
+    lost = [kill.lost for kill in kills if kill.lost]
+    print(f"lost since the last checkpoint (every {CHECKPOINT} s): median {statistics.median(lost):.2f} s, largest {max(lost):.2f} s")
+
+
+def kill_studies(folder: Path, instants: random.Random, wanted: int) -> None:
+    """Kill Snakemake with its jobs, every other time in measuring."""
+    for name in ("compiling", "reference"):
+        reference = study_folder(folder / name)
+        began = time.monotonic()
+        finish(target(reference), reference)
+    takes = time.monotonic() - began
+    made = studies = 0
+    while made < wanted:
+        last_step = made % 2 == 1
+        after = instants.uniform(0.0, LAST_STEP if last_step else takes)
+        made += killed_study(folder / f"study{studies}", reference, after, last_step)
+        studies += 1
+    print(f"{made} kills of Snakemake with its jobs in {studies} studies, all finished with the same bits; uninterrupted {takes:.1f} s")
+
+
 def main() -> None:
     options = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     options.add_argument("--kills", type=int, default=200, help="of single runs")
-    options.add_argument("--studies", type=int, default=20, help="kills of Snakemake with its jobs, half of them in the last step")
+    options.add_argument("--studies", type=int, default=20, help="kills of Snakemake with its jobs, every other one in measuring")
     options.add_argument("--seed", type=int, default=1)
     chosen = options.parse_args()
-    instants = random.Random(chosen.seed)
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        kills: list[Kill] = []
-        runs = 0
-        references = {until: uninterrupted(folder / "reference" / until, until) for until in ("end", "first_failure") if chosen.kills}
-        while len(kills) < chosen.kills:
-            print(f"{len(kills)} kills", end="\r", flush=True)
-            until = "first_failure" if runs % 4 == 3 else "end"
-            reference, takes = references[until]
-            most = min(5, chosen.kills - len(kills))
-            kills += killed_run(folder / f"run{runs}", reference, until, instants, 1.1 * takes, most)
-            runs += 1
-        if kills:
-            print(f"{len(kills)} kills in {runs} runs, all finished with the same bits; uninterrupted {references['end'][1]:.1f} s")
-            for hit, number in Counter(kill.hit for kill in kills).most_common():
-                print(f"{number:5d}  {hit}")
-            if lost := [kill.lost for kill in kills if kill.lost]:
-                print(
-                    f"lost since the last checkpoint, s: median {statistics.median(lost):.2f}, largest {max(lost):.2f} (every {CHECKPOINT} s)"
-                )
-        made = 0
-        if chosen.studies:
-            reference_folder = study_folder(folder / "study")
-            began = time.monotonic()
-            finish(target(reference_folder), reference_folder)
-            takes = time.monotonic() - began
-        while made < chosen.studies:
-            last_step = made % 2 == 1
-            after = instants.uniform(0.0, LAST_STEP if last_step else takes)
-            made += killed_study(folder / f"study{runs}", reference_folder, after, last_step)
-            runs += 1
-        if made:
-            print(f"{made} kills of Snakemake with its jobs, half of them in measuring; all studies finished with the same bits")
+    for kill, wanted in ((kill_runs, chosen.kills), (kill_studies, chosen.studies)):
+        with tempfile.TemporaryDirectory() as folder:
+            if wanted:
+                kill(Path(folder), random.Random(chosen.seed), wanted)
 
 
 if __name__ == "__main__":
