@@ -317,3 +317,8 @@ def test_a_log_that_cannot_be_written_stops_nobody(tmp_path: Path, capsys: pytes
     with job_log(tmp_path / "logs" / "job.log") as stream:
         print("progress", file=stream)
     assert "no log" in capsys.readouterr().err
+
+
+def test_an_interval_that_is_no_time_is_refused(scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SPH_CHECKPOINT", "often")
+    refused(call("run", scene_file, "--out", tmp_path / "out.nc"), "SPH_CHECKPOINT=often", "seconds of wall time")
