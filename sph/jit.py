@@ -6,12 +6,16 @@ wrong one.  Three measures answer them: the cache folder is named after a digest
 sources and numba's version; compiling and loading happen under a lock between processes
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
 (``sph.integration.active_terms``).
+
+Nor does numba notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
+files with their digests, and under the lock, before anything is loaded, what is not as listed is deleted and compiled again.
 """
 
 from __future__ import annotations
 
 import fcntl
 import hashlib
+import json
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -68,9 +72,62 @@ def rows(first, last):  # type: ignore[no-untyped-def]
 
 @contextmanager
 def compile_lock() -> Iterator[None]:
-    """Let one process at a time compile or load from the cache."""
+    """Let one process at a time compile or load from the cache, and only what is there as it was written.
+
+    OSError names the folder and the remedy if compiled code cannot be kept there.
+    """
     folder = cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    with open(folder / "lock", "w") as handle:
-        fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with open(folder / "lock", "w") as handle:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+            mend(folder)
+            yield
+            seal(folder)
+    except OSError as error:
+        raise _unusable(folder, error) from error
+
+
+LISTED = "digests.json"
+"""The list of a cache folder's files."""
+_seen: dict[str, tuple[tuple[int, int, int], str]] = {}
+"""Digests that this process has computed, with the file's identity: hashing all takes 0.1 s for 50 MB, looking takes a millisecond."""
+
+
+def mend(folder: Path) -> None:
+    """Delete what is not as listed: damaged, left by a process that was killed, or written past the lock."""
+    try:
+        listed = json.loads((folder / LISTED).read_bytes())
+    except (FileNotFoundError, ValueError):
+        listed = {}
+    for name, digest in _digests(folder).items():
+        if listed.get(name) != digest:
+            (folder / name).unlink()
+
+
+def seal(folder: Path) -> None:
+    """List the files as they are."""
+    text = json.dumps(_digests(folder))
+    listed = folder / LISTED
+    if not listed.exists() or listed.read_text() != text:
+        temporary = folder / f".{LISTED}"
+        temporary.write_text(text)
+        os.replace(temporary, listed)
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    found = {}
+    for path in sorted(folder.glob("*/*.nb*")):
+        stat = path.stat()
+        identity = (stat.st_ino, stat.st_size, stat.st_mtime_ns)
+        if _seen.get(str(path), (None, ""))[0] != identity:
+            _seen[str(path)] = identity, hashlib.sha256(path.read_bytes()).hexdigest()
+        found[str(path.relative_to(folder))] = _seen[str(path)][1]
+    return found
+
+
+def _unusable(folder: Path, error: OSError) -> OSError:
+    return OSError(
+        f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or set SPH_CACHE_DIR to a folder "
+        "that can be written"
+    )

@@ -10,6 +10,7 @@ reference positions, and trunk and branch run the same compiled code.
 
 from __future__ import annotations
 
+import functools
 import math
 import time as clock
 from collections.abc import Callable
@@ -178,8 +179,16 @@ class Run:
         self.state.vx[:], self.state.vy[:] = velocity
         self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
 
-    def go(self, until: Until = "end", report: Callable[[Progress], None] | None = None) -> Result:
-        """Run to the wanted point; the status says how it ended."""
+    def go(
+        self,
+        until: Until = "end",
+        report: Callable[[Progress], None] | None = None,
+        checkpoint: Callable[[Callable[[], Result]], None] | None = None,
+    ) -> Result:
+        """Run to the wanted point; the status says how it ended.
+
+        Between blocks ``checkpoint`` is offered the run so far, as a function that makes its result; its time is not counted.
+        """
         scene = self.scene
         block = scene.steps(scene.outputs.series_interval)
         last = scene.steps(scene.gravity.duration if until == "gravity" else scene.duration)
@@ -216,6 +225,11 @@ class Run:
                         self._series["failed_fraction"][-1],
                     )
                 )
+            if checkpoint is not None and not status:
+                paused = clock.perf_counter()
+                steps = (self.steps_made - first_steps_made) * self.state.x.size
+                checkpoint(functools.partial(self._result, "paused", "checkpoint", paused - started, steps))
+                started += clock.perf_counter() - paused
         if not status:
             rest = self._rest()
             done_all = bool(rest) or self.step >= scene.steps(scene.duration)
@@ -341,7 +355,7 @@ class Run:
 
         A run that diverged stays diverged: it is taken over as it is and not run on.
         """
-        old, restart = trajectory.read(path), trajectory.read_restart(path)
+        old, restart = trajectory.read_run(path), trajectory.read_restart(path)
         missing = [name for name in self.state._fields if name not in restart]
         if missing:
             raise ValueError(f"{path}: its restart state lacks {', '.join(missing)}; it was written by another version, run it again")

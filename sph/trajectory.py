@@ -9,7 +9,6 @@ renamed, so a file that exists is whole.
 from __future__ import annotations
 
 import json
-import os
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -20,6 +19,7 @@ import numpy as np
 import xarray as xr
 
 from sph import __version__
+from sph.files import whole
 from sph.scene import Scene, make_scene
 
 
@@ -112,17 +112,11 @@ def _version(package: str) -> str:
 
 
 def write(path: Path | str, ds: xr.Dataset, restart: xr.Dataset | None = None) -> None:
-    """Write a trajectory atomically; ``restart`` goes into its own group."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
+    """Write a trajectory, whole or not at all (see ``sph.files.whole``); ``restart`` goes into its own group."""
+    with whole(path) as temporary:
         write_compressed(ds, temporary)
         if restart is not None:
             write_compressed(restart, temporary, mode="a", group="restart")
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def write_compressed(ds: xr.Dataset, path: Path, **options: Any) -> None:
@@ -133,25 +127,38 @@ def write_compressed(ds: xr.Dataset, path: Path, **options: Any) -> None:
 
 
 def read(path: Path | str) -> xr.Dataset:
-    """Root group of a trajectory, in memory; ValueError names a file that is none."""
-    return _read(path, None)
+    """Root group of a trajectory, or of the trials of a search, in memory; ValueError names a file that is none, and the remedy."""
+    loaded = _read(path, None, "a trajectory")
+    if "scene" not in loaded.attrs:
+        raise ValueError(f"{path}: not a trajectory of this program (it has no attribute 'scene'); name another file")
+    return loaded
+
+
+def read_run(path: Path | str) -> xr.Dataset:
+    """Root group of a trajectory, in memory; ValueError for anything else, a search too."""
+    loaded = read(path)
+    missing = [name for name in BY_NAME if name not in loaded.variables]
+    if missing:
+        raise ValueError(f"{path}: not a trajectory of this version, it lacks {', '.join(missing)}; run its scene again")
+    return loaded
 
 
 def read_restart(path: Path | str) -> xr.Dataset:
     """Group ``restart`` of a trajectory, in memory; ValueError names a file without one."""
-    return _read(path, "restart")
+    loaded = _read(path, "restart", "a trajectory with a restart state")
+    if "step" not in loaded.attrs:
+        raise ValueError(f"{path}: its restart state has no attribute 'step'; it was written by another version, run it again")
+    return loaded
 
 
-def _read(path: Path | str, group: str | None) -> xr.Dataset:
+def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
     try:
         with xr.open_dataset(path, group=group, engine="netcdf4") as ds:
-            loaded = ds.load()
-    except (OSError, KeyError, ValueError) as error:
-        what = "a trajectory" if group is None else "a trajectory with a restart state"
-        raise ValueError(f"{path}: cannot be read as {what}: {error}") from error
-    if group is None and "scene" not in loaded.attrs:
-        raise ValueError(f"{path}: not a trajectory of this program (it has no attribute 'scene')")
-    return loaded
+            return ds.load()
+    except FileNotFoundError as error:
+        raise ValueError(f"{path}: cannot be read as {what}: there is no such file") from error
+    except Exception as error:  # damaged data have raised RuntimeError, AttributeError and KeyError, too
+        raise ValueError(f"{path}: cannot be read as {what}: {error}; if it was one, delete it and run again what wrote it") from error
 
 
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:

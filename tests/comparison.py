@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
+import xarray as xr
 
 from sph.solver import Result
+from sph.trajectory import read, read_restart
 
 VARIANTS = {
     "default": {},
@@ -16,14 +20,32 @@ VARIANTS = {
 
 def same_bits(one: Result, other: Result) -> None:
     """Assert that trajectory, restart and status of two runs are the same, to the last bit."""
-    for a, b in ((one.trajectory, other.trajectory), (one.restart, other.restart)):
-        assert set(a.variables) == set(b.variables)
-        for name in a.variables:
-            left, right = a[name].values, b[name].values
-            assert left.dtype == right.dtype and left.shape == right.shape, name
-            if left.dtype.kind in "OUT":
-                assert left.tolist() == right.tolist()
-            else:
-                assert left.tobytes() == right.tobytes(), f"{name} differs by up to {np.nanmax(np.abs(left - right))}"
+    same_variables(one.trajectory, other.trajectory)
+    same_variables(one.restart, other.restart)
     assert one.restart.attrs["step"] == other.restart.attrs["step"]
     assert one.status == other.status
+
+
+def same_variables(one: xr.Dataset, other: xr.Dataset) -> None:
+    """Assert that two datasets hold the same bits."""
+    assert set(one.variables) == set(other.variables)
+    for name in one.variables:
+        left, right = one[name].values, other[name].values
+        assert left.dtype == right.dtype and left.shape == right.shape, name
+        if left.dtype.kind in "OUT":
+            assert left.tolist() == right.tolist(), name
+        else:
+            assert left.tobytes() == right.tobytes(), f"{name} differs by up to {np.nanmax(np.abs(left - right))}"
+
+
+TIMES = {"wall_time_s", "particle_steps_per_second"}
+"""Attributes that tell how long a run took."""
+
+
+def same_files(one: Path, other: Path) -> None:
+    """Assert that two trajectories are the same to the last bit, attributes and restart state included, but for the time they took."""
+    for group in (read, read_restart):
+        left, right = group(one), group(other)
+        same_variables(left, right)
+        left_attrs, right_attrs = ({k: v for k, v in ds.attrs.items() if k not in TIMES} for ds in (left, right))
+        assert left_attrs == right_attrs

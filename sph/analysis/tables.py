@@ -8,7 +8,6 @@ of the dataset; the labels travel with them as ``S_R_label`` and so on.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Hashable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ import xarray as xr
 
 from sph import trajectory
 from sph.analysis.metrics import GRID, METRICS
+from sph.files import whole
 from sph.trajectory import Variable
 
 AXES: tuple[Variable, ...] = (
@@ -106,15 +106,9 @@ def write_study(frame: pd.DataFrame, path_nc: Path | str, path_csv: Path | str, 
 
 
 def write_csv(frame: pd.DataFrame, path: Path | str) -> None:
-    """Write a table atomically, in full precision, NaN spelt out."""
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    temporary = path.with_name(f".{path.name}.{os.getpid()}")
-    try:
+    """Write a table, whole or not at all, in full precision, NaN spelt out."""
+    with whole(path) as temporary:
         frame.to_csv(temporary, index=False, na_rep="NaN", lineterminator="\n")
-        os.replace(temporary, path)
-    finally:
-        temporary.unlink(missing_ok=True)
 
 
 def read_study(path: Path | str) -> xr.Dataset:
@@ -122,8 +116,8 @@ def read_study(path: Path | str) -> xr.Dataset:
     try:
         with xr.open_dataset(path, engine="netcdf4") as ds:
             study = ds.load()
-    except (OSError, ValueError) as error:
-        raise ValueError(f"{path}: cannot be read as a study: {error}") from error
+    except Exception as error:  # as in sph.trajectory
+        raise ValueError(f"{path}: cannot be read as a study: {error}; if it was one, delete it and run again what wrote it") from error
     missing = [name for name in COLUMNS if name not in study.variables]
     if missing:
         raise ValueError(f"{path}: not a study of this program, it lacks {missing}")

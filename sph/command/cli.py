@@ -1,7 +1,9 @@
 """The command ``sph``.
 
-Exit codes: 0 done; 2 the scene, the command line or a file was refused, nothing was computed, or nothing measured is as good as asked;
-3 the run was stopped by its guard (status ``diverged``), and what there is was written.  A static test that diverges has failed: 0.
+Exit codes: 0 done; 2 refused, with one message that names what and the remedy: the scene, the command line, a file that cannot be
+read or written (earlier files are as they were), or nothing measured is as good as asked; 3 the run was stopped by its guard (status
+``diverged``), and what there is was written.  A static test that diverges has failed: 0.  Anything else is a fault of the program,
+with a traceback (1), or of its surroundings: 130 interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
 """
 
 from __future__ import annotations
@@ -42,8 +44,13 @@ def refusals() -> Iterator[None]:
     try:
         yield
     except (ValueError, OSError) as error:
-        print(f"sph: {error}", file=sys.stderr)
+        say(str(error))
         raise typer.Exit(REFUSED) from error
+
+
+def say(line: str) -> None:
+    """Tell the user something beside the result."""
+    print(f"sph: {line}", file=sys.stderr, flush=True)
 
 
 def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
@@ -96,14 +103,17 @@ def run(
     restart: Annotated[Path | None, typer.Option(help="go on from this trajectory instead of from the start")] = None,
     until: Annotated[str, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure")] = "end",
     threads: Annotated[int, typer.Option(min=1, help="for a large scene; below some 10,000 particles a thread a run is faster")] = 1,
+    checkpoint: Annotated[
+        float | None,
+        typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
+    ] = None,
 ) -> None:
-    """Simulate a scene and write its trajectory."""
-    from sph import trajectory
-    from sph.command.progress import reporter
-    from sph.scene import load_scene
-    from sph.solver import run as simulate
-
+    """Simulate a scene and write its trajectory; after a kill the same command goes on from the last checkpoint."""
     with refusals():
+        from sph.checkpoint import run_to_file
+        from sph.command.progress import reporter
+        from sph.scene import load_scene
+
         if until not in ("end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
         loaded = load_scene(scene, parse_settings(set_))
@@ -111,8 +121,7 @@ def run(
         if not path.parent.is_dir():
             raise ValueError(f"--out {path}: the folder {path.parent} does not exist")
         with reporter(loaded.name) as report:
-            result = simulate(loaded, until, restart, report, threads)  # type: ignore[arg-type]
-        trajectory.write(path, result.trajectory, result.restart)
+            result = run_to_file(loaded, path, until, restart, report, threads, checkpoint, say)  # type: ignore[arg-type]
     attrs = result.trajectory.attrs
     reason = f" ({attrs['status_reason']})" if attrs["status_reason"] else ""
     print(
@@ -120,10 +129,9 @@ def run(
     )
     ratio = float((result.trajectory["time_step"] / result.trajectory["time_step_limit"]).max())
     if ratio > 1.0:
-        print(
-            f"sph: numerics.time_step was {ratio:.2f} times the limit measured on the particles as they lay; "
-            "choose a smaller one, or numerics.adaptive_step",
-            file=sys.stderr,
+        say(
+            f"numerics.time_step was {ratio:.2f} times the limit measured on the particles as they lay; "
+            "choose a smaller one, or numerics.adaptive_step"
         )
     if result.status == "diverged":
         raise typer.Exit(DIVERGED)
@@ -152,10 +160,13 @@ def plot(
     """Draw a trajectory: profile, probes and energies."""
     from sph import trajectory
     from sph.analysis.figures import plot_trajectory
+    from sph.files import whole
 
     with refusals():
         path = out or file.with_suffix(".png")
-        plot_trajectory(trajectory.read(file), time=time, field=field).savefig(path, dpi=200)
+        figure = plot_trajectory(trajectory.read_run(file), time=time, field=field)
+        with whole(path) as temporary:
+            figure.savefig(temporary, dpi=200, format=path.suffix[1:] or "png")
     print(path)
 
 
@@ -169,7 +180,7 @@ def metrics(
     from sph.analysis.metrics import METRICS, MetricSettings, measure
 
     with refusals():
-        values = measure(trajectory.read(file), MetricSettings())
+        values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
         print(json.dumps(values, indent=1))
         return

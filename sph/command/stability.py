@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.configuration import validated
+from sph.files import whole
 from sph.scene import GRAVITY, Scene
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
@@ -47,7 +48,8 @@ def answer(asked: str, scene: Scene, tolerance: float, rule: dict[str, Any], as_
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
     found = question.find(scene, tolerance, used, None if as_json else lambda trial: print(trial_line(question, trial), flush=True))
     if out is not None:
-        pd.DataFrame(found.trials).to_csv(out, index=False)
+        with whole(out) as temporary:
+            pd.DataFrame(found.trials).to_csv(temporary, index=False)
     print(json.dumps(record(question, found, used), indent=1) if as_json else "\n".join(lines(question, found, used)))
 
 

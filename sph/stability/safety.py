@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 from sph.scene import GRAVITY, Scene
 from sph.stability.search import Search, Trial, search
@@ -19,10 +19,13 @@ ACCELERATIONS = (0.0, *(0.1 * GRAVITY * GROWTH**power for power in range(11)))
 """Accelerations of the box, 0 and from 0.1 to 5.8 g, m/s2."""
 
 Report = Callable[[Trial], None]
+Known = Mapping[float, Trial]
 DEFAULT_RULE = FailureRule()
 
 
-def factor_of_safety(scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None) -> Search:
+def factor_of_safety(
+    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None, known: Known | None = None
+) -> Search:
     """The factor by which cohesion and tan(phi) can be divided until the slope fails, to a relative tolerance.
 
     ValueError where the slope stands or fails at every factor tried.
@@ -32,7 +35,7 @@ def factor_of_safety(scene: Scene, tolerance: float = 0.01, rule: FailureRule = 
     def test(factor: float) -> Trial:
         return stand(divided_strength(static, factor), rule, factor)
 
-    found = search(test, FACTORS, FACTORS.index(1.0), tolerance, report=report)
+    found = search(test, FACTORS, FACTORS.index(1.0), tolerance, report=report, known=known)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not decide its stability")
     if math.isnan(found.stood):
@@ -41,7 +44,7 @@ def factor_of_safety(scene: Scene, tolerance: float = 0.01, rule: FailureRule = 
 
 
 def critical_strength_ratio(
-    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None
+    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None, known: Known | None = None
 ) -> Search:
     """The paper's S_R, on cohesion and phi, at which the fully weakened slope just stands, to a relative tolerance.
 
@@ -52,7 +55,7 @@ def critical_strength_ratio(
     def test(ratio: float) -> Trial:
         return stand(weakened(static, ratio), rule, ratio)
 
-    found = search(test, STRENGTH_RATIOS, 0, tolerance, report=report)
+    found = search(test, STRENGTH_RATIOS, 0, tolerance, report=report, known=known)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not decide its stability")
     if math.isnan(found.stood):
@@ -60,7 +63,9 @@ def critical_strength_ratio(
     return found
 
 
-def yield_acceleration(scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None) -> Search:
+def yield_acceleration(
+    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None, known: Known | None = None
+) -> Search:
     """The constant horizontal acceleration of the box, towards the toe, at which the slope fails (pseudo-static), m/s2.
 
     The tolerance is relative, and below 0.1 g relative to that.  A slope that fails without the load has yield
@@ -70,7 +75,7 @@ def yield_acceleration(scene: Scene, tolerance: float = 0.01, rule: FailureRule 
     def test(acceleration: float) -> Trial:
         return stand(static_scene(scene, rule, acceleration), rule, acceleration)
 
-    found = search(test, ACCELERATIONS, 0, tolerance, smallest=ACCELERATIONS[1], report=report)
+    found = search(test, ACCELERATIONS, 0, tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even at {found.stood / GRAVITY:.3g} g")
     return found._replace(stood=0.0) if math.isnan(found.stood) else found

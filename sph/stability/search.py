@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 
@@ -53,19 +53,20 @@ def search(
     tolerance: float = 0.01,
     smallest: float = 0.0,
     report: Callable[[Trial], None] | None = None,
+    known: Mapping[float, Trial] | None = None,
 ) -> Search:
     """Walk along ``values``, from stable to unstable, until the verdict changes; then bisect.
 
     The walk begins at index ``start`` and goes towards the unstable end while the tests stand, towards the stable one while they
     fail.  The bracket is closed to ``tolerance`` times its middle, or times ``smallest`` if that is larger.
-    ValueError unless the tolerance is positive.
+    Tests whose outcome is ``known``, by value, are not made again.  ValueError unless the tolerance is positive.
     """
     if not tolerance > 0:
         raise ValueError(f"tolerance: {tolerance} must be positive")
     trials: list[Trial] = []
 
     def stands(value: float) -> bool:
-        trials.append(test(value))
+        trials.append((known or {}).get(value) or test(value))
         if report is not None:
             report(trials[-1])
         return trials[-1].stands

@@ -9,11 +9,12 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 
 import sph
+from sph.jit import mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -202,15 +203,97 @@ print(sum(advance.stats.cache_misses.values()), hashlib.sha256(b"".join(a.values
 """
 
 
-def test_compiled_and_loaded_code_give_the_same_bits(tmp_path: Path, small_slope: Callable[..., Any]) -> None:
-    """With all terms of the default scene: the first process on a machine compiles, the others of a study load."""
+class Cached(NamedTuple):
+    """A scene's code in a cache of its own."""
+
+    cache: Path
+    scene: str
+    digest: str
+
+    def run(self) -> tuple[str, str]:
+        """How many variants of ``advance`` a process compiled, and the digest of its result."""
+        done = subprocess.run(
+            [sys.executable, "-c", DIGEST, self.scene],
+            env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(self.cache)),
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        compiled, digest = done.stdout.split()
+        return compiled, digest
+
+
+@pytest.fixture(scope="module")
+def cached(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[..., Any]) -> Cached:
+    """All terms of the default scene, compiled."""
     scene = json.dumps(small_slope({"duration": 1.2}).model_dump(mode="json"))
-    command = [sys.executable, "-c", DIGEST, scene]
-    (compiled, one), (loaded, other) = (
-        subprocess.run(
-            command, env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path)), check=True, capture_output=True, text=True
-        ).stdout.split()
-        for _ in range(2)
+    first = Cached(tmp_path_factory.mktemp("cache"), scene, "")
+    compiled, digest = first.run()
+    assert compiled == "1", "the first must compile for the tests to mean something"
+    return first._replace(digest=digest)
+
+
+def test_compiled_and_loaded_code_give_the_same_bits(cached: Cached) -> None:
+    """The first process on a machine compiles, the others of a study load."""
+    assert cached.run() == ("0", cached.digest)
+
+
+# ---------------------------------------------------------------- damaged files
+
+
+def truncate(path: Path) -> None:
+    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
+
+
+def garble(path: Path) -> None:
+    """Other bytes in the middle, where the machine code is."""
+    data = bytearray(path.read_bytes())
+    middle = slice(len(data) // 3, len(data) // 3 + 200)
+    data[middle] = bytes(byte ^ 0x55 for byte in data[middle])
+    path.write_bytes(data)
+
+
+def empty(path: Path) -> None:
+    path.write_bytes(b"")
+
+
+DAMAGES: tuple[Callable[[Path], None], ...] = (truncate, garble, empty, Path.unlink)
+
+
+def test_damaged_code_is_compiled_again_not_run(cached: Cached) -> None:
+    """Every file of the cache is hurt in one way or another; then the same bits, and a cache that is whole again."""
+    files = sorted(cached.cache.glob("*/*/*.nb?"))
+    assert len(files) > len(DAMAGES)
+    for number, path in enumerate(files):
+        DAMAGES[number % len(DAMAGES)](path)
+    assert cached.run() == ("1", cached.digest)
+    assert cached.run() == ("0", cached.digest)
+
+
+@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
+@pytest.mark.parametrize("name", ["code/f.nbi", "code/f.1.nbc", "digests.json"])
+def test_what_is_not_as_listed_is_deleted(tmp_path: Path, name: str, damage: Callable[[Path], None]) -> None:
+    (tmp_path / "code").mkdir()
+    files = [tmp_path / "code" / name for name in ("f.nbi", "f.1.nbc", "f.2.nbc")]
+    for path in files:
+        path.write_bytes(path.name.encode() * 100)
+    seal(tmp_path)
+    mend(tmp_path)
+    assert all(path.exists() for path in files)
+    (tmp_path / "code" / "f.3.nbc.tmp.abc").write_bytes(b"left by a process that was killed")
+    damage(tmp_path / name)
+    mend(tmp_path)
+    sound = [path for path in files if path != tmp_path / name] if name != "digests.json" else []
+    assert sorted((tmp_path / "code").iterdir()) == sorted(sound)
+
+
+def test_a_cache_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
+    (tmp_path / "cache").write_text("a file where the folder should be")
+    done = subprocess.run(
+        [sys.executable, "-c", "from sph.jit import compile_lock\nwith compile_lock(): pass"],
+        env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path / "cache")),
+        capture_output=True,
+        text=True,
     )
-    assert (compiled, loaded) == ("1", "0"), "the first must compile and the second load for the test to mean something"
-    assert one == other
+    last = done.stderr.splitlines()[-1]
+    assert str(tmp_path / "cache") in last and "set SPH_CACHE_DIR" in last

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -13,6 +15,8 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from comparison import same_files, same_variables
+from killing import TIMINGS, killed, start
 
 from sph import trajectory
 from sph.analysis.tables import read_study, read_table
@@ -34,9 +38,12 @@ STUDY: dict[str, Any] = {
 RUN = "results/small/draft/runs/S_R-0.10_gamma-1_amplitude-8.0.nc"
 
 
+def snakemake_command(folder: Path, *arguments: str) -> list[str]:
+    return [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--directory", str(folder), *arguments]
+
+
 def snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--directory", str(folder), *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, cwd=folder)
+    return subprocess.run(snakemake_command(folder, *arguments), capture_output=True, text=True, check=False, cwd=folder)
 
 
 def planned_jobs(folder: Path, *arguments: str) -> dict[str, int]:
@@ -162,3 +169,61 @@ def test_a_scene_key_reruns_the_stages(finished: Path) -> None:
 def test_a_bad_configuration_is_refused_before_any_job(finished: Path) -> None:
     result = snakemake(finished, "--cores", "1", *write_config(finished, fidelity="best"))
     assert result.returncode != 0 and "fidelity: 'best' is not one of draft" in result.stdout + result.stderr
+
+
+# ---------------------------------------------------------------- faults
+
+
+@pytest.fixture
+def copied(finished: Path, tmp_path: Path) -> Path:
+    """The finished study in a folder of its own, Snakemake's records included."""
+    return Path(shutil.copytree(finished, tmp_path / "study"))
+
+
+@pytest.mark.parametrize(("removed", "after"), [(["runs/*_gamma-1_*.nc"], 5.0), ([], 3.0)], ids=["simulating", "measuring"])
+def test_a_study_killed_with_its_jobs_is_finished_by_the_same_command(
+    finished: Path, copied: Path, removed: list[str], after: float
+) -> None:
+    """After ``--unlock``, and with ``--rerun-incomplete``: Snakemake asks for these; `tests/faults/kills.py` does it many times."""
+    for pattern in ("study.*", *removed):
+        for path in (copied / "results" / "small" / "draft").glob(pattern):
+            path.unlink()
+    arguments = ["--cores", "2", *write_config(copied), "--rerun-incomplete", "results/small/draft/study.csv"]
+    hit = killed(start(snakemake_command(copied, *arguments), copied), after)
+    assert not hit or snakemake(copied, *arguments, "--unlock").returncode == 0
+    result = snakemake(copied, *arguments)
+    assert result.returncode == 0, result.stderr
+    for path in finished.glob("results/small/draft/runs/*.nc"):
+        same_files(copied / path.relative_to(finished), path)
+    one, other = (read_study(folder / "results" / "small" / "draft" / "study.nc") for folder in (finished, copied))
+    same_variables(one.drop_vars(TIMINGS), other.drop_vars(TIMINGS))
+    assert not list((copied / "results").rglob(".*"))
+
+
+def test_a_failed_job_tells_its_reason(copied: Path) -> None:
+    """In one line on stderr, beside Snakemake's own words, and in the job's log; earlier results stay."""
+    folder = copied / "results" / "small" / "draft"
+    stage = folder / "stages" / "amplitude-8.0.nc"
+    stage.write_bytes(stage.read_bytes()[:10_000])
+    before = {path: path.read_bytes() for path in folder.glob("runs/*_amplitude-0.1.nc")}
+    shutil.rmtree(folder / "logs")
+    (folder / "runs" / "S_R-0.10_gamma-1_amplitude-8.0.nc").unlink()
+    result = snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN)
+    assert result.returncode != 0
+    reason = f"{stage.relative_to(copied)}: cannot be read as a trajectory"
+    assert reason in result.stderr + result.stdout
+    log = (folder / "logs" / "S_R-0.10_gamma-1_amplitude-8.0.log").read_text()
+    assert log.count("\n") == 1 and reason in log and "delete it and run again" in log
+    assert before and all(path.read_bytes() == data for path, data in before.items())
+    # The remedy is the one that the line names.
+    stage.unlink()
+    assert snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN).returncode == 0
+
+
+def test_results_from_the_future(finished: Path, copied: Path) -> None:
+    """A clock that was wrong: inputs newer than now are worked up once, and to the same result."""
+    stage = copied / "results" / "small" / "draft" / "stages" / "amplitude-8.0.nc"
+    os.utime(stage, (2**33, 2**33))
+    result = snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN)
+    assert result.returncode == 0, result.stderr
+    same_files(copied / RUN, finished / RUN)

@@ -5,6 +5,7 @@ from typing import Any
 
 from sph.analysis.claims import ClaimSettings, write_claims
 from sph.analysis.tables import read_study
+from sph.command.job import job_log
 
 
 def decide(path_to_study: str, settings: Mapping[str, Any], path_to_claims: str) -> None:
@@ -13,8 +14,9 @@ def decide(path_to_study: str, settings: Mapping[str, Any], path_to_claims: str)
 
 
 if __name__ == "__main__":
-    decide(
-        snakemake.input.study,  # type: ignore[name-defined]
-        snakemake.params.settings,  # type: ignore[name-defined]
-        snakemake.output[0],  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        decide(
+            snakemake.input.study,  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )

@@ -5,6 +5,7 @@ from typing import Any
 
 from sph import trajectory
 from sph.analysis.figures import FIGURES, save
+from sph.command.job import job_log
 
 
 def draw_figure(
@@ -21,10 +22,11 @@ def draw_figure(
 
 
 if __name__ == "__main__":
-    draw_figure(
-        int(snakemake.wildcards.number),  # type: ignore[name-defined]
-        snakemake.input.runs,  # type: ignore[name-defined]
-        snakemake.params.titles,  # type: ignore[name-defined]
-        snakemake.params.fidelity,  # type: ignore[name-defined]
-        [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        draw_figure(
+            int(snakemake.wildcards.number),  # type: ignore[name-defined]
+            snakemake.input.runs,  # type: ignore[name-defined]
+            snakemake.params.titles,  # type: ignore[name-defined]
+            snakemake.params.fidelity,  # type: ignore[name-defined]
+            [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
+        )

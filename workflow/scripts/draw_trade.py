@@ -7,6 +7,7 @@ from sph.analysis.figures import save
 from sph.analysis.figures.trade import figure_convergence, figure_tradeoff
 from sph.analysis.tables import read_csv
 from sph.analysis.trade_table import read_trade
+from sph.command.job import job_log
 
 
 def draw_trade(figure: str, path_to_table: str, path_to_convergence: str, paths_to_pictures: Sequence[str]) -> None:
@@ -20,9 +21,10 @@ def draw_trade(figure: str, path_to_table: str, path_to_convergence: str, paths_
 
 
 if __name__ == "__main__":
-    draw_trade(
-        snakemake.wildcards.figure,  # type: ignore[name-defined]
-        snakemake.input.table,  # type: ignore[name-defined]
-        snakemake.input.convergence,  # type: ignore[name-defined]
-        [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        draw_trade(
+            snakemake.wildcards.figure,  # type: ignore[name-defined]
+            snakemake.input.table,  # type: ignore[name-defined]
+            snakemake.input.convergence,  # type: ignore[name-defined]
+            [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
+        )

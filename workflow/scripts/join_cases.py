@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from sph.analysis.tables import write_csv
+from sph.command.job import job_log
 from sph.validation.table import read_validation
 
 
@@ -14,4 +15,5 @@ def join_cases(paths_to_cases: Sequence[str], path_to_table: str) -> None:
 
 
 if __name__ == "__main__":
-    join_cases(snakemake.input, snakemake.output[0])  # type: ignore[name-defined]
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        join_cases(snakemake.input, snakemake.output[0])  # type: ignore[name-defined]

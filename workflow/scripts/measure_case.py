@@ -8,6 +8,7 @@ import xarray as xr
 
 from sph.analysis.figures import save
 from sph.analysis.tables import write_csv
+from sph.command.job import job_log
 from sph.scene import make_scene
 from sph.validation import CASES
 from sph.validation.level import Level, Result, read_result
@@ -31,9 +32,10 @@ def measure_case(plan: Mapping[str, Any], paths_to_runs: Sequence[str], path_to_
 
 
 if __name__ == "__main__":
-    measure_case(
-        snakemake.params.suite,  # type: ignore[name-defined]
-        snakemake.input.runs,  # type: ignore[name-defined]
-        snakemake.output.csv,  # type: ignore[name-defined]
-        [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_case(
+            snakemake.params.suite,  # type: ignore[name-defined]
+            snakemake.input.runs,  # type: ignore[name-defined]
+            snakemake.output.csv,  # type: ignore[name-defined]
+            [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
+        )

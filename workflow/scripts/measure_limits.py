@@ -7,6 +7,7 @@ from sph import trajectory
 from sph.analysis.limits import limits_table
 from sph.analysis.metrics import MetricSettings
 from sph.analysis.tables import write_csv
+from sph.command.job import job_log
 
 
 def measure_limits(paths_to_runs: Sequence[str], rows: Sequence[tuple[str, str]], settings: Mapping[str, Any], path_to_csv: str) -> None:
@@ -16,9 +17,10 @@ def measure_limits(paths_to_runs: Sequence[str], rows: Sequence[tuple[str, str]]
 
 
 if __name__ == "__main__":
-    measure_limits(
-        snakemake.input.runs,  # type: ignore[name-defined]
-        snakemake.params.rows,  # type: ignore[name-defined]
-        snakemake.params.settings,  # type: ignore[name-defined]
-        snakemake.output[0],  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_limits(
+            snakemake.input.runs,  # type: ignore[name-defined]
+            snakemake.params.rows,  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )

@@ -8,6 +8,7 @@ from sph.analysis.advice import expected_metrics, expected_sentence
 from sph.analysis.baseline import baseline_metrics
 from sph.analysis.metrics import MetricSettings, measure
 from sph.analysis.tables import study_table, write_study
+from sph.command.job import job_log
 
 
 def measure_study(
@@ -34,12 +35,13 @@ def measure_study(
 
 
 if __name__ == "__main__":
-    measure_study(
-        snakemake.input.runs,  # type: ignore[name-defined]
-        snakemake.input.yields,  # type: ignore[name-defined]
-        snakemake.params.points,  # type: ignore[name-defined]
-        snakemake.params.settings,  # type: ignore[name-defined]
-        {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},  # type: ignore[name-defined]
-        snakemake.output.nc,  # type: ignore[name-defined]
-        snakemake.output.csv,  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_study(
+            snakemake.input.runs,  # type: ignore[name-defined]
+            snakemake.input.yields,  # type: ignore[name-defined]
+            snakemake.params.points,  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},  # type: ignore[name-defined]
+            snakemake.output.nc,  # type: ignore[name-defined]
+            snakemake.output.csv,  # type: ignore[name-defined]
+        )

@@ -10,6 +10,7 @@ from sph.analysis.metrics import MetricSettings
 from sph.analysis.tables import flat_dataset, write_csv
 from sph.analysis.trade import Rung
 from sph.analysis.trade_table import TRADE, ladder_table, measured_run
+from sph.command.job import job_log
 
 TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
 
@@ -38,13 +39,14 @@ def measure_trade(
 
 
 if __name__ == "__main__":
-    measure_trade(
-        dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
-        snakemake.params.rows,  # type: ignore[name-defined]
-        snakemake.params.baseline,  # type: ignore[name-defined]
-        snakemake.params.convergence,  # type: ignore[name-defined]
-        snakemake.params.settings,  # type: ignore[name-defined]
-        snakemake.output.nc,  # type: ignore[name-defined]
-        snakemake.output.csv,  # type: ignore[name-defined]
-        snakemake.output.convergence,  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_trade(
+            dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+            snakemake.params.rows,  # type: ignore[name-defined]
+            snakemake.params.baseline,  # type: ignore[name-defined]
+            snakemake.params.convergence,  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            snakemake.output.nc,  # type: ignore[name-defined]
+            snakemake.output.csv,  # type: ignore[name-defined]
+            snakemake.output.convergence,  # type: ignore[name-defined]
+        )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -14,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
+from sph.files import whole
 from sph.scene import Scene
 
 WIDTH = 180 / 25.4
@@ -105,12 +105,7 @@ def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
 def save(figure: Figure, *paths: Path | str) -> None:
     """Save a figure to each path (PNG at 200 dpi, PDF, SVG by the suffix); files appear whole or not at all."""
     for path in map(Path, paths):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        temporary = path.with_name(f".{os.getpid()}.{path.name}")
-        undated = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}.get(path.suffix)
-        try:
-            with matplotlib.rc_context(STYLE):
-                figure.savefig(temporary, dpi=200, metadata=undated)
-            os.replace(temporary, path)
-        finally:
-            temporary.unlink(missing_ok=True)
+        kind = path.suffix[1:]
+        undated = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
+        with whole(path) as temporary, matplotlib.rc_context(STYLE):
+            figure.savefig(temporary, dpi=200, metadata=undated, format=kind)
