@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-import yaml
 from rich.console import Console
 from rich.table import Table
 
@@ -48,16 +47,16 @@ def refusals() -> Iterator[None]:
 
 def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
     """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
-    from sph.configuration import dotted
+    from sph.configuration import DEEPEST, dotted, parse_yaml
 
     pairs = {}
     for setting in settings or []:
         name, equals, text = setting.partition("=")
-        if not equals or not all(name.split(".")):
+        if not equals or not all(name.split(".")) or name.count(".") > DEEPEST:
             raise ValueError(f"{option} {setting!r}: write KEY=VALUE, e.g. {EXAMPLES[option]}")
         try:
-            pairs[name] = yaml.safe_load(text)
-        except yaml.YAMLError as error:
+            pairs[name] = parse_yaml(text)
+        except ValueError as error:
             raise ValueError(f"{option} {setting!r}: the value is not readable: {error}") from error
     return dotted(pairs)
 
