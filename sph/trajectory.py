@@ -149,6 +149,7 @@ def read_run(path: Path | str) -> xr.Dataset:
         raise ValueError(f"{path}: not a trajectory of this program, it lacks {', '.join(missing)}")
     if not ds["time"].size or not ds["sample_time"].size:
         raise ValueError(f"{path}: a trajectory without a frame or a sample")
+    scene_of(ds, str(path))
     return ds
 
 
