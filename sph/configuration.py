@@ -6,6 +6,7 @@ default and range (``key``); the tables in ``config/README.md`` are generated fr
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -96,7 +97,7 @@ def _check_once(names: Sequence[str], line: int) -> None:
 def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
     """First of ``folders`` / ``name`` that exists; ValueError begins with ``where``."""
     for folder in folders:
-        if (folder / name).is_file():
+        if os.path.isfile(folder / name):  # unlike Path.is_file, also for a name that is too long
             return folder / name
     raise ValueError(f"{where}: no file {name!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
 

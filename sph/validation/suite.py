@@ -10,10 +10,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from sph.analysis.study import NAME
-from sph.analysis.trade import Label, Overrides, file_name
+from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
@@ -46,6 +46,11 @@ class Case(Section):
     runs: dict[Name, Overrides] = key("scene keys of each variant, by name", min_length=1, default={"run": {}})
     levels: dict[Label, Overrides] = key("scene keys of each resolution, by label, from coarse to fine", min_length=1, default={"only": {}})
     quantities: dict[Name, Quantity] = key("what is compared, by name", min_length=1)
+
+    @model_validator(mode="after")
+    def _apart(self) -> Case:
+        check_file_names("levels", self.levels)
+        return self
 
 
 class Validation(Section):
