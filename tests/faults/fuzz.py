@@ -34,9 +34,11 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
+from sph.analysis.advice import shipped_table
 from sph.analysis.limits import Limits, load_limits
 from sph.analysis.study import Study, load_study
 from sph.analysis.trade import Trade, load_trade
+from sph.analysis.trade_table import summary
 from sph.command.cli import app
 from sph.configuration import merge
 from sph.ground_motion import motion_of
@@ -126,6 +128,9 @@ VALIDATION = {
     }
 }
 MODELS = {"scene": Scene, "study": Study, "trade": Trade, "limits": Limits, "validation": Validation, "rule": FailureRule}
+LADDER = shipped_table()
+RUNGS = [] if LADDER is None else summary(LADDER)
+"""What every scene is compared with to tell its error, put together once."""
 WORDS = {name for model in MODELS.values() for path, _ in keys(model) for name in path} | {"amplitude", "S_R", "case", "rung", "level"}
 READING = (
     "--",
@@ -235,7 +240,7 @@ def scene(data: Any, folder: Path) -> str:
     columns, rows = loaded.lattice
     if columns * rows > MANY:
         return "accepted, too large to run here"
-    with warnings.catch_warnings():
+    with warnings.catch_warnings(), mock.patch("sph.analysis.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
         if loaded.steps(loaded.duration) < MANY:
@@ -243,15 +248,20 @@ def scene(data: Any, folder: Path) -> str:
     if columns * rows > FEW or loaded.walls.layers * (columns + rows) > FEW:
         return "accepted, shown"
     warnings.simplefilter("ignore")
+    with mock.patch("sph.solver.FIRST_TURNS", STEPS):
+        first_steps(loaded)
+    return "accepted, run"
+
+
+def first_steps(loaded: Scene) -> None:
+    """Make the first steps of a run, as ``Run.go`` does."""
     run = Run(loaded)
-    if loaded.gravity.initial_stress != "none":
-        run.prepare()
-        run.balance()
     run.prepare()
+    if loaded.gravity.initial_stress != "none":
+        run.balance()
     run._adapt()
     run.advance_steps(min(STEPS, loaded.steps(loaded.duration)))
     run._record()
-    return "accepted, run"
 
 
 def study(data: Any, folder: Path) -> str:
@@ -332,9 +342,12 @@ def text(value: Any) -> str:
 any_text = st.one_of(
     st.sampled_from([*map(text, HARD_NUMBERS), *(t.replace("\0", "") for t in HARD_TEXTS)]), st.text(max_size=12), junk.map(text)
 ).map(lambda t: t.encode("utf-8", "replace").decode().replace("\0", ""))
-a_number = st.one_of(st.floats().map(str), st.sampled_from(["1", "0.25g", "2.5", "1e-6", "g", "10%"]), any_text)
+a_number = st.one_of(st.sampled_from(["1", "0.25g", "2.5", "1e-6", "0.1"]), st.floats(1e-6, 1.0).map(str), st.floats().map(str), any_text)
 dotted_keys = st.sampled_from([".".join(map(str, path)) for path, _ in keys(Scene)])
-a_setting = st.one_of(st.tuples(dotted_keys, any_text).map("=".join), any_text)
+a_good_setting = st.sampled_from(list(keys(Scene))).flatmap(
+    lambda pair: pair[1].map(lambda value: f"{'.'.join(map(str, pair[0]))}={text(yaml.safe_dump(value, default_flow_style=True))}")
+)
+a_setting = st.one_of(a_good_setting, a_good_setting, st.tuples(dotted_keys, any_text).map("=".join), any_text)
 a_rule = st.one_of(st.tuples(st.sampled_from(list(FailureRule.model_fields)), a_number).map("=".join), any_text)
 a_file = st.sampled_from(["SCENE", "RECORD", "FOLDER", "/dev/null", "absent", "n" * 300, "/dev/zero/x", "-", ""])
 lines = st.one_of(
