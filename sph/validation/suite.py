@@ -17,6 +17,7 @@ from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
+from sph.validation import CASES
 
 FOLDER = "results/validation"
 """Where the results go, relative to the working folder."""
@@ -57,6 +58,13 @@ class Validation(Section):
     """The configuration of the suite."""
 
     cases: dict[Name, Case] = key("the cases, by name", min_length=1)
+
+    @model_validator(mode="after")
+    def _known(self) -> Validation:
+        unknown = [name for name in self.cases if name not in CASES]
+        if unknown:
+            raise ValueError(f"cases: {unknown[0]!r} is not one of {', '.join(CASES)}")
+        return self
 
 
 class Planned(NamedTuple):

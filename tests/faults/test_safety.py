@@ -152,6 +152,12 @@ def test_a_label_is_one_line_without_a_formula(tmp_path: Path, kind: str, label:
         list(paths_of(tmp_path, kind, label, "plain"))
 
 
+def test_a_case_that_nothing_measures_is_refused(tmp_path: Path) -> None:
+    case = {"title": "t", "scene": PAPER, "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
+    with pytest.raises(ValueError, match=r"c\.yaml: cases: 'V99' is not one of V1, .*, V15"):
+        load_suite(written(tmp_path / "c.yaml", {"cases": {"V99": case}}), [tmp_path, ROOT])
+
+
 def test_a_grid_has_an_end() -> None:
     axis = [str(number) for number in range(1, 101)]
     with pytest.raises(ValueError, match=rf"the grid has 1,000,000 points, at most {MOST_RUNS:,}"):
