@@ -431,6 +431,8 @@ def fuzz(examples: int) -> Tally:
         folder = Path(name)
         write(folder / "tiny.yaml", SCENES[1])
         os.chdir(folder)
+        if numba.config.DISABLE_JIT:
+            os.environ["SPH_CACHE_DIR"] = name  # nothing is compiled: no need to wait for those who do
         for kind in EXAMPLES:
             fuzz_kind(kind, max(1, examples * EXAMPLES[kind][0] // 100), tally, folder)
             print(f"{kind} done", file=sys.stderr, flush=True)
