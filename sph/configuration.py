@@ -6,6 +6,7 @@ default and range (``key``); the tables in ``config/README.md`` are generated fr
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -28,25 +29,75 @@ def key(text: str, unit: str = "-", source: str = "ours", **constraints: Any) ->
 VARIANT_KEYS = ("shape", "law", "kind")
 """Keys that choose between the variants of a section."""
 
+LARGEST_FILE = 2_000_000
+"""Largest YAML file, bytes."""
+MOST_VALUES = 200_000
+"""Most values in a YAML text; what an alias repeats counts every time."""
+DEEPEST = 30
+"""Deepest nesting of sections and lists."""
+MOST_LINES, LONGEST_LINE = 30, 600
+"""Most lines of a refusal, and their longest, characters."""
+
 Model = TypeVar("Model", bound=Section)
 
 
 def read_yaml(path: Path | str) -> dict[str, Any]:
     """Mapping in a YAML file; raises ValueError naming the file when it is none."""
-    path = Path(path)
     try:
-        data = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        with Path(path).open("rb") as file:
+            text = file.read(LARGEST_FILE + 1)
+        if len(text) > LARGEST_FILE:
+            raise ValueError(f"it is larger than {LARGEST_FILE:,} bytes")
+        data = parse_yaml(text.decode("utf-8"))
+    except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as YAML: {error}") from error
     if not isinstance(data, dict):
         raise ValueError(f"{path}: must hold a mapping of keys, found {type(data).__name__}")
     return data
 
 
+def parse_yaml(text: str) -> Any:
+    """Plain data in a YAML text; raises ValueError where it is malformed, has a key twice, or is too large or deep, aliases expanded."""
+    try:
+        loader = yaml.SafeLoader(text)
+        node = loader.get_single_node()
+        if node is None:
+            return None
+        _extent(node, {})
+        return loader.construct_document(node)
+    except RecursionError as error:
+        raise ValueError(f"it is nested deeper than {DEEPEST} levels") from error
+    except Exception as error:  # PyYAML passes on whatever a value provokes: KeyError for '!!bool x', AttributeError for '!!timestamp x'
+        raise ValueError(str(error) or type(error).__name__) from error
+
+
+def _extent(node: yaml.Node, known: dict[int, tuple[int, int]], depth: int = 1) -> tuple[int, int]:
+    """Number of values and of levels below a node, aliases expanded; ``known`` holds those of the nodes seen, so that it takes no time."""
+    if depth <= DEEPEST and id(node) not in known:
+        parts = node.value if isinstance(node, yaml.CollectionNode) else []
+        if isinstance(node, yaml.MappingNode):
+            _check_once([name.value for name, _ in parts if isinstance(name, yaml.ScalarNode)], node.start_mark.line + 1)
+            parts = [part for pair in parts for part in pair]
+        extents = [_extent(part, known, depth + 1) for part in parts]
+        known[id(node)] = 1 + sum(size for size, _ in extents), 1 + max((levels for _, levels in extents), default=0)
+    size, levels = known.get(id(node), (0, DEEPEST))
+    if depth + levels > DEEPEST + 1:
+        raise ValueError(f"it is nested deeper than {DEEPEST} levels")
+    if size > MOST_VALUES:
+        raise ValueError(f"it holds more than {MOST_VALUES:,} values, those that aliases repeat counted every time")
+    return size, levels
+
+
+def _check_once(names: Sequence[str], line: int) -> None:
+    if len(set(names)) < len(names):
+        twice = next(name for number, name in enumerate(names) if name in names[:number])
+        raise ValueError(f"the section at line {line} has the key {twice!r} twice")
+
+
 def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
     """First of ``folders`` / ``name`` that exists; ValueError begins with ``where``."""
     for folder in folders:
-        if (folder / name).is_file():
+        if os.path.isfile(folder / name):  # unlike Path.is_file, also for a name that is too long
             return folder / name
     raise ValueError(f"{where}: no file {name!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
 
@@ -84,9 +135,9 @@ def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model
 
     YAML reads yes, no, on and off as truth values, which would pass for the numbers 1 and 0; no key takes one.
     """
-    truths = [f"{origin}: {path}: yes, no, on, off, true and false are not values of any key" for path in _truth_values(data)]
+    truths = [one_line(f"{origin}: {path}: yes, no, on, off, true and false are not values of any key") for path in _truth_values(data)]
     if truths:
-        raise ValueError("\n".join(truths))
+        raise ValueError("\n".join(truths[:MOST_LINES]))
     try:
         return model.model_validate(data)
     except ValidationError as error:
@@ -104,7 +155,7 @@ def _truth_values(value: Any, path: str = "") -> Iterator[str]:
 def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str:
     """One line per bad key: origin, key as written, what is allowed and the value found."""
     lines = []
-    for item in error.errors():
+    for item in error.errors(include_url=False):
         if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
             continue  # only because bad items, which have lines of their own, do not count
         where = ".".join(_path_as_written(item["loc"], data, item["type"] == "missing"))
@@ -112,9 +163,22 @@ def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str
         if item["type"] == "extra_forbidden":
             message = "there is no such key here"
         value = item["input"]
-        shown = f" (found {value!r})" if where and not isinstance(value, (Mapping, BaseModel)) else ""
-        lines.append(f"{origin}: {where + ': ' if where else ''}{message}{shown}")
-    return "\n".join(lines)
+        found = "" if isinstance(value, (Mapping, BaseModel)) else f" (found {_shown(value)})"
+        lines.append(one_line(f"{origin}: {where + ': ' if where else ''}{message}{found}"))
+    return "\n".join(lines[:MOST_LINES] + [f"{origin}: and {len(lines) - MOST_LINES} more"] * (len(lines) > MOST_LINES))
+
+
+def _shown(value: Any) -> str:
+    try:
+        return one_line(repr(value), LONGEST_LINE // 3)
+    except ValueError:  # Python does not write integers of more than 4,300 digits
+        return "a number of too many digits"
+
+
+def one_line(text: str, longest: int = LONGEST_LINE) -> str:
+    """Text that a terminal shows as it is: what is not printable escaped, and cut where it is too long."""
+    text = text if len(text) <= longest else f"{text[:longest]} ..."
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)
 
 
 def _path_as_written(location: tuple[int | str, ...], data: Any, missing: bool) -> list[str]:

@@ -14,6 +14,10 @@ from sph.scene import Scene, load_scene
 
 SCENES, RECORDS = (".yaml", ".yml"), (".csv",)
 """Endings of the files that hold a ground motion."""
+LARGEST_RECORD = 100_000_000
+"""Largest file of a record, bytes."""
+LARGEST_TIME, LARGEST_ACCELERATION, SHORTEST_INTERVAL = 1e6, 1e6, 1e-9
+"""Largest time (s) and acceleration (m/s2) of a record, either sign, and the shortest interval between its samples (s)."""
 LONGEST_INTERVAL = 1e-3
 """Longest interval between the samples of a scene's motion, s."""
 
@@ -60,10 +64,13 @@ def read_record(path: Path | str) -> GroundMotion:
 
     Raises ValueError with file, line and what is expected.
     """
-    path = Path(path)
     try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except (OSError, UnicodeDecodeError) as error:
+        with Path(path).open("rb") as file:
+            text = file.read(LARGEST_RECORD + 1)
+        if len(text) > LARGEST_RECORD:
+            raise ValueError(f"it is larger than {LARGEST_RECORD:,} bytes")
+        lines = text.decode("utf-8-sig").splitlines()
+    except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as text: {error}") from error
     samples: list[tuple[float, float]] = []
     for number, line in enumerate(lines, 1):
@@ -72,12 +79,16 @@ def read_record(path: Path | str) -> GroundMotion:
             continue
         where = f"{path}, line {number}"
         if len(cells) != 2:
-            raise ValueError(f"{where}: must have 2 columns, time (s) and acceleration (m/s2), has {len(cells)} (found {line!r})")
+            raise ValueError(f"{where}: must have 2 columns, time (s) and acceleration (m/s2), has {len(cells)} (found {line[:80]!r})")
         time, acceleration = cells
         if time is None or acceleration is None or not math.isfinite(time) or not math.isfinite(acceleration):
-            raise ValueError(f"{where}: must be two finite numbers, time (s) and acceleration (m/s2) (found {line!r})")
-        if samples and time <= samples[-1][0]:
-            raise ValueError(f"{where}: time {time} s must be greater than {samples[-1][0]} s before it")
+            raise ValueError(f"{where}: must be two finite numbers, time (s) and acceleration (m/s2) (found {line[:80]!r})")
+        if abs(time) > LARGEST_TIME or abs(acceleration) > LARGEST_ACCELERATION:
+            raise ValueError(f"{where}: must not exceed {LARGEST_TIME:g} s and {LARGEST_ACCELERATION:g} m/s2 (found {line[:80]!r})")
+        if samples and not time - samples[-1][0] >= SHORTEST_INTERVAL:
+            raise ValueError(
+                f"{where}: time {time} s must be greater than {samples[-1][0]} s before it, by {SHORTEST_INTERVAL:g} s at least"
+            )
         samples.append((time, acceleration))
     if len(samples) < 2:
         raise ValueError(f"{path}: must hold at least two samples of time (s) and acceleration (m/s2) (found {len(samples)})")

@@ -35,8 +35,7 @@ def place_particles(scene: Scene) -> Particles:
     walls come last, base and top before sides.
     """
     dx = scene.numerics.spacing
-    columns = math.ceil(scene.geometry.width / dx - 0.5 - 1e-9)
-    rows = math.ceil(scene.geometry.height / dx - 0.5 - 1e-9)
+    columns, rows = scene.lattice
     column, row = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
     inside = _inside(scene, (column + 0.5) * dx, (row + 0.5) * dx)
     soil = [(column[inside], row[inside], SOIL)]

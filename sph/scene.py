@@ -18,12 +18,27 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from sph.configuration import Section, key, merge, read_yaml, validated
 
 GRAVITY = 9.81
 """Gravitational acceleration, m/s2."""
+
+MOST_PARTICLES = 5_000_000
+"""Most particles of a scene: lattice points of the box and its walls."""
+MOST_PAIRS = 1_000_000_000
+"""Most pairs of neighbours, whose lists take some 30 bytes each."""
+MOST_STEPS = 20_000_000
+"""Most time steps of a run; the loads of every step are kept, 32 bytes each."""
+MOST_SAMPLES = 1_000_000
+"""Most samples of the series of a run."""
+MOST_STORED = 200_000_000
+"""Most frames times particles of a run, whose fields take 58 bytes each."""
+
+Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
+Velocity = Annotated[float, Field(ge=-1e6, le=1e6)]
+Frequency = Annotated[float, Field(ge=1e-3, le=1e4)]
 
 
 # ---------------------------------------------------------------- geometry
@@ -33,7 +48,7 @@ class Slope(Section):
     """A plane slope on a base layer in a rigid box: toe on the left, crest on the right."""
 
     shape: Literal["slope"] = key("plane slope on a base layer", source="Fig. 1")
-    slope_angle: float = key("inclination of the face", "degree", "Sec. 3.1", gt=0, le=90, default=60.0)
+    slope_angle: float = key("inclination of the face", "degree", "Sec. 3.1", ge=0.01, le=90, default=60.0)
     slope_height: float = key("height from toe to crest", "m", "ours: Fig. 1 is missing", gt=0, le=500, default=25.0)
     base_depth: float = key("thickness of the layer below the toe", "m", "ours: Fig. 1 is missing", ge=0, le=500, default=10.0)
     apron_length: float = key("length from the front wall to the toe", "m", "ours: gives 2,404 particles", ge=0, le=2000, default=55.0)
@@ -92,7 +107,7 @@ class Block(Section):
         return 0.0, self.height
 
 
-Point = tuple[float, float]
+Point = tuple[Coordinate, Coordinate]
 
 
 class PolygonBody(Section):
@@ -241,8 +256,8 @@ class Walls(Section):
 class Soil(Section):
     """Tables 1 and 2 of the paper."""
 
-    density: float = key("density", "kg/m3", "Table 1", gt=0, le=1e5, default=1964.0)
-    youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", gt=0, le=1e9, default=1.675e6)
+    density: float = key("density", "kg/m3", "Table 1", ge=1e-3, le=1e5, default=1964.0)
+    youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", ge=1e-6, le=1e9, default=1.675e6)
     poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.499, default=0.346)
     cohesion: float = key("cohesion of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
     friction_angle: float = key("internal friction angle of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
@@ -329,10 +344,10 @@ class TaperedSine(Section):
     kind: Literal["tapered_sine"] = key("sine with linear ramps", source="Sec. 3.2")
     amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", "Sec. 3.2", ge=0, le=100, default=6.0)
     frequency: float = key("frequency", "Hz", "ours (not in the text)", gt=0, le=100, default=1.0)
-    start: float = key("start of the shaking", "s", "Sec. 3.2", ge=0, default=3.0)
-    ramp: float = key("duration of the increase", "s", "ours ('gradually')", ge=0, default=3.0)
-    decay_start: float = key("start of the decrease", "s", "Sec. 3.2", ge=0, default=9.0)
-    end: float = key("end of the shaking", "s", "Sec. 3.2", ge=0, default=10.0)
+    start: float = key("start of the shaking", "s", "Sec. 3.2", ge=0, le=1e4, default=3.0)
+    ramp: float = key("duration of the increase", "s", "ours ('gradually')", ge=0, le=1e4, default=3.0)
+    decay_start: float = key("start of the decrease", "s", "Sec. 3.2", ge=0, le=1e4, default=9.0)
+    end: float = key("end of the shaking", "s", "Sec. 3.2", ge=0, le=1e4, default=10.0)
 
     @model_validator(mode="after")
     def _in_order(self) -> TaperedSine:
@@ -357,7 +372,7 @@ class Ricker(Section):
     kind: Literal["ricker"] = key("Ricker wavelet")
     amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e4)
     frequency: float = key("frequency with the largest amplitude", "Hz", gt=0, le=1e4)
-    peak: float = key("time of the peak, at least 1.5 / frequency after the gravity stage", "s", ge=0)
+    peak: float = key("time of the peak, at least 1.5 / frequency after the gravity stage", "s", ge=0, le=1e4)
 
     @property
     def start(self) -> float:
@@ -380,8 +395,8 @@ class ConstantAcceleration(Section):
 
     kind: Literal["constant"] = key("constant acceleration")
     amplitude: float = key("acceleration of the box, horizontal; positive drives the soil towards the toe", "m/s2", ge=-1e3, le=1e3)
-    start: float = key("start of the linear increase", "s", ge=0)
-    ramp: float = key("duration of the increase", "s", ge=0)
+    start: float = key("start of the linear increase", "s", ge=0, le=1e4)
+    ramp: float = key("duration of the increase", "s", ge=0, le=1e4)
 
     @property
     def end(self) -> float:
@@ -405,7 +420,8 @@ class NoMotion(Section):
 
 def linear_ramp(time: np.ndarray, length: float) -> np.ndarray:
     """0 before time 0, 1 after ``length`` (s), linear between."""
-    return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
+    with np.errstate(over="ignore"):  # of a length next to nothing
+        return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
 
 
 Motion = Annotated[TaperedSine | Ricker | ConstantAcceleration | NoMotion, Field(discriminator="kind")]
@@ -414,16 +430,16 @@ Motion = Annotated[TaperedSine | Ricker | ConstantAcceleration | NoMotion, Field
 class UniformStress(Section):
     """The same stress everywhere."""
 
-    pressure: float = key("mean pressure", "kPa", ge=-1e6, le=1e6)
+    pressure: float = key("mean pressure, smaller than the bulk modulus", "kPa", ge=-1e6, le=1e6)
 
 
 class InitialVelocity(Section):
     """Velocity of the soil at the start, linear between places."""
 
     along: Literal["x", "y"] = key("coordinate on which the velocity depends")
-    position: tuple[float, ...] = key("places, increasing; beyond the ends the velocity is that at the end", "m", min_length=1)
-    x: tuple[float, ...] = key("horizontal velocity at the places", "m/s")
-    y: tuple[float, ...] = key("vertical velocity at the places", "m/s")
+    position: tuple[Coordinate, ...] = key("places, increasing; beyond the ends the velocity is that at the end", "m", min_length=1)
+    x: tuple[Velocity, ...] = key("horizontal velocity at the places", "m/s")
+    y: tuple[Velocity, ...] = key("vertical velocity at the places", "m/s")
 
     @model_validator(mode="after")
     def _table(self) -> InitialVelocity:
@@ -448,7 +464,7 @@ class GravityStage(Section):
     """How gravity is brought on before the failure criterion is armed."""
 
     ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
-    duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", ge=0, le=1000, default=3.0)
+    duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", gt=0, le=1000, default=3.0)
     damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
     acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
     inclination: float = key(
@@ -464,12 +480,12 @@ class RayleighDamping(Section):
     """Rayleigh damping from one damping ratio met at two frequencies (Sec. 2.5)."""
 
     ratio: float = key("damping ratio at both frequencies", source="ours", ge=0, le=0.5, default=0.02)
-    frequencies: tuple[float, float] = key("the two frequencies", "Hz", default=(1.0, 5.6))
+    frequencies: tuple[Frequency, Frequency] = key("the two frequencies, from 0.001 to 10000 Hz", "Hz", default=(1.0, 5.6))
 
     @model_validator(mode="after")
-    def _positive(self) -> RayleighDamping:
-        if not 0 < self.frequencies[0] < self.frequencies[1]:
-            raise ValueError(f"damping: frequencies {list(self.frequencies)} must be positive and increasing")
+    def _increasing(self) -> RayleighDamping:
+        if not self.frequencies[0] < self.frequencies[1]:
+            raise ValueError(f"damping: frequencies {list(self.frequencies)} must be increasing")
         return self
 
     @property
@@ -523,33 +539,37 @@ class ArtificialStress(Section):
 class GradientCorrection(Section):
     """First-order consistent velocity gradients (Randles and Libersky 1996)."""
 
-    min_determinant: float = key("below this determinant of the moment matrix a particle keeps the plain gradient", gt=0, le=1, default=0.3)
+    min_determinant: float = key(
+        "below this determinant of the moment matrix a particle keeps the plain gradient", ge=1e-6, le=1, default=0.3
+    )
 
 
 class ShortRangeRepulsion(Section):
     """A conservative spring between particles that come closer than a fraction of the spacing."""
 
-    range: float = key("range over the spacing", gt=0, le=1, default=0.8)
+    range: float = key("range over the spacing", ge=0.01, le=1, default=0.8)
     pressure: float = key("pressure-like stiffness of the spring", "kPa", gt=0, le=1e7, default=500.0)
 
 
 class AdaptiveStep(Section):
     """The time step divided by a whole number, as the stiffest mode of the particles' present arrangement demands."""
 
-    courant: float = key("largest step over the limit measured during the run", gt=0, lt=1, default=0.8)
+    courant: float = key("largest step over the limit measured during the run", ge=0.01, lt=1, default=0.8)
 
 
 class Numerics(Section):
     """Resolution, integration and stabilisers."""
 
-    spacing: float = key("initial particle spacing", "m", "Sec. 4", gt=0, le=100, default=1.0)
+    spacing: float = key("initial particle spacing", "m", "Sec. 4", ge=1e-6, le=100, default=1.0)
     kernel: Literal["cubic_spline", "wendland_c2"] = key("smoothing kernel", source="Sec. 4", default="cubic_spline")
-    smoothing_ratio: float = key("smoothing length over spacing", source="Sec. 4 (h = 2.3 m)", ge=0.6, le=5, default=2.3)
+    smoothing_ratio: float = key(
+        "smoothing length over spacing; the kernel must reach 1.2 spacings", source="Sec. 4 (h = 2.3 m)", ge=0.6, le=5, default=2.3
+    )
     smoothing_length_is: Literal["half_support", "support"] = key(
         "reading of the smoothing length: the kernel ends at 2 h (literal) or at h", source="Sec. 4", default="half_support"
     )
     time_step: float = key(
-        "time increment; with adaptive_step the largest one, which may lie above the limits", "s", "Sec. 2.6", gt=0, le=1, default=1e-4
+        "time increment; with adaptive_step the largest one, which may lie above the limits", "s", "Sec. 2.6", ge=1e-9, le=1, default=1e-4
     )
     adaptive_step: AdaptiveStep | None = key("divide the time step where the limit demands it", default=None)
     neighbour_skin: float = key("margin of the neighbour list over the spacing", gt=0, le=2, default=0.3)
@@ -577,18 +597,18 @@ class Numerics(Section):
 class Outputs(Section):
     """What a run stores, and how often."""
 
-    frame_interval: float = key("interval of the particle fields", "s", gt=0, default=0.25)
-    series_interval: float = key("interval of probes, energies and other series", "s", gt=0, default=0.01)
+    frame_interval: float = key("interval of the particle fields", "s", gt=0, le=1e4, default=0.25)
+    series_interval: float = key("interval of probes, energies and other series", "s", gt=0, le=1e4, default=0.01)
 
 
-Place = Literal["crest_edge", "toe"] | tuple[float, float]
+Place = Literal["crest_edge", "toe"] | Point
 
 
 class Scene(Section):
     """One simulation."""
 
     name: str = key("name used in file names and titles", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")
-    title: str = key("one line for figures and tables", default="")
+    title: str = key("one line for figures and tables", default="", max_length=200)
     duration: float = key("simulated time", "s", "Sec. 4 (15 s)", gt=0, le=1e4, default=15.0)
     geometry: Geometry = key("shape of the soil", source="Fig. 1")
     walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
@@ -608,8 +628,16 @@ class Scene(Section):
         default={"A": "crest_edge"},
     )
 
+    @field_validator("title")
+    @classmethod
+    def _one_line(cls, title: str) -> str:
+        if not title.isprintable():
+            raise ValueError("must be one line of printable characters")
+        return title
+
     @model_validator(mode="after")
     def _consistent(self) -> Scene:
+        self._check_size()
         dt = self.numerics.time_step
         for name in ("series_interval", "frame_interval"):
             _whole_multiple(getattr(self.outputs, name), dt, f"outputs.{name}", "numerics.time_step")
@@ -634,10 +662,54 @@ class Scene(Section):
             )
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
+        if isinstance(self.gravity.initial_stress, UniformStress):
+            pressure, bulk_modulus = self.gravity.initial_stress.pressure, 1e-3 * self.soil.bulk_modulus_si
+            if not abs(pressure) < bulk_modulus:
+                raise ValueError(
+                    f"gravity.initial_stress.pressure: {pressure} kPa is not smaller than the bulk modulus, {bulk_modulus:g} kPa"
+                )
+        if 2 * self.numerics.smoothing_length < 1.2 * self.numerics.spacing * (1 - 1e-9):
+            raise ValueError(
+                f"numerics.smoothing_ratio: {self.numerics.smoothing_ratio} with smoothing_length_is: {self.numerics.smoothing_length_is} "
+                "ends the kernel within 1.2 spacings, where it holds too few neighbours"
+            )
         self._check_walls()
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
         return self
+
+    def _check_size(self) -> None:
+        """Refuse what no machine at hand can hold or finish, before anything is made of it."""
+        numerics, outputs, layers = self.numerics, self.outputs, self.walls.layers
+        columns, rows = self.lattice
+        particles, steps = (columns + 2 * layers) * (rows + 2 * layers), self.steps(self.duration)
+        box = f"in the box of {self.geometry.width:g} x {self.geometry.height:g} m"
+        if particles > MOST_PARTICLES:
+            raise ValueError(
+                f"numerics.spacing: {numerics.spacing} m makes {particles:,} particles {box}, walls included, at most {MOST_PARTICLES:,}; "
+                "choose a larger spacing or a smaller geometry"
+            )
+        pairs = particles * math.pi * (2 * numerics.smoothing_length / numerics.spacing + numerics.neighbour_skin) ** 2
+        if pairs > MOST_PAIRS:
+            raise ValueError(
+                f"numerics.smoothing_ratio: {numerics.smoothing_ratio} makes {pairs:.3g} pairs of {particles:,} particles {box}, "
+                f"at most {MOST_PAIRS:,}; choose a smaller one or a larger numerics.spacing"
+            )
+        if steps > MOST_STEPS:
+            raise ValueError(
+                f"numerics.time_step: {numerics.time_step} s makes {steps:,} steps of duration: {self.duration} s, at most {MOST_STEPS:,}; "
+                "choose a larger step or a shorter duration"
+            )
+        if self.duration > MOST_SAMPLES * outputs.series_interval:
+            raise ValueError(
+                f"outputs.series_interval: {outputs.series_interval} s makes more than {MOST_SAMPLES:,} samples of duration: "
+                f"{self.duration} s; choose a longer interval or a shorter duration"
+            )
+        if particles * self.duration > MOST_STORED * outputs.frame_interval:
+            raise ValueError(
+                f"outputs.frame_interval: {outputs.frame_interval} s stores {particles:,} particles more than {MOST_STORED:,} times in "
+                f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
+            )
 
     def _check_walls(self) -> None:
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
@@ -655,6 +727,12 @@ class Scene(Section):
             least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
             if self.geometry.width < least:
                 raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
+
+    @property
+    def lattice(self) -> tuple[int, int]:
+        """Columns and rows of the lattice at half offsets that fills the box."""
+        columns, rows = (math.ceil(side / self.numerics.spacing - 0.5 - 1e-9) for side in (self.geometry.width, self.geometry.height))
+        return columns, rows
 
     @property
     def layers_filling_support(self) -> int:

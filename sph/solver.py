@@ -29,7 +29,7 @@ from sph.integration import TERM_NAMES, advance, make_lists, renew_candidates
 from sph.jit import cache_folder, compile_lock
 from sph.motion import Loading, make_loading
 from sph.particles import Particles, locate_probes, place_particles
-from sph.scene import Scene
+from sph.scene import MOST_STEPS, Scene
 from sph.state import (
     FAILED,
     FAILURES,
@@ -112,7 +112,9 @@ class Run:
             self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
             self.advance_steps(0)
             self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
-            renew_candidates(State(*(a.copy() for a in self.state)), self.terms)
+            # At the places of the last candidates: those of a run that diverged need not be numbers.
+            spare = State(*(a.copy() for a in self.state))
+            renew_candidates(spare._replace(x=spare.x_candidates, y=spare.y_candidates), self.terms)
             elastic_energy(self.state, self.terms, self.particles.mass)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
@@ -156,7 +158,11 @@ class Run:
         """Divide the time step so that it keeps to the limit, if the scene wants that."""
         adaptive = self.scene.numerics.adaptive_step
         if adaptive is not None:
-            self._divide(max(1, math.ceil(self.scene.numerics.time_step / (adaptive.courant * self.limit))))
+            longest, most = adaptive.courant * self.limit, MOST_STEPS // self.scene.steps(self.scene.duration)
+            if most * longest < self.scene.numerics.time_step:
+                self.ended = ("diverged", f"the limit of the time step fell to {self.limit:.3g} s at {self.time:.4f} s")
+            else:
+                self._divide(max(1, math.ceil(self.scene.numerics.time_step / longest)))
 
     def _divide(self, substeps: int) -> None:
         if substeps != self.substeps:
@@ -201,6 +207,7 @@ class Run:
                 self.balance()
             self._adapt()
             self._record()
+            status, reason = self.ended
         while self.step < last and not status and not self._rest():
             saved = self._copy() if until == "first_failure" else None
             failed, done = self.advance_steps(block)
@@ -210,6 +217,7 @@ class Run:
                 break
             if done == block:
                 self._record()
+                status, reason = self.ended
             wrong = trouble(scene, self.particles, self.state, self._series, jumped=done < block)
             if wrong:
                 status, reason = "diverged", f"{wrong}, at {self.time:.4f} s; {likely_cause(scene, self._largest_ratio())}"
@@ -356,14 +364,18 @@ class Run:
         A run that diverged stays diverged: it is taken over as it is and not run on.
         """
         old, restart = trajectory.read_run(path), trajectory.read_restart(path)
-        missing = [name for name in self.state._fields if name not in restart]
+        missing = [name for name in self.state._fields if name not in restart] + ["step"] * ("step" not in restart.attrs)
         if missing:
             raise ValueError(f"{path}: its restart state lacks {', '.join(missing)}; it was written by another version, run it again")
         failed = bool((restart["phase"] == FAILED).any())
-        check_restart(trajectory.scene_of(old, str(path)), self.scene, float(old["sample_time"][-1]), failed, path)
+        time = float(old["sample_time"][-1])
+        check_restart(trajectory.scene_of(old, str(path)), self.scene, time, failed, path)
+        self.step = int(restart.attrs["step"])
+        wrong = [name for name, array in self.state._asdict().items() if restart[name].shape != array.shape]
+        if wrong or self.step != self.scene.steps(time):
+            raise ValueError(f"{path}: its restart state does not belong to its trajectory ({', '.join(wrong) or f'step {self.step}'})")
         for name, array in self.state._asdict().items():
             array[...] = restart[name].values
-        self.step = int(restart.attrs["step"])
         self._divide(int(restart.attrs.get("substeps", 1)))
         for store in (self._frames, self._series):
             for name in store:

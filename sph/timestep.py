@@ -30,7 +30,7 @@ from sph.elastic import elastic_increment
 from sph.jit import jit
 from sph.kernels import evaluate, make_kernel
 from sph.momentum import stress_accelerations, velocity_gradients
-from sph.scene import CappedViscosity, Scene
+from sph.scene import MOST_STEPS, CappedViscosity, Scene
 from sph.state import State
 
 
@@ -80,7 +80,7 @@ def limits(scene: Scene) -> list[Limit]:
 
 
 def _damped(b: float, omega: float) -> float:
-    return float(np.sqrt(b * b + 4.0) - b) / omega
+    return 4.0 / (math.sqrt(b * b + 4.0) + b) / omega
 
 
 def _viscous_rate(scene: Scene) -> float:
@@ -147,8 +147,15 @@ def mode_of(state: State) -> State:
 
 
 def check_time_step(scene: Scene) -> None:
-    """Refuse a time step above a limit, unless it adapts; ValueError names the key, the value and the limit."""
-    if scene.numerics.adaptive_step is not None:
+    """Refuse a time step above a limit, or a limit that an adaptive one meets in too many steps; ValueError names key, value and limit."""
+    adaptive = scene.numerics.adaptive_step
+    if adaptive is not None:
+        smallest = min(limits(scene), key=lambda limit: limit.seconds)
+        if scene.duration > MOST_STEPS * adaptive.courant * smallest.seconds:
+            raise ValueError(
+                f"numerics.adaptive_step: the limit by {smallest.name}, {smallest.seconds:.3g} s ({smallest.reason}), makes more than "
+                f"{MOST_STEPS:,} steps of duration: {scene.duration} s; choose a shorter duration or a larger numerics.spacing"
+            )
         return
     for limit in limits(scene):
         if scene.numerics.time_step >= limit.seconds:

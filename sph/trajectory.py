@@ -80,6 +80,9 @@ STATUSES = ("complete", "unfailed", "paused", "diverged")
 """complete: reached its duration, or rest where ``early_stop`` ends it; unfailed: the same without one particle failing;
 paused: stopped before its duration so that it can go on; diverged: stopped by the guard."""
 
+FACTS = ("scene", "status", "status_reason", "wall_time_s", "particle_steps", "particle_steps_per_second")
+"""Attributes of every run."""
+
 PACKAGES = ("numpy", "numba", "llvmlite", "xarray", "netCDF4", "pydantic")
 
 
@@ -135,12 +138,16 @@ def read(path: Path | str) -> xr.Dataset:
 
 
 def read_run(path: Path | str) -> xr.Dataset:
-    """Root group of a trajectory, in memory; ValueError for anything else, a search too."""
-    loaded = read(path)
-    missing = [name for name in BY_NAME if name not in loaded.variables]
+    """Root group of a trajectory with all variables and facts of a run; ValueError names a file that lacks one, as a search's does."""
+    ds = read(path)
+    missing = [row.name for row in VARIABLES if row.name not in ds.variables or ds[row.name].dims != row.dims]
+    missing += [name for name in FACTS if name not in ds.attrs]
     if missing:
         raise ValueError(f"{path}: not a trajectory of this version, it lacks {', '.join(missing)}; run its scene again")
-    return loaded
+    if not ds["time"].size or not ds["sample_time"].size:
+        raise ValueError(f"{path}: a trajectory without a frame or a sample")
+    scene_of(ds, str(path))
+    return ds
 
 
 def read_restart(path: Path | str) -> xr.Dataset:
@@ -163,4 +170,8 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
 
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
     """The scene a trajectory was run with."""
-    return make_scene(json.loads(ds.attrs["scene"]), origin)
+    try:
+        data = json.loads(ds.attrs["scene"])
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"{origin}: its attribute 'scene' cannot be read: {error}") from error
+    return make_scene(data, origin)

@@ -11,10 +11,11 @@ from typing import Any
 
 import pandas as pd
 import xarray as xr
+from pydantic import model_validator
 
 from sph.analysis.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.analysis.tables import read_csv
-from sph.analysis.trade import Label, Overrides, file_name
+from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene import make_scene
 from sph.trajectory import Variable
@@ -45,6 +46,12 @@ class Limits(Section):
     overrides: Overrides = key("scene keys of every run", default={})
     cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
     changes: dict[Label, Overrides] = key("scene keys of each change, by label; the first is the reference", min_length=2)
+
+    @model_validator(mode="after")
+    def _apart(self) -> Limits:
+        check_file_names("cases", self.cases)
+        check_file_names("changes", self.changes)
+        return self
 
 
 class LimitRuns:

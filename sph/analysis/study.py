@@ -8,6 +8,7 @@ scene of every run, so that a typo is refused before any work.
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -30,7 +31,10 @@ def _as_written(values: Any) -> Any:
     return [repr(v) if isinstance(v, (int, float)) else v for v in values] if isinstance(values, list) else values
 
 
-Number = Annotated[str, Field(pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
+MOST_RUNS = 10_000
+"""Most points of a grid."""
+
+Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(_as_written), Field(min_length=1)]
 
 
@@ -47,6 +51,9 @@ class Grid(Section):
             values = getattr(self, name)
             if len({float(value) for value in values}) < len(values):
                 raise ValueError(f"{name}: {list(values)} holds one number twice")
+        runs = math.prod(len(getattr(self, name)) for name in GRID)
+        if runs > MOST_RUNS:
+            raise ValueError(f"{', '.join(GRID)}: the grid has {runs:,} points, at most {MOST_RUNS:,}")
         return self
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -31,7 +31,8 @@ CASE_KEYS = ("S_R", "gamma")
 """Keys of ``coupling`` that say what is simulated."""
 
 Overrides = dict[str, Any]
-Label = Annotated[str, Field(pattern=r"^\S(.{0,58}\S)?$")]
+Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
+"""One line without '$', which begins a formula in figures."""
 Name = Annotated[str, Field(pattern=NAME)]
 
 
@@ -58,10 +59,7 @@ class Knob(Extent):
         unknown = sorted(set(self.exceptions) - set(self.rungs))
         if unknown:
             raise ValueError(f"exceptions: {unknown[0]!r} is not one of the rungs {', '.join(self.rungs)}")
-        files = [file_name(label) for label in self.rungs]
-        twice = [label for label in self.rungs if files.count(file_name(label)) > 1]
-        if twice:
-            raise ValueError(f"rungs: {' and '.join(map(repr, twice))} give the same file name {file_name(twice[0])!r}")
+        check_file_names("rungs", self.rungs)
         return self
 
 
@@ -91,6 +89,7 @@ class Trade(Section):
             raise ValueError(f"knobs: {PRESETS!r} is the knob of the study's fidelities, choose another name")
         if self.convergence not in self.knobs:
             raise ValueError(f"convergence: {self.convergence!r} is not one of the knobs {', '.join(self.knobs)}")
+        check_file_names("cases", self.cases)
         self._check_case("timed_case", self.timed_case)
         for name, knob in self.knobs.items():
             for label in knob.rungs:
@@ -204,8 +203,17 @@ def scheme(scene: Scene) -> Overrides:
 
 
 def file_name(label: str) -> str:
-    """A label as part of a file name."""
-    return re.sub(r"[^A-Za-z0-9_.-]+", "-", label)
+    """A label as part of a path: it cannot lead out of its folder, nor hide the file."""
+    return re.sub(r"^\.+|[^A-Za-z0-9_.-]+", "-", label)
+
+
+def check_file_names(where: str, labels: Iterable[str]) -> None:
+    """Refuse two labels with one file name, whose runs would overwrite each other; ValueError begins with ``where``."""
+    first: dict[str, str] = {}
+    for label in labels:
+        other = first.setdefault(file_name(label), label)
+        if other != label:
+            raise ValueError(f"{where}: {other!r} and {label!r} give the same file name {file_name(label)!r}")
 
 
 def load_trade(config: Mapping[str, Any] | Path | str, fidelities: Mapping[str, Overrides], folders: Sequence[Path] = (Path(),)) -> Ladder:

@@ -9,19 +9,20 @@ with a traceback (1), or of its surroundings: 130 interrupted, 137 killed; ``sph
 from __future__ import annotations
 
 import json
-import math
 import sys
+import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-import yaml
 from rich.console import Console
 from rich.table import Table
 
 REFUSED, DIVERGED = 2, 3
+SMALLEST_ACCELERATION = 1e-6
+"""Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
 app = typer.Typer(
@@ -38,11 +39,27 @@ Settings = Annotated[
 Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
 
 
+def check_writable(path: Path, option: str = "--out") -> None:
+    """Refuse a file that could not be written after hours of work; ValueError names the option."""
+    if not path.parent.is_dir():
+        raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
+    if path.is_dir():
+        raise ValueError(f"{option} {path}: is a folder")
+    try:
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
+            pass
+    except OSError as error:
+        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}") from error
+
+
 @contextmanager
 def refusals() -> Iterator[None]:
     """Turn errors of the user's input into one message and exit code 2."""
     try:
         yield
+    except MemoryError as error:
+        print("sph: not enough memory; choose a larger numerics.spacing or longer outputs.frame_interval", file=sys.stderr)
+        raise typer.Exit(REFUSED) from error
     except (ValueError, OSError) as error:
         say(str(error))
         raise typer.Exit(REFUSED) from error
@@ -55,16 +72,16 @@ def say(line: str) -> None:
 
 def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
     """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
-    from sph.configuration import dotted
+    from sph.configuration import DEEPEST, dotted, parse_yaml
 
     pairs = {}
     for setting in settings or []:
         name, equals, text = setting.partition("=")
-        if not equals or not all(name.split(".")):
+        if not equals or not all(name.split(".")) or name.count(".") > DEEPEST:
             raise ValueError(f"{option} {setting!r}: write KEY=VALUE, e.g. {EXAMPLES[option]}")
         try:
-            pairs[name] = yaml.safe_load(text)
-        except yaml.YAMLError as error:
+            pairs[name] = parse_yaml(text)
+        except ValueError as error:
             raise ValueError(f"{option} {setting!r}: the value is not readable: {error}") from error
     return dotted(pairs)
 
@@ -80,6 +97,7 @@ def parse_error(text: str) -> float:
 
 def parse_acceleration(text: str, option: str) -> float:
     """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
+    from sph.ground_motion import LARGEST_ACCELERATION
     from sph.scene import GRAVITY
 
     number, in_g = text.strip().removesuffix("g"), text.strip().endswith("g")
@@ -87,8 +105,8 @@ def parse_acceleration(text: str, option: str) -> float:
         value = float(number) * (GRAVITY if in_g else 1)
     except ValueError as error:
         raise ValueError(f"{option} {text!r}: write 2.5 (m/s2) or 0.25g") from error
-    if not 0 < value < math.inf:
-        raise ValueError(f"{option} {text!r}: must be positive and finite")
+    if not SMALLEST_ACCELERATION <= value <= LARGEST_ACCELERATION:
+        raise ValueError(f"{option} {text!r}: must be positive and finite, from {SMALLEST_ACCELERATION:g} to {LARGEST_ACCELERATION:g} m/s2")
     return value
 
 
@@ -102,7 +120,9 @@ def run(
     out: Annotated[Path | None, typer.Option(help="trajectory to write; NAME.nc in this folder by default")] = None,
     restart: Annotated[Path | None, typer.Option(help="go on from this trajectory instead of from the start")] = None,
     until: Annotated[str, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure")] = "end",
-    threads: Annotated[int, typer.Option(min=1, help="for a large scene; below some 10,000 particles a thread a run is faster")] = 1,
+    threads: Annotated[
+        int, typer.Option(min=1, max=256, help="for a large scene; below some 10,000 particles a thread a run is faster")
+    ] = 1,
     checkpoint: Annotated[
         float | None,
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
@@ -118,8 +138,7 @@ def run(
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
         loaded = load_scene(scene, parse_settings(set_))
         path = out or Path(f"{loaded.name}.nc")
-        if not path.parent.is_dir():
-            raise ValueError(f"--out {path}: the folder {path.parent} does not exist")
+        check_writable(path)
         with reporter(loaded.name) as report:
             result = run_to_file(loaded, path, until, restart, report, threads, checkpoint, say)  # type: ignore[arg-type]
     attrs = result.trajectory.attrs
@@ -217,6 +236,8 @@ def fos(
     with refusals():
         if reduce not in ("strength", "S_R"):
             raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
+        if out is not None:
+            check_writable(out)
         answer(reduce, load_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
@@ -234,6 +255,8 @@ def yield_acceleration(
     from sph.scene import load_scene
 
     with refusals():
+        if out is not None:
+            check_writable(out)
         answer("acceleration", load_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 

@@ -43,8 +43,6 @@ QUESTIONS = {
 
 def answer(asked: str, scene: Scene, tolerance: float, rule: dict[str, Any], as_json: bool, out: Path | None) -> None:
     """Search, print and write; ValueError for what is refused."""
-    if out is not None and not out.parent.is_dir():
-        raise ValueError(f"--out {out}: the folder {out.parent} does not exist")
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
     found = question.find(scene, tolerance, used, None if as_json else lambda trial: print(trial_line(question, trial), flush=True))
     if out is not None:

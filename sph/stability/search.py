@@ -6,6 +6,9 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
+SMALLEST_TOLERANCE = 1e-6
+"""Smallest relative width of a bracket; bisection of numbers ends at 1e-16, and a simulation's verdict long before."""
+
 
 class Trial(NamedTuple):
     """One static test."""
@@ -59,10 +62,10 @@ def search(
 
     The walk begins at index ``start`` and goes towards the unstable end while the tests stand, towards the stable one while they
     fail.  The bracket is closed to ``tolerance`` times its middle, or times ``smallest`` if that is larger.
-    Tests whose outcome is ``known``, by value, are not made again.  ValueError unless the tolerance is positive.
+    Tests whose outcome is ``known``, by value, are not made again.  ValueError for a tolerance below ``SMALLEST_TOLERANCE``.
     """
-    if not tolerance > 0:
-        raise ValueError(f"tolerance: {tolerance} must be positive")
+    if not tolerance >= SMALLEST_TOLERANCE:
+        raise ValueError(f"tolerance: {tolerance} must be positive, {SMALLEST_TOLERANCE:g} at least")
     trials: list[Trial] = []
 
     def stands(value: float) -> bool:

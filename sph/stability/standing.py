@@ -27,6 +27,8 @@ COURANT = 0.8
 """Part of the measured limit that the time step of a static test takes."""
 FRAME_INTERVAL = 0.25
 """Interval of the frames of a static test, from which displacements are taken and at which the time step adapts, s, about."""
+LONGEST_OBSERVATION = 1e4
+"""Longest free observation, s."""
 REARRANGEMENT = 0.5
 """Distance over the spacing by which particles of a standing slope may move as their lattice rearranges (measured: h = 1.6 spacings)."""
 
@@ -73,6 +75,11 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         load = {"kind": "constant", "amplitude": acceleration, "start": stage, "ramp": rule.ramp}
         loaded += rule.ramp
     observed = rule.observation * math.sqrt(height / scene.gravity.acceleration)
+    if observed > LONGEST_OBSERVATION:
+        raise ValueError(
+            f"gravity.acceleration: {scene.gravity.acceleration:g} m/s2 with the rule's observation: {rule.observation:g} sqrt(H/g) "
+            f"asks for {observed:.3g} s, at most {LONGEST_OBSERVATION:g} s"
+        )
     changes = {
         "duration": math.ceil((loaded + observed) / frame) * frame,
         "motion": load,

@@ -10,13 +10,14 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from sph.analysis.study import NAME
-from sph.analysis.trade import Label, Overrides, file_name
+from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
+from sph.validation import CASES
 
 FOLDER = "results/validation"
 """Where the results go, relative to the working folder."""
@@ -47,11 +48,23 @@ class Case(Section):
     levels: dict[Label, Overrides] = key("scene keys of each resolution, by label, from coarse to fine", min_length=1, default={"only": {}})
     quantities: dict[Name, Quantity] = key("what is compared, by name", min_length=1)
 
+    @model_validator(mode="after")
+    def _apart(self) -> Case:
+        check_file_names("levels", self.levels)
+        return self
+
 
 class Validation(Section):
     """The configuration of the suite."""
 
     cases: dict[Name, Case] = key("the cases, by name", min_length=1)
+
+    @model_validator(mode="after")
+    def _known(self) -> Validation:
+        unknown = [name for name in self.cases if name not in CASES]
+        if unknown:
+            raise ValueError(f"cases: {unknown[0]!r} is not one of {', '.join(CASES)}")
+        return self
 
 
 class Planned(NamedTuple):

@@ -24,7 +24,7 @@ BAD = [
     ({"geometry.radius": 3.0}, ["geometry.radius", "no such key"]),
     ({"coupling.fluid": {"law": "elastic_viscoplastic", "colour": 1}}, ["coupling.fluid.colour", "no such key"]),
     ({"numerics.artificial_viscosity.beta": 1}, ["numerics.artificial_viscosity.beta", "no such key"]),
-    ({"soil.density": -1964}, ["soil.density", "-1964", "greater than 0"]),
+    ({"soil.density": -1964}, ["soil.density", "-1964", "greater than or equal to 0.001"]),
     ({"soil.cohesion": -1}, ["soil.cohesion", "-1", "greater than or equal to 0"]),
     ({"soil.poisson_ratio": 0.5}, ["soil.poisson_ratio", "0.5", "less than or equal to 0.49"]),
     ({"coupling.S_R": 1.5}, ["coupling.S_R", "1.5", "less than or equal to 1"]),

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from sph.analysis.fields import FIELDS, last_at, probe_history
 from sph.analysis.figures.history import shade_shaking
 from sph.analysis.figures.profile import draw_profile, field_norm, frame_limits, mark_probes
-from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, styled
+from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, styled
 from sph.trajectory import scene_of
 
 ENERGIES = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy", "shaking_work")
@@ -37,7 +37,7 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
     figure.colorbar(circles, cax=beside, label=f"{chosen.label}\n({chosen.units})")
     status = trajectory.attrs["status"]
     coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} 1/s"
-    axes[0].set_title(f"{scene.title or scene.name}\nt = {shown:g} s, {coupling}, {status}", loc="left")
+    axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling}, {status}", loc="left")
     axes[0].set_xlabel("horizontal position (m)")
     _draw_probes(axes[1], trajectory)
     _draw_energies(axes[2], trajectory)

@@ -94,6 +94,11 @@ def write_note(figure: Figure, text: str) -> None:
     figure.supxlabel(text, x=0.995, ha="right", fontsize=6, color=GREY)
 
 
+def plain(text: str) -> str:
+    """Text in which '$' does not begin a formula."""
+    return text.replace("$", r"\$")
+
+
 def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
     """(a), (b), ... and a title at the left above each panel; a single panel gets no letter."""
     pairs = list(zip(axes, titles, strict=True))

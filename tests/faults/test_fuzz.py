@@ -1,0 +1,77 @@
+"""A part of the fuzz that ``fuzz.py`` does: whatever is written is carried out or refused by name."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from configurations import changed, keys, section
+from fuzz import FEW, LIMITS, MODELS, SCENES, STUDY, TRADE, VALIDATION
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import strategies as st
+from pydantic import BaseModel
+
+from sph.command.info import describe
+from sph.command.reference import key_rows
+from sph.configuration import validated
+from sph.scene import Scene, make_scene
+
+BASES: dict[str, list[dict[str, Any]]] = {
+    "scene": SCENES,
+    "study": [STUDY],
+    "trade": [TRADE],
+    "limits": [LIMITS],
+    "validation": [VALIDATION],
+    "rule": [{}],
+}
+ANYTHING = {
+    name: st.one_of(section(model), *(changed(model, base, most) for base in BASES[name] for most in (1, 3)))
+    for name, model in MODELS.items()
+}
+plain = settings(max_examples=100, deadline=None, phases=[Phase.reuse, Phase.generate], suppress_health_check=list(HealthCheck))
+
+
+def test_everything_a_user_can_write_is_carried_out_or_refused_by_name() -> None:
+    """Three hundred examples of every kind, the solver's first steps included."""
+    script = Path(__file__).with_name("fuzz.py")
+    done = subprocess.run([sys.executable, str(script), "--examples", "300"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    counts = {outcome.strip(): int(count.replace(",", "")) for count, outcome in re.findall(r"([\d,]+)  all +(.*)", done.stdout)}
+    assert sum(counts.values()) > 290
+    assert counts["accepted, run"] > 30, "the examples are refused too often to say anything of what comes after"
+
+
+@pytest.mark.parametrize("name", MODELS)
+@plain
+@given(data=st.data())
+def test_every_section_takes_or_refuses_anything(name: str, data: st.DataObject) -> None:
+    try:
+        found = validated(MODELS[name], data.draw(ANYTHING[name]), "some.yaml")
+    except ValueError as error:
+        assert all(line.startswith("some.yaml: ") and line.isprintable() for line in str(error).splitlines())
+    else:
+        assert validated(MODELS[name], found.model_dump(), "some.yaml") == found
+
+
+@plain
+@given(data=st.one_of([changed(Scene, base, most) for base in SCENES for most in (1, 2)]))
+def test_a_scene_that_is_taken_can_be_shown(data: dict[str, Any]) -> None:
+    try:
+        scene = make_scene(data)
+        if scene.lattice[0] * scene.lattice[1] <= FEW:
+            assert describe(scene)
+    except ValueError as error:
+        assert re.search(r"[a-z_]+: ", str(error))
+
+
+@pytest.mark.parametrize("name", ["scene", "study", "trade", "limits", "rule"])
+def test_every_documented_key_is_fuzzed(name: str) -> None:
+    model: type[BaseModel] = MODELS[name]
+    documented = {re.sub(r" \(\w+\)|\[\]", "", row[0]) for row in key_rows(model)}
+    fuzzed = {".".join(map(str, path)) for path, _ in keys(model)}
+    inside = ("<name>", "geometry.bodies.")  # drawn with the mapping or list that holds them
+    assert {key for key in documented if not any(part in key for part in inside)} <= fuzzed

@@ -1,0 +1,208 @@
+"""Safety: names and labels stay in their folders, nothing of a configuration is evaluated, unpickled or given to a shell."""
+
+from __future__ import annotations
+
+import ast
+import os
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from sph.analysis.limits import load_limits
+from sph.analysis.study import MOST_RUNS, Study, load_study
+from sph.analysis.trade import file_name, load_trade
+from sph.configuration import found_file, merge, validated
+from sph.validation.suite import load_suite
+
+ROOT = Path(__file__).resolve().parents[2]
+STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+PAPER = "config/scenes/paper.yaml"
+NAMES = [
+    "..",
+    "../x",
+    "/etc",
+    "a/b",
+    "a\\b",
+    "a\0b",
+    "a\nb",
+    "a\n",
+    "\n",
+    "",
+    " ",
+    ".hidden",
+    "-rf",
+    "~",
+    "$(id)",
+    "`id`",
+    "x" * 65,
+    "é",
+    "ａ",
+    "\u202e",
+]
+LABELS = [
+    "..",
+    ".",
+    "...",
+    "../x",
+    "../../x",
+    "/etc",
+    "a/b",
+    ".hidden",
+    "..é..",
+    "\0",
+    "a\0b",
+    "x" * 60,
+    "é",
+    "‮a",
+    "{run}",
+    "*",
+    "~",
+    "; id",
+]
+"""Labels may hold anything, since they are words in tables; the files that are named after them may not."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("key", ["study", "fidelity", "name"])
+def test_a_name_is_a_plain_word(key: str, name: str) -> None:
+    changes = {
+        "study": {"study": name},
+        "fidelity": {"fidelity": name, "fidelities": {name: {}}},
+        "name": {"fidelities": {"paper": {"name": name}}},
+    }
+    with pytest.raises(ValueError, match={"study": "study", "fidelity": "fidelities", "name": "name"}[key]):
+        load_study(merge(STUDY, changes[key]), [ROOT])
+
+
+@pytest.mark.parametrize("label", LABELS)
+def test_a_label_cannot_lead_out_of_its_folder(label: str) -> None:
+    name = file_name(label)
+    assert re.fullmatch(r"[A-Za-z0-9_-][A-Za-z0-9_.-]*", name)
+    assert os.path.normpath(f"runs/{name}/{name}.nc") == f"runs/{name}/{name}.nc"
+
+
+def written(path: Path, data: Any) -> str:
+    path.write_text(yaml.safe_dump(data), encoding="utf-8")
+    return path.name
+
+
+def knobs(*rungs: str) -> dict[str, Any]:
+    """A ladder whose rungs have these labels."""
+    return {
+        "scene": PAPER,
+        "cases": {"one": {}},
+        "timed_case": "one",
+        "reference": {"knob": "k", "rung": rungs[0]},
+        "convergence": "k",
+        "knobs": {"k": {"about": "a", "rungs": {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(rungs)}}},
+    }
+
+
+def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
+    """Paths of the runs of a configuration with these labels."""
+    each = {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(labels)}
+    if kind == "rungs":
+        yield from load_trade(written(tmp_path / "c.yaml", knobs(*labels)), {"paper": {}}, [tmp_path, ROOT]).runs
+    elif kind == "cases":
+        yield from load_trade(
+            written(tmp_path / "c.yaml", knobs("r") | {"cases": each, "timed_case": labels[0]}), {"paper": {}}, [tmp_path, ROOT]
+        ).runs
+    elif kind == "changes":
+        data = {"scene": PAPER, "cases": {"one": {}}, "changes": {"as it is": {}} | each}
+        yield from load_limits(written(tmp_path / "c.yaml", data), [tmp_path, ROOT]).runs
+    elif kind == "points":
+        data = {"scene": PAPER, "cases": each, "changes": {"as it is": {}, "other": {"numerics": {"spacing": 5.0}}}}
+        yield from load_limits(written(tmp_path / "c.yaml", data), [tmp_path, ROOT]).runs
+    else:
+        case = {
+            "title": "t",
+            "scene": PAPER,
+            "source": "s",
+            "levels": each,
+            "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}},
+        }
+        yield from load_suite(written(tmp_path / "c.yaml", {"cases": {"V1": case}}), [tmp_path, ROOT]).runs
+
+
+KINDS = ("rungs", "cases", "changes", "points", "levels")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("label", ["..", "../..", ".", "é", "a/../.."])
+def test_runs_named_after_labels_stay_in_their_folder(tmp_path: Path, kind: str, label: str) -> None:
+    for path in paths_of(tmp_path, kind, label, "plain"):
+        assert os.path.normpath(path) == path and not path.startswith(("/", ".")) and path.isascii()
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_labels_with_one_file_name_are_refused(tmp_path: Path, kind: str) -> None:
+    # Otherwise one run would be taken for the other without a word.
+    with pytest.raises(ValueError, match=r"'é' and 'ü' give the same file name '-'"):
+        list(paths_of(tmp_path, kind, "é", "ü"))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("label", ["$x$", "two\nlines", "", " ", "x" * 61, "\x1b"])
+def test_a_label_is_one_line_without_a_formula(tmp_path: Path, kind: str, label: str) -> None:
+    with pytest.raises(ValueError, match=r"c\.yaml"):
+        list(paths_of(tmp_path, kind, label, "plain"))
+
+
+def test_a_case_that_nothing_measures_is_refused(tmp_path: Path) -> None:
+    case = {"title": "t", "scene": PAPER, "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
+    with pytest.raises(ValueError, match=r"c\.yaml: cases: 'V99' is not one of V1, .*, V15"):
+        load_suite(written(tmp_path / "c.yaml", {"cases": {"V99": case}}), [tmp_path, ROOT])
+
+
+def test_a_grid_has_an_end() -> None:
+    axis = [str(number) for number in range(1, 101)]
+    with pytest.raises(ValueError, match=rf"the grid has 1,000,000 points, at most {MOST_RUNS:,}"):
+        validated(Study, merge(STUDY, {"grid": {"S_R": axis, "gamma": axis, "amplitude": axis}}), "config")
+    with pytest.raises(ValueError, match=r"grid\.gamma\.0: String should have at most 24 characters"):
+        validated(Study, merge(STUDY, {"grid": {"gamma": ["0" * 300]}}), "config")
+
+
+@pytest.mark.parametrize("name", ["absent.yaml", "n" * 300, "a\0b", "..", ""])
+def test_a_file_that_is_not_found_is_named(tmp_path: Path, name: str) -> None:
+    with pytest.raises(ValueError, match="config: scene: no file"):
+        found_file([tmp_path], name, "config: scene")
+
+
+# ---------------------------------------------------------------- nothing is run
+
+SOURCES = [*sorted((ROOT / "sph").rglob("*.py")), *sorted((ROOT / "workflow" / "scripts").glob("*.py"))]
+RULES = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
+CALLS = ("eval", "exec", "compile", "__import__", "os.system", "os.popen", "yaml.load", "yaml.unsafe_load", "pd.read_pickle", "pd.eval")
+ALLOWED = {"machine.py": ["subprocess"]}
+"""A fixed command that asks macOS for the name of its processor."""
+MODULES = ("pickle", "cPickle", "dill", "joblib", "marshal", "shelve", "subprocess", "pty", "ctypes", "importlib")
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: str(p.relative_to(ROOT)))
+def test_the_sources_evaluate_nothing(path: Path) -> None:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call):
+            called = ast.unparse(node.func)
+            assert called not in CALLS, f"line {node.lineno} calls {called}"
+            assert not any(word.arg in ("shell", "allow_pickle") for word in node.keywords), f"line {node.lineno}"
+        modules = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
+        wrong = [name for name in modules if name.split(".")[0] in MODULES and name != "importlib.metadata"]
+        assert wrong == ALLOWED.get(path.name, []) or not wrong, f"imports {wrong}"
+
+
+@pytest.mark.parametrize("path", RULES, ids=lambda p: p.name)
+def test_the_rules_have_no_shell(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert not re.search(r"\b(shell|run|eval|exec|os\.system|subprocess)\s*[:(]", text)
+
+
+def test_every_wildcard_is_constrained() -> None:
+    text = "\n".join(path.read_text(encoding="utf-8") for path in RULES)
+    used = set(re.findall(r"wildcards\.(\w+)", text)) | set(re.findall(r"(?<!\{)\{\{(\w+)\}\}(?!\})", text))
+    constrained = set(re.findall(r'^\s+(\w+)="[^"]+",?$', text, re.MULTILINE))
+    assert used and used <= constrained, f"without a constraint: {used - constrained}"

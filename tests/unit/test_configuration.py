@@ -1,0 +1,103 @@
+"""Reading configuration: texts that are hostile, broken or too large are refused at once; messages stay on their lines."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sph.command.cli import parse_settings
+from sph.configuration import DEEPEST, LARGEST_FILE, LONGEST_LINE, MOST_LINES, Section, key, parse_yaml, read_yaml, validated
+
+ALIASES = "a0: &a0 [1, 2]\n" + "".join(f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
+MERGES = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
+CHAIN = "a0: &a0 []\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 1000))
+HOSTILE = {
+    "aliases": (ALIASES, "200,000 values"),
+    "merge keys": (MERGES, "200,000 values"),
+    "a chain of aliases": (CHAIN, "nested deeper"),
+    "an alias of itself": ("a: &a [*a]", "nested deeper"),
+    "deep lists": ("a: " + "[" * 50_000, "nested deeper"),
+    "deep sections": ("a: " + "{a: " * 50_000, "nested deeper"),
+    "code": ("a: !!python/object/apply:os.system [echo]", "python/object/apply"),
+    "a tagged truth": ("a: !!bool x", "x"),
+    "a tagged date": ("a: !!timestamp x", "YAML"),
+    "an impossible date": ("a: 2001-99-99", "month"),
+    "digits": (f"a: {'9' * 5000}", "digits"),
+    "a key twice": ("a: 1\nb: {c: 1, d: 2, c: 3}\n", "line 2 has the key 'c' twice"),
+    "NUL": ("a: \0", "#x0000"),
+    "two documents": ("a: 1\n---\na: 2\n", "single document"),
+}
+
+
+@pytest.mark.parametrize(("text", "wanted"), HOSTILE.values(), ids=HOSTILE)
+def test_hostile_yaml_is_refused_at_once(tmp_path: Path, text: str, wanted: str) -> None:
+    path = tmp_path / "hostile.yaml"
+    path.write_text(text)
+    started = time.perf_counter()
+    with pytest.raises(ValueError, match=r"hostile\.yaml: cannot be read as YAML") as raised:
+        read_yaml(path)
+    assert wanted in str(raised.value)
+    assert time.perf_counter() - started < 5.0
+
+
+def test_aliases_are_welcome_while_they_are_few() -> None:
+    assert parse_yaml("a: &a {b: 1}\nc: *a\nd:\n  <<: *a\n  e: [*a, *a]\n")["d"] == {"b": 1, "e": [{"b": 1}, {"b": 1}]}
+    deepest = "[" * (DEEPEST - 1) + "1" + "]" * (DEEPEST - 1)
+    assert str(parse_yaml(deepest)) == deepest
+    with pytest.raises(ValueError, match="nested deeper"):
+        parse_yaml(f"[{deepest}]")
+
+
+@pytest.mark.parametrize(
+    "path", [Path("/dev/zero"), Path("/dev/null"), Path("/"), Path("a\0b"), Path("n" * 5000)], ids=lambda p: str(p)[:9]
+)
+def test_what_is_no_file_of_text_is_refused(path: Path) -> None:
+    with pytest.raises(ValueError, match="cannot be read as YAML|must hold a mapping"):
+        read_yaml(path)
+
+
+def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "huge.yaml"
+    path.write_bytes(b"#" * (LARGEST_FILE + 1))
+    with pytest.raises(ValueError, match=f"larger than {LARGEST_FILE:,} bytes"):
+        read_yaml(path)
+
+
+@pytest.mark.parametrize("setting", ["a=" + "[" * 9000, "a=&a [*a]", "a=!!timestamp x", ".".join(9000 * "a") + "=1", "a=2001-99-99"])
+def test_a_hostile_setting_is_refused(setting: str) -> None:
+    with pytest.raises(ValueError, match="--set 'a"):
+        parse_settings([setting])
+
+
+class Small(Section):
+    """A section for the tests below."""
+
+    number: float = key("a number", default=1.0)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [10**5000, "9" * 5000, list(range(100_000)), "\x1b[31m", "a\nb", "\ud800"],
+    ids=lambda v: repr(v)[:9] if not isinstance(v, int) else "int",
+)
+def test_a_message_is_one_short_printable_line(value: Any) -> None:
+    for data in ({"number": value}, {str(value)[:2000] if not isinstance(value, int) else "x": 1}):
+        with pytest.raises(ValueError, match=r"some\.yaml") as raised:
+            validated(Small, data, "some.yaml")
+        assert str(raised.value).isprintable()
+        assert len(str(raised.value)) <= LONGEST_LINE + len(" ...")
+
+
+def test_a_message_has_few_lines() -> None:
+    with pytest.raises(ValueError, match="and 970 more") as raised:
+        validated(Small, {f"key_{number}": 1 for number in range(1000)}, "some.yaml")
+    assert len(str(raised.value).splitlines()) == MOST_LINES + 1
+
+
+def test_a_key_that_is_no_text_is_refused() -> None:
+    for name in (1, None, (1, 2)):
+        with pytest.raises(ValueError, match=r"some\.yaml: .*Keys should be strings"):
+            validated(Small, {name: 1}, "some.yaml")
