@@ -97,6 +97,10 @@ class Suite:
         """The runs of a case, by file name."""
         return {path: planned for path, planned in self.runs.items() if planned.case == case}
 
+    def files(self, case: str) -> list[str]:
+        """File names of the case's runs; a case of functions alone leaves none."""
+        return [] if self.cases[case].by == "computation" else list(self.of(case))
+
     def sizes(self, case: str) -> list[float]:
         """Spacing (m) or time step (s) of the case's levels, in their order."""
         return [self._sizes[case, level] for level in self.cases[case].levels]

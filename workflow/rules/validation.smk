@@ -12,13 +12,6 @@ VALIDATING = DRAWING + sorted(
 )
 
 
-def case_runs(wildcards):
-    """Files of a case's runs; a case of functions alone has none."""
-    if SUITE().cases[wildcards.case].by == "computation":
-        return []
-    return [f"{VALIDATION}/runs/{run}.nc" for run in SUITE().of(wildcards.case)]
-
-
 wildcard_constraints:
     case="V[0-9]+",
 
@@ -60,7 +53,9 @@ rule validation_case:
     """Measure a case on all its levels, and draw it."""
     input:
         sources=SEARCHING + VALIDATING,
-        runs=case_runs,
+        runs=lambda wildcards: [
+            f"{VALIDATION}/runs/{run}.nc" for run in SUITE().files(wildcards.case)
+        ],
     output:
         csv=f"{VALIDATION}/cases/{{case}}.csv",
         png=report(

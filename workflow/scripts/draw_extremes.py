@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from sph.analysis.extremes import read_extremes
 from sph.analysis.figures import save
 from sph.analysis.figures.extremes import figure_extremes
+from sph.command.job import job_log
 
 
 def draw_extremes(path_to_table: str, paths_to_pictures: Sequence[str]) -> None:
@@ -13,4 +14,5 @@ def draw_extremes(path_to_table: str, paths_to_pictures: Sequence[str]) -> None:
 
 
 if __name__ == "__main__":
-    draw_extremes(snakemake.input.table, [snakemake.output.png, snakemake.output.pdf])  # type: ignore[name-defined]
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        draw_extremes(snakemake.input.table, [snakemake.output.png, snakemake.output.pdf])  # type: ignore[name-defined]

@@ -6,6 +6,7 @@ from typing import Any
 from sph import trajectory
 from sph.analysis.extremes import Row, extremes_table
 from sph.analysis.tables import write_csv
+from sph.command.job import job_log
 
 
 def measure_extremes(paths_to_runs: Mapping[str, str], rows: Sequence[Mapping[str, Any]], path_to_csv: str) -> None:
@@ -15,8 +16,9 @@ def measure_extremes(paths_to_runs: Mapping[str, str], rows: Sequence[Mapping[st
 
 
 if __name__ == "__main__":
-    measure_extremes(
-        dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
-        snakemake.params.rows,  # type: ignore[name-defined]
-        snakemake.output[0],  # type: ignore[name-defined]
-    )
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_extremes(
+            dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+            snakemake.params.rows,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )
