@@ -133,7 +133,14 @@ MODELS = {"scene": Scene, "study": Study, "trade": Trade, "limits": Limits, "val
 LADDER = shipped_table()
 RUNGS = [] if LADDER is None else summary(LADDER)
 """What every scene is compared with to tell its error, put together once."""
-WORDS = {name for model in MODELS.values() for path, _ in keys(model) for name in path} | {"amplitude", "S_R", "case", "rung", "level"}
+WORDS = {name for model in MODELS.values() for path, _ in keys(model) for name in path} | {
+    "amplitude",
+    "S_R",
+    "case",
+    "rung",
+    "level",
+    "tolerance",
+}
 READING = (
     "--",
     ", line ",
