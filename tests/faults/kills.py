@@ -23,8 +23,8 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 
 from comparison import same_files, same_variables  # noqa: E402
-from conftest import SLOPE  # noqa: E402
 from killing import CHECKPOINT, TIMINGS, killed, start  # noqa: E402
+from small_scenes import SLOPE  # noqa: E402
 
 from sph import trajectory  # noqa: E402
 from sph.analysis.tables import read_study  # noqa: E402
