@@ -189,8 +189,8 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
     soil = run["kind"].values == SOIL
     x, y = (run[name].values[:, soil].astype(float) for name in ("x", "y"))
     walls, depth = scene.walls, np.zeros(1)
-    columns = round(run["x0"].values[soil].max() / scene.numerics.spacing + 0.5)
-    width, height = columns * scene.numerics.spacing, scene.geometry.height
+    # The box is as wide as the whole columns that fit, see sph.particles.
+    width, height = math.ceil(scene.geometry.width / scene.numerics.spacing - 0.5 - 1e-9) * scene.numerics.spacing, scene.geometry.height
     inside = (x >= 0.0) & (x <= width) if walls.sides == "none" else np.ones(x.shape, bool)
     if walls.base != "none":
         depth = np.append(depth, -y[inside])

@@ -1,0 +1,117 @@
+"""The extremes: rows, fixed steps around the limit, and what is measured of a run."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+import yaml
+from synthetic import synthetic, translation
+
+from sph.analysis.extremes import (
+    EXTREMES,
+    REFUSED,
+    TIME_STEP,
+    TIME_STEP_FOLDER,
+    asymmetry,
+    extremes_table,
+    fixed_step,
+    load_extremes,
+    penetration,
+    read_extremes,
+)
+from sph.analysis.figures.extremes import figure_extremes
+from sph.analysis.tables import write_csv
+from sph.scene import make_scene
+from sph.timestep import limits
+from sph.trajectory import scene_of
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENE: dict[str, Any] = {"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 15.0}
+CONFIG: dict[str, Any] = {
+    "scene": "scene.yaml",
+    "overrides": {"numerics": {"spacing": 2.5, "time_step": 5e-4}},
+    "cases": {"weak": {"coupling": {"S_R": 0.1}}},
+    "repeats": 2,
+    "sweeps": {"nu": {"scene_key": "soil.poisson_ratio", "values": [0.3, 0.6]}},
+    "time_steps": {"factors": [0.5, 2.0], "schemes": {"plain": {}}},
+}
+
+
+def write(folder: Path, **changes: Any) -> Path:
+    (folder / "scene.yaml").write_text(yaml.safe_dump(SCENE))
+    (folder / "extremes.yaml").write_text(yaml.safe_dump(CONFIG | changes, sort_keys=False))
+    return folder / "extremes.yaml"
+
+
+def test_a_value_that_the_schema_refuses_is_a_row_without_runs(tmp_path: Path) -> None:
+    extremes = load_extremes(write(tmp_path), [tmp_path])
+    first, second, *steps = extremes.rows
+    assert first.runs == ("nu/weak/0.3_1", "nu/weak/0.3_2") and first.refused == ""
+    assert second.runs == () and "soil.poisson_ratio" in second.refused
+    assert [row.runs for row in steps] == [(f"{TIME_STEP_FOLDER}plain/0.5_1",), (f"{TIME_STEP_FOLDER}plain/2_1",)]
+    assert extremes.runs["nu/weak/0.3_1"]["soil"]["poisson_ratio"] == 0.3
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"sweeps": {"nu": {"scene_key": "soil.poisson_ratio", "values": [0.3], "cases": ["odd"]}}}, ["sweeps.nu.cases", "odd"]),
+        ({"sweeps": {"nu": {"scene_key": "soil.poisson_ratio", "values": []}}}, ["sweeps.nu.values"]),
+        ({"cases": {"weak": {"coupling": {"S_R": 7.0}}}}, ["sweeps.nu", "coupling.S_R"]),
+    ],
+)
+def test_errors_name_the_key(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(ValueError) as raised:
+        load_extremes(write(tmp_path, **changes), [tmp_path])
+    assert all(word in str(raised.value) for word in words)
+
+
+@pytest.mark.parametrize("factor", [0.25, 0.95, 4.0])
+def test_a_fixed_step_is_a_factor_of_the_limit(factor: float) -> None:
+    scene = make_scene(fixed_step(SCENE, factor))
+    limit = min(limit.seconds for limit in limits(scene))
+    assert scene.numerics.time_step == pytest.approx(factor * limit) and scene.numerics.adaptive_step is None
+    assert scene.duration == pytest.approx(15.0, rel=0.02) and scene.gravity.duration == pytest.approx(3.0, rel=0.05)
+
+
+def test_the_shipped_extremes_are_valid() -> None:
+    extremes = load_extremes(folders=[ROOT])
+    assert len(extremes.rows) > 200 and len(extremes.runs) > 200
+    assert {row.sweep for row in extremes.rows if row.sweep == TIME_STEP}
+
+
+def test_penetration_and_asymmetry() -> None:
+    # All soil above the toe moved by 56.5 m to the left: the leftmost of it, at x = 55.5 m, is 1 m behind the front wall's face.
+    run = synthetic(translation(-56.5))
+    assert penetration(run, scene_of(run)) == pytest.approx(1.0 / 1.0, abs=1e-5)
+    still = synthetic(translation(0.0))
+    assert penetration(still, scene_of(still)) == 0.0
+    assert penetration(synthetic(translation(0.0, -12.0)), scene_of(still)) == pytest.approx(1.5, abs=1e-5)
+    block = {"geometry": {"shape": "block", "width": 10.0, "height": 10.0}}
+    moved = synthetic(lambda scene, x, y: (np.where(y > 5, 0.2, 0.0), np.zeros_like(y)), overrides=block)
+    assert asymmetry(moved, scene_of(moved)) == pytest.approx(0.4, abs=1e-5)
+
+
+def test_table_and_figure(tmp_path: Path) -> None:
+    extremes = load_extremes(write(tmp_path), [tmp_path])
+    runs = {name: synthetic(translation(-3.0 if "nu" in name else -5.0)) for name in extremes.runs}
+    runs["nu/weak/0.3_2"] = synthetic(translation(-3.1))
+
+    def read(name: str) -> xr.Dataset:
+        return runs[name]
+
+    table = extremes_table(extremes.rows, read)
+    assert list(table.columns) == [column.name for column in EXTREMES]
+    assert table["status"].tolist() == ["complete", REFUSED, "complete", "complete"]
+    assert table["displacement"].iloc[0] == pytest.approx(3.0) and table["reproducible"].iloc[0] == 0.0
+    write_csv(table, tmp_path / "extremes.csv")
+    pd.testing.assert_frame_equal(read_extremes(tmp_path / "extremes.csv"), table)
+    axes = figure_extremes(table).axes
+    assert len(axes) == 4 and "R" in {text.get_text() for text in axes[0].texts}
+    with pytest.raises(ValueError, match="no row"):
+        figure_extremes(table.iloc[:0])
