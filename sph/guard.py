@@ -20,8 +20,9 @@ from sph.state import State
 
 MAX_SPEED_RATIO = 1.0
 """A particle is too fast above this multiple of V_p."""
-MAX_ENERGY_GAP = 0.1
-"""Largest gap in the energy budget, and largest negative dissipation, over the sum of its parts: now, half-way or at the start."""
+MAX_ENERGY_GAP = 0.25
+"""Largest gap in the energy budget, and largest negative dissipation, over the sum of its parts: now, half-way or at the start.
+Soil that settles between free-slip walls gains up to a tenth of its small energies from them; what diverges gains more than all."""
 SMALL_SPEED = 1e-3
 """Energies below that of the soil at this part of V_p are not judged: a run begins with none."""
 PARTS = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy")

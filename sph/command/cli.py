@@ -49,7 +49,7 @@ def check_writable(path: Path, option: str = "--out") -> None:
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
             pass
     except OSError as error:
-        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}") from error
+        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; mend that or choose another place") from error
 
 
 @contextmanager

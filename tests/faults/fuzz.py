@@ -316,8 +316,8 @@ def validation(data: Any, folder: Path) -> str:
 
 
 def _stays(path: str, folder: str) -> None:
-    whole = Path("/work").joinpath(path)
-    assert Path(os.path.normpath(whole)) == whole and whole.is_relative_to(f"/work/{folder}"), f"{path} leaves {folder}"
+    whole = Path("/study").joinpath(path)
+    assert Path(os.path.normpath(whole)) == whole and whole.is_relative_to(f"/study/{folder}"), f"{path} leaves {folder}"
     assert all(0 < len(part.encode()) <= 250 for part in whole.parts) and path.isprintable(), f"{path[:80]} is no file name"
 
 
