@@ -24,6 +24,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq  # type: ignore[import-untyped]
 
+from sph.analysis.tables import ROW
 from sph.trajectory import Variable
 
 SAFETY = 1.25
@@ -33,7 +34,6 @@ ORDERS = (0.5, 3.0)
 LARGEST_ORDER = 20.0
 QUANTITIES = ("displacement_magnitude", "runout", "onset_after_start")
 
-ROW = ("row",)
 CONVERGENCE: tuple[Variable, ...] = (
     Variable("quantity", ROW, "str", "1", "column of trade.csv"),
     Variable("case", ROW, "str", "1", "point of the study"),

@@ -18,7 +18,7 @@ from pydantic import Field
 from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.analysis.metrics import energy_gap, largest_mass, outline_area
-from sph.analysis.tables import read_csv
+from sph.analysis.tables import ROW, number_column, read_csv
 from sph.analysis.trade import Label, Overrides, file_name
 from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.particles import SOIL
@@ -37,11 +37,6 @@ FRAME = 0.5
 """Interval of the frames of a run with a fixed step, about, s."""
 LINK = 2.0
 """Particles nearer than this many spacings hang together."""
-ROW = ("row",)
-
-
-def _number(name: str, units: str, text: str) -> Variable:
-    return Variable(name, ROW, "f8", units, text)
 
 
 EXTREMES: tuple[Variable, ...] = (
@@ -50,17 +45,19 @@ EXTREMES: tuple[Variable, ...] = (
     Variable("case", ROW, "str", "1", "the slope, or the scheme of a sweep over time steps"),
     Variable("status", ROW, "str", "1", "complete, unfailed, diverged, or refused before any work"),
     Variable("reason", ROW, "str", "1", "why it diverged or was refused"),
-    _number("time_step_ratio", "1", "largest time step over its limit measured on the particles as they lay"),
-    _number("energy_gap", "1", "largest gap in the energy budget over the largest sum of its parts"),
-    _number("area_change", "1", "area inside the outline of the largest mass at the end over that of all soil at the start, minus 1"),
-    _number("nearest_p05", "1", "5th percentile of the distance to the nearest soil particle at the end over the spacing: pairing"),
-    _number("nearest_least", "1", "smallest such distance over the spacing"),
-    _number("penetration", "1", "largest depth of soil behind the face of a wall, over all frames, over the spacing"),
-    _number("stragglers", "1", "share of the soil that is not in the largest mass at the end"),
-    _number("asymmetry", "1", "largest distance of a particle from its mirror image's mirror image over the spacing; NaN for other scenes"),
-    _number("displacement", "m", "largest displacement of a soil particle"),
-    _number("reproducible", "1", "1 if the repeats gave the same bits, 0 if not; NaN for one run"),
-    _number("wall_time", "s", "computing time of a run"),
+    number_column("time_step_ratio", "1", "largest time step over its limit measured on the particles as they lay"),
+    number_column("energy_gap", "1", "largest gap in the energy budget over the largest sum of its parts"),
+    number_column("area_change", "1", "area inside the outline of the largest mass at the end over that of all soil at the start, minus 1"),
+    number_column("nearest_p05", "1", "5th percentile of the distance to the nearest soil particle at the end over the spacing: pairing"),
+    number_column("nearest_least", "1", "smallest such distance over the spacing"),
+    number_column("penetration", "1", "largest depth of soil behind the face of a wall, over all frames, over the spacing"),
+    number_column("stragglers", "1", "share of the soil that is not in the largest mass at the end"),
+    number_column(
+        "asymmetry", "1", "largest distance of a particle from its mirror image's mirror image over the spacing; NaN for other scenes"
+    ),
+    number_column("displacement", "m", "largest displacement of a soil particle"),
+    number_column("reproducible", "1", "1 if the repeats gave the same bits, 0 if not; NaN for one run"),
+    number_column("wall_time", "s", "computing time of a run"),
 )
 """The columns."""
 

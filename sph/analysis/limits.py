@@ -14,7 +14,7 @@ import xarray as xr
 from pydantic import model_validator
 
 from sph.analysis.metrics import METRIC_BY_NAME, MetricSettings, measure
-from sph.analysis.tables import read_csv
+from sph.analysis.tables import ROW, read_csv
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene import make_scene
@@ -25,7 +25,6 @@ FOLDER = "results/limits"
 SHIPPED = Path(__file__).with_name("measured") / "limits.csv"
 """Table measured for this release."""
 QUANTITIES = ("displacement_magnitude", "runout")
-ROW = ("row",)
 
 LIMITS: tuple[Variable, ...] = (
     Variable("change", ROW, "str", "1", "what differs from the scene as it is"),

@@ -21,6 +21,20 @@ from sph.analysis.metrics import GRID, METRICS
 from sph.files import whole
 from sph.trajectory import Variable
 
+ROW = ("row",)
+"""The dimension of a flat table."""
+
+
+def text_column(name: str, text: str) -> Variable:
+    """Column of words of a flat table."""
+    return Variable(name, ROW, "str", "1", text)
+
+
+def number_column(name: str, units: str, text: str) -> Variable:
+    """Column of numbers of a flat table."""
+    return Variable(name, ROW, "f8", units, text)
+
+
 AXES: tuple[Variable, ...] = (
     Variable("S_R", ("S_R",), "f8", "1", "strength ratio of the fluid state, Eqs. 14-15"),
     Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),

@@ -16,23 +16,14 @@ import pandas as pd
 import xarray as xr
 
 from sph.analysis.metrics import METRIC_BY_NAME, MetricSettings, measure
-from sph.analysis.tables import read_csv
+from sph.analysis.tables import ROW, number_column, read_csv, text_column
 from sph.analysis.trade import PRESETS, Rung, settings_text
 from sph.trajectory import Variable, scene_of
 
-ROW = ("row",)
 QUANTITIES = {"displacement": "displacement_magnitude", "runout": "runout"}
 """The metrics whose deviations are given, by the name of the deviation."""
 WORDS = {"displacement": "A's displacement", "runout": "run-out"}
 """The quantities in words."""
-
-
-def _text(name: str, text: str) -> Variable:
-    return Variable(name, ROW, "str", "1", text)
-
-
-def _number(name: str, units: str, text: str) -> Variable:
-    return Variable(name, ROW, "f8", units, text)
 
 
 def _metric(name: str) -> Variable:
@@ -40,13 +31,13 @@ def _metric(name: str) -> Variable:
 
 
 TRADE: tuple[Variable, ...] = (
-    _text("knob", f"what is turned; '{PRESETS}' for the fidelities of the study"),
-    _text("rung", "its position"),
-    _text("case", "point of the study"),
-    _text("changes", "accuracy: how well the scene is computed; model: what is computed"),
-    _text("settings", "scene keys that the rung sets over the scene file, as JSON"),
-    _text("scheme", "how the run is simulated: scene keys, but for what is simulated, that differ from their defaults, as JSON"),
-    _text("machine", "processor and number of cores of the machine that made the table"),
+    text_column("knob", f"what is turned; '{PRESETS}' for the fidelities of the study"),
+    text_column("rung", "its position"),
+    text_column("case", "point of the study"),
+    text_column("changes", "accuracy: how well the scene is computed; model: what is computed"),
+    text_column("settings", "scene keys that the rung sets over the scene file, as JSON"),
+    text_column("scheme", "how the run is simulated: scene keys, but for what is simulated, that differ from their defaults, as JSON"),
+    text_column("machine", "processor and number of cores of the machine that made the table"),
     Variable("timed", ROW, "i1", "1", "1 for the case whose run is repeated: its computing time is the rung's cost"),
     Variable("reference", ROW, "i1", "1", "1 for the rung from which deviations are measured"),
     Variable("repeats", ROW, "i4", "1", "how often the run was made"),
@@ -55,22 +46,24 @@ TRADE: tuple[Variable, ...] = (
     Variable("class_as_reference", ROW, "i1", "1", "1 if the class is that of the reference in the same case"),
     _metric("displacement_magnitude"),
     _metric("runout"),
-    _number("onset_after_start", "s", "onset_time minus shaking_start; NaN if the probe's motion never begins"),
+    number_column("onset_after_start", "s", "onset_time minus shaking_start; NaN if the probe's motion never begins"),
     _metric("energy_error"),
     _metric("time_step_ratio"),
-    _number("spacing", "m", "initial particle spacing"),
+    number_column("spacing", "m", "initial particle spacing"),
     Variable("particles", ROW, "i4", "1", "number of particles, those of the box included"),
     Variable("steps", ROW, "i4", "1", "number of time steps made"),
-    _number("wall_time", "s", "computing time of the whole run without compiling, reading and writing: median of the repeats"),
-    _number("wall_time_min", "s", "its smallest value"),
-    _number("wall_time_max", "s", "its largest value"),
-    _number("particle_steps_per_second", "s-1", "particles times time steps over the computing time: median of the repeats"),
+    number_column("wall_time", "s", "computing time of the whole run without compiling, reading and writing: median of the repeats"),
+    number_column("wall_time_min", "s", "its smallest value"),
+    number_column("wall_time_max", "s", "its largest value"),
+    number_column("particle_steps_per_second", "s-1", "particles times time steps over the computing time: median of the repeats"),
     *(
-        _number(f"{name}_deviation{suffix}", "1", f"{metric} over that of {what} in the same case, minus 1; NaN for a diverged run")
+        number_column(f"{name}_deviation{suffix}", "1", f"{metric} over that of {what} in the same case, minus 1; NaN for a diverged run")
         for suffix, what in (("", "the reference"), ("_from_baseline", "the baseline, the fidelity named in the configuration,"))
         for name, metric in QUANTITIES.items()
     ),
-    _number("reproducible", "1", "1 if all repeats gave the same bits of displacement and run-out, 0 if not; NaN for a run made once"),
+    number_column(
+        "reproducible", "1", "1 if all repeats gave the same bits of displacement and run-out, 0 if not; NaN for a run made once"
+    ),
 )
 COLUMNS = [row.name for row in TRADE]
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.analysis.tables import read_csv
+from sph.analysis.tables import number_column, read_csv, text_column
 from sph.trajectory import Variable
 from sph.validation import CASES
 from sph.validation.level import Found, Level
@@ -17,40 +17,31 @@ from sph.validation.suite import Case
 HOLDS, MISSES = "holds", "misses"
 SHIPPED_VALIDATION = Path(__file__).with_name("measured") / "validation.csv"
 """Table measured for this release, by ``snakemake validation``."""
-ROW = ("row",)
 NO_ORDER_BELOW = 1e-6
 """Errors below this are rounding: no order of convergence is given."""
 
 
-def _text(name: str, text: str) -> Variable:
-    return Variable(name, ROW, "str", "1", text)
-
-
-def _number(name: str, units: str, text: str) -> Variable:
-    return Variable(name, ROW, "f8", units, text)
-
-
 VALIDATION: tuple[Variable, ...] = (
-    _text("case", "name of the case"),
-    _text("title", "what is tested"),
-    _text("quantity", "name of the quantity"),
-    _text("text", "the quantity in words"),
-    _text("units", "its unit"),
-    _number("computed", "see units", "value on the finest level"),
-    _number("reference", "see units", "value to meet"),
-    _number("error", "1", "difference over the reference; where that is 0 the difference, in units"),
-    _number("tolerance", "1", "largest error allowed on the finest level"),
-    _text("verdict", f"{HOLDS} or {MISSES}"),
-    _text("levels", "resolutions, from coarse to fine"),
-    _text("errors", "errors of the levels, from coarse to fine"),
-    _number(
+    text_column("case", "name of the case"),
+    text_column("title", "what is tested"),
+    text_column("quantity", "name of the quantity"),
+    text_column("text", "the quantity in words"),
+    text_column("units", "its unit"),
+    number_column("computed", "see units", "value on the finest level"),
+    number_column("reference", "see units", "value to meet"),
+    number_column("error", "1", "difference over the reference; where that is 0 the difference, in units"),
+    number_column("tolerance", "1", "largest error allowed on the finest level"),
+    text_column("verdict", f"{HOLDS} or {MISSES}"),
+    text_column("levels", "resolutions, from coarse to fine"),
+    text_column("errors", "errors of the levels, from coarse to fine"),
+    number_column(
         "order",
         "1",
         "observed order of convergence, from the two finest levels; NaN where the error is rounding or changes its sign, or a run diverged",
     ),
-    _number("cost", "s", "computing time of all runs of the case on one core"),
-    _text("reason", "why this tolerance"),
-    _text("source", "where the reference comes from"),
+    number_column("cost", "s", "computing time of all runs of the case on one core"),
+    text_column("reason", "why this tolerance"),
+    text_column("source", "where the reference comes from"),
 )
 """The columns."""
 
