@@ -273,6 +273,28 @@ def metrics(
     Console().print(table)
 
 
+@app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")
+def status(
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="[RESULTS_FOLDER]", help="results/<study>/<fidelity>; that of the configuration by default")
+    ] = None,
+    configfile: Annotated[
+        Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
+    ] = None,
+    watching: Annotated[bool, typer.Option("--watch", help="look again every 2 s until all simulations are done")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
+) -> None:
+    """Show from a second terminal how far a study is: done, running, failed, waiting, and the time left; it disturbs nothing."""
+    from sph.command.status import jobs, lines, located_plan, look, record, watch
+
+    with refusals():
+        plan, place = located_plan(folder, configfile)
+        if watching and not as_json:
+            return watch(plan, place)
+        states = [look(job, place) for job in jobs(plan)]
+    print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
+
+
 Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]
 Rule = Annotated[
     list[str] | None,
