@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import subprocess
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
+from subprocess import CalledProcessError
 
 import matplotlib
 import numpy as np
@@ -127,9 +127,9 @@ def _gif(figure: Figure, show: Callable[[int], None], frames: Sequence[int], pat
 def _mp4(figure: Figure, show: Callable[[int], None], frames: Sequence[int], path: Path, fps: float) -> None:
     writer = FFMpegWriter(fps=fps, codec="h264", extra_args=["-f", "mp4", "-pix_fmt", "yuv420p", "-crf", "18"])  # type: ignore[arg-type]
     try:
-        with writer.saving(figure, str(path), figure.dpi):
+        with writer.saving(figure, str(path.resolve()), figure.dpi):  # ffmpeg takes 'a:b' for an address, '/a:b' for a file
             for frame in frames:
                 show(frame)
                 writer.grab_frame()
-    except subprocess.CalledProcessError as error:
+    except CalledProcessError as error:
         raise OSError(f"ffmpeg failed: {(error.stderr or '').strip()[-300:]}") from error
