@@ -276,7 +276,7 @@ def metrics(
 @app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")
 def status(
     folder: Annotated[
-        Path | None, typer.Argument(metavar="[RESULTS_FOLDER]", help="results/<study>/<fidelity>; that of the configuration by default")
+        Path | None, typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity>; that of the configuration by default")
     ] = None,
     configfile: Annotated[
         Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")

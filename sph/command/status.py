@@ -209,16 +209,12 @@ def lines(plan: Plan, states: Sequence[State]) -> list[str]:
 
 
 def _line(state: State) -> str:
-    until = state.job.scene.duration if state.job.kind == RUNS else 0.0
-    at = (
-        f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s"
-        if until and state.time
-        else f"at {state.time:.2f} s"
-        if state.time
-        else ""
-    )
-    left = "" if math.isnan(state.left) else f"{duration(state.left)} left"
-    told = [part for part in (at if state.state in ("running", "stopped") else "", left, state.note) if part]
+    told = [state.note] if state.note else []
+    if not math.isnan(state.left):
+        told.insert(0, f"{duration(state.left)} left")
+    if state.time and state.state in ("running", "stopped"):
+        until = state.job.scene.duration
+        told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.kind == RUNS else f"at {state.time:.2f} s")
     return f"  {state.state}: {state.job.name}{': ' if told else ''}{', '.join(told)}"
 
 
