@@ -97,6 +97,11 @@ class Study(Section):
         """Table of all grid points, labels as written."""
         return pd.DataFrame(list(itertools.product(*(getattr(self.grid, name) for name in GRID))), columns=list(GRID))
 
+    @staticmethod
+    def point_name(point: Mapping[str, str]) -> str:
+        """Name of a grid point in file names, as the Snakefile's ``Paramspace`` writes it."""
+        return "_".join(f"{name}-{point[name]}" for name in GRID)
+
     @property
     def reference_amplitude(self) -> str:
         """Label of the amplitude at which claims are tested and figures drawn; ValueError if the grid lacks it."""
