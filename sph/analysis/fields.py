@@ -16,6 +16,13 @@ from sph.scene import Scene
 from sph.trajectory import scene_of
 
 
+def with_end(name: str, trajectory: xr.Dataset) -> str:
+    """A name for figures; that of a run which the guard stopped says so and when."""
+    if trajectory.attrs["status"] != "diverged":
+        return name
+    return f"{name}, diverged at {float(trajectory['sample_time'][-1]):.3g} s".removeprefix(", ")
+
+
 class ProbeHistory(NamedTuple):
     """Motion of one probe since the end of the gravity stage, relative to the box."""
 

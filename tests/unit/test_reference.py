@@ -29,7 +29,7 @@ HOMES = {
     "limits_variables": "results",
     "extremes_variables": "results",
 }
-MEASURED = ("presets", "trade", "validation", "limits")
+MEASURED = ("presets", "trade", "validation", "limits", "extremes")
 
 
 def test_every_table_has_a_home() -> None:

@@ -12,7 +12,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from sph.analysis.fields import FIELDS
+from sph.analysis.fields import FIELDS, with_end
 from sph.analysis.figures.style import WIDTH, add_note, colour_map, label_panels, styled
 from sph.particles import SOIL
 from sph.scene import Scene
@@ -110,7 +110,7 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
     for ax in axes:
         ax.set(xlim=(left, right), ylim=(lower, upper))
     axes[-1].set_xlabel("horizontal position (m)")
-    label_panels(axes, trajectories)
+    label_panels(axes, [with_end(title, trajectory) for title, trajectory in trajectories.items()])
     bar = FIELDS[field]
     figure.colorbar(
         circles, ax=list(axes), label=f"{bar.label} ({bar.units})", pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5
