@@ -68,9 +68,9 @@ def figure_morris(table: pd.DataFrame, factors: Sequence[Axis], chosen: Collecti
         for slope, text in GUIDES.items():
             end = min(right, top / slope)
             ax.plot([0.0, end], [0.0, slope * end], color=GREY, linewidth=0.6, linestyle=":", zorder=0)
-            ax.annotate(text, (end, slope * end), ha="right", va="bottom", fontsize=6.5, color=GREY)
+            ax.text(0.97 * end, 0.97 * slope * end, text, ha="right", va="top" if end < right else "bottom", fontsize=6.5, color=GREY)
         ax.set(xlim=(0.0, right), ylim=(0.0, top))
-    label_panels(axes.values(), [_words(metric) for metric in axes])
+    label_panels(axes.values(), [_title(table, metric) for metric in axes])
     handles = [Line2D([], [], linestyle="", label=factor.label, **looks[factor.name]) for factor in factors]
     figure.legend(handles=handles, loc="outside upper center", ncols=4)
     write_note(figure, f"{note} · full symbols: factors of the Sobol' sample")
@@ -91,11 +91,11 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
     for metric, ax in axes.items():
         rows = table[table["metric"] == metric].set_index("factor").loc[order]
         base = rows["at_base"].iloc[0]
-        for end, colour in colours.items():
+        for shift, (end, colour) in zip((0.17, -0.17), colours.items(), strict=True):
             reach = rows[f"at_{end}"].to_numpy() - base
-            ax.barh(np.arange(len(order)), np.nan_to_num(reach), left=base, height=0.62, color=colour, alpha=0.85)
+            ax.barh(np.arange(len(order)) + shift, np.nan_to_num(reach), left=base, height=0.34, color=colour)
             lost = np.flatnonzero(np.isnan(reach))
-            ax.plot(np.full(lost.size, base), lost, linestyle="", marker="x", color=UNTRUSTED_COLOUR)
+            ax.plot(np.full(lost.size, base), lost + shift, linestyle="", marker="x", color=UNTRUSTED_COLOUR)
         ax.axvline(base, color="black", linewidth=0.8)
         ax.set(xlabel=f"{_words(metric)}{_unit(rows['units'].iloc[0])}", yticks=np.arange(len(order)), yticklabels=[])
         ax.tick_params(axis="y", length=0)
@@ -103,7 +103,11 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
         ax.margins(x=0.06, y=0.02)
     leftmost = next(iter(axes.values()))
     leftmost.set_yticklabels(
-        [f"{by_name[name].label}\n{by_name[name].low:g} to {by_name[name].high:g}{_bare(by_name[name].unit)}" for name in order], fontsize=7
+        [
+            f"{by_name[name].label}\n{_short(by_name[name].low)} to {_short(by_name[name].high)}{_bare(by_name[name].unit)}"
+            for name in order
+        ],
+        fontsize=7,
     )
     label_panels(axes.values(), [_words(metric) for metric in axes])
     handles = [Line2D([], [], color=colour, linewidth=6, label=f"{end} end of the range") for end, colour in colours.items()]
@@ -113,8 +117,12 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
     return figure
 
 
+def _short(value: float) -> str:
+    return f"{value:.3g}".replace("e+0", "e").replace("e-0", "e-")
+
+
 def _bare(unit: str) -> str:
-    return "" if unit == "-" else "°" if unit == "degree" else f" {unit}"
+    return {"-": "", "1": "", "degree": "°", "m/s2": " m/s²"}.get(unit, f" {unit}")
 
 
 @styled
@@ -172,7 +180,7 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
         short = quantity.replace(metric, "u") if quantity != metric else _words(metric)
         ax.set(xlabel=f"{short}{unit}, computed", ylabel=f"{short}{unit}, predicted")
         trusted = facts["verdict"] == TRUSTED
-        text = f"Q² = {facts['q2']:.2f}, RMSE {facts['rmse']:.2g}{_bare(facts['units']) if facts['units'] != '1' else ''}"
+        text = f"Q² = {facts['q2']:.2f}, RMSE {facts['rmse']:.2g}{_bare(facts['units'])}"
         ax.text(0.03, 0.97, text if trusted else f"{text}\n{facts['verdict']}", transform=ax.transAxes, ha="left", va="top",
                 fontsize=7.5, color="black" if trusted else UNTRUSTED_COLOUR)  # fmt: skip
     label_panels(axes.values(), [_words(metric) for metric in axes])
