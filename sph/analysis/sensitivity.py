@@ -9,6 +9,7 @@ scrambled Sobol' sequence begins as a shorter one.  Some points of the last desi
 from __future__ import annotations
 
 import itertools
+import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -16,8 +17,6 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
-from SALib.sample import morris as salib_morris
-from scipy.stats import qmc  # type: ignore[import-untyped]
 
 from sph.analysis.metrics import METRIC_BY_NAME
 from sph.analysis.study import Plan
@@ -217,16 +216,16 @@ class SensitivityPlan:
             return self._designs[design]
         return dict(itertools.islice(self._sobol(chosen), self.confirmed if design == CONFIRM else None))
 
-    def scene(self, design: str, point: Point) -> dict[str, Any]:
-        """Scene of a point of a design, as a mapping."""
-        return self._scene(point, self.fidelities[design == CONFIRM])
+    def scene(self, design: str, run: str, chosen: Sequence[str] = ()) -> dict[str, Any]:
+        """Scene of a run of a design, as a mapping."""
+        return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
 
     def check(self) -> None:
         """Build every scene of the designs that no result decides, and of every corner of the ranges at every fidelity, with particles
         and probes; ValueError names the point."""
         for design, runs in self._designs.items():
-            for run, point in runs.items():
-                self._check(self.scene(design, point), f"{design}/{run}")
+            for run in runs:
+                self._check(self.scene(design, run), f"{design}/{run}")
         for corner in itertools.product(*((axis.low, axis.high) for axis in self.axes)):
             at = ", ".join(f"{axis.name} = {value:g}" for axis, value in zip(self.axes, corner, strict=True))
             for fidelity in self._bases:
@@ -271,10 +270,12 @@ class SensitivityPlan:
         return tuple(moved.get(axis.name, axis.base) for axis in self.axes)
 
     def _morris(self) -> Iterable[tuple[str, Point]]:
+        from SALib.sample import morris
+
         problem = {"num_vars": len(self.axes), "names": [axis.name for axis in self.axes], "bounds": [[0.0, 1.0]] * len(self.axes)}
         for number in range(self.settings.morris.trajectories):
             seed = int(np.random.SeedSequence([self.settings.seed, number]).generate_state(1)[0])
-            steps = salib_morris.sample(problem, 1, num_levels=self.settings.morris.levels, seed=seed)
+            steps = morris.sample(problem, 1, num_levels=self.settings.morris.levels, seed=seed)
             for step, shares in enumerate(steps):
                 yield f"{number:04d}/{step:02d}", self._values(shares, self.axes)
 
@@ -286,11 +287,18 @@ class SensitivityPlan:
                 yield f"{axis.name}/{end}", (*base[:place], value, *base[place + 1 :])
 
     def _sobol(self, chosen: Sequence[str]) -> Iterable[tuple[str, Point]]:
+        from scipy.stats import qmc  # type: ignore[import-untyped]
+
         axes = [axis for axis in self.axes if axis.name in chosen]
         count = self.settings.sobol.samples
         sequence = qmc.Sobol(len(axes), scramble=True, rng=self.settings.seed).random_base2(math.ceil(math.log2(count)))
         for number, shares in enumerate(sequence[:count]):
             yield f"{number:04d}", self._values(shares, axes)
+
+
+def chosen_factors(path: Path | str | Sequence[str]) -> list[str]:
+    """Names in the file of the factors that matter; none where there is no file."""
+    return json.loads(Path(path).read_text(encoding="utf-8")) if isinstance(path, (str, Path)) else []
 
 
 def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:

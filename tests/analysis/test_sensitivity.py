@@ -53,13 +53,13 @@ def test_the_shipped_ranges_hold_valid_scenes_with_the_probe_at_the_crest(tmp_pa
     assert len(plan.axes) == 11 and plan.fidelities == ("draft", "standard")
     for end in ("low", "high"):
         for name in ("height", "slope_angle"):
-            scene = make_scene(plan.scene("tornado", plan.design("tornado")[f"{name}/{end}"]))
+            scene = make_scene(plan.scene("tornado", f"{name}/{end}"))
             particles = place_particles(scene)
             probe = locate_probes(scene, particles)["A"]
             crest = np.array(scene.geometry.crest)
             assert np.hypot(*(np.array([particles.x[probe], particles.y[probe]]) - crest)) < scene.numerics.spacing
     # The box grows with the slope.
-    tall = make_scene(plan.scene("tornado", plan.design("tornado")["height/high"])).geometry
+    tall = make_scene(plan.scene("tornado", "height/high")).geometry
     assert (tall.slope_height, tall.apron_length, tall.crest_length) == pytest.approx((30.0, 66.0, 40.8))
 
 
@@ -89,9 +89,8 @@ def test_sobol_moves_the_chosen_factors_alone_and_confirms_the_first_points(tmp_
     assert moved == ["S_R", "height"]
     confirm = plan.design("confirm", ["S_R", "height"])
     assert list(confirm.items()) == list(plan.design("sobol", ["S_R", "height"]).items())[:6]
-    point = confirm["0000"]
-    assert make_scene(plan.scene("confirm", point)).numerics.smoothing_ratio == 2.3
-    assert make_scene(plan.scene("sobol", point)).numerics.smoothing_ratio == 1.3
+    for design, ratio in (("confirm", 2.3), ("sobol", 1.3)):
+        assert make_scene(plan.scene(design, "0000", ["S_R", "height"])).numerics.smoothing_ratio == ratio
     assert planned(tmp_path, fidelity="standard").confirmed == 0, "the study's own fidelity confirms nothing"
 
 

@@ -3,60 +3,29 @@
 # Outputs: results/<study>/<fidelity>/sensitivity: runs/<design>/*.nc, samples/*.csv, factors.json, morris.csv, tornado.csv, sobol.csv,
 #          cross_validation.csv, confirm.csv, sample.csv, sample.nc, figures/*
 import functools
-import json
+
+from sph.analysis.sensitivity import chosen_factors, load_sensitivity
+from sph.analysis.sensitivity_tables import described
 
 SENSITIVITY = f"{RESULTS}/sensitivity"
 FACTORS = f"{SENSITIVITY}/factors.json"
-
-
-@functools.cache
-def sensitivity_plan():
-    """The designs, read once a rule of theirs is asked for; their scenes are built before the first job, not again by each."""
-    from sph.analysis.sensitivity import load_sensitivity
-
-    return load_sensitivity(
-        PLAN.study.sensitivity, PLAN, FOLDERS, check=workflow.is_main_process
+ALL_FACTORS = ("morris", "tornado")  # designs that vary every factor
+SAMPLE_OF = {
+    "morris": "morris",
+    "tornado": "tornado",
+    "sobol": "sobol",
+    "cross_validation": "sobol",
+}
+# Read once a rule of the analysis is asked for; its scenes are built before the first job, not again by each.
+DESIGNS = functools.cache(
+    functools.partial(
+        load_sensitivity,
+        PLAN.study.sensitivity,
+        PLAN,
+        FOLDERS,
+        check=workflow.is_main_process,
     )
-
-
-def factors_file(wildcards):
-    """The file with the factors that matter, for the designs that vary these alone."""
-    return [] if wildcards.design in ("morris", "tornado") else FACTORS
-
-
-def design_points(wildcards, input):
-    """Values of the factors of every run of a design, by name."""
-    chosen = json.loads(Path(input.factors).read_text()) if input.factors else []
-    return sensitivity_plan().design(wildcards.design, chosen)
-
-
-def design_runs(wildcards):
-    """Files of all runs of a design."""
-    chosen = []
-    if factors_file(wildcards):
-        with checkpoints.sensitivity_factors.get().output[0].open() as file:
-            chosen = json.load(file)
-    return [
-        f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
-        for run in sensitivity_plan().design(wildcards.design, chosen)
-    ]
-
-
-def described_sample(wildcards, input):
-    """How many runs a sample has, and how many diverged."""
-    from sph.analysis.sensitivity_tables import described
-
-    return described(input.sample)
-
-
-def sensitivity_axes(wildcards):
-    """The factors, for a script."""
-    return [axis._asdict() for axis in sensitivity_plan().axes]
-
-
-def sensitivity_quantities(wildcards):
-    """The metrics as they are analysed, for a script."""
-    return [quantity._asdict() for quantity in sensitivity_plan().quantities]
+)
 
 
 wildcard_constraints:
@@ -68,12 +37,12 @@ rule sensitivity:
     input:
         f"{SENSITIVITY}/sample.csv",
         lambda wildcards: (
-            [f"{SENSITIVITY}/confirm.csv"] if sensitivity_plan().confirmed else []
+            [f"{SENSITIVITY}/confirm.csv"] if DESIGNS().confirmed else []
         ),
         expand(
             "{sensitivity}/figures/{figure}.{kind}",
             sensitivity=SENSITIVITY,
-            figure=["morris", "tornado", "sobol", "cross_validation"],
+            figure=SAMPLE_OF,
             kind=["png", "pdf"],
         ),
 
@@ -82,7 +51,7 @@ rule sensitivity_run:
     """Run a point of a design from the start to the end, on one core."""
     input:
         sources=SOLVER,
-        factors=factors_file,
+        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
     output:
         f"{SENSITIVITY}/runs/{{design}}/{{run}}.nc",
     log:
@@ -93,8 +62,8 @@ rule sensitivity_run:
         run=".+",
     threads: 1
     params:
-        scene=lambda wildcards, input: sensitivity_plan().scene(
-            wildcards.design, design_points(wildcards, input)[wildcards.run]
+        scene=lambda wildcards, input: DESIGNS().scene(
+            wildcards.design, wildcards.run, chosen_factors(input.factors)
         ),
         until="end",
     script:
@@ -105,16 +74,30 @@ rule sensitivity_measure:
     """Measure every run of a design."""
     input:
         sources=SOLVER + ANALYSIS,
-        factors=factors_file,
-        runs=design_runs,
+        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
+        runs=lambda wildcards: [
+            f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
+            for run in DESIGNS().design(
+                wildcards.design,
+                (
+                    ()
+                    if wildcards.design in ALL_FACTORS
+                    else chosen_factors(
+                        checkpoints.sensitivity_factors.get().output[0]
+                    )
+                ),
+            )
+        ],
     output:
         f"{SENSITIVITY}/samples/{{design}}.csv",
     log:
         f"{SENSITIVITY}/logs/{{design}}.log",
     params:
-        points=design_points,
-        axes=sensitivity_axes,
-        quantities=sensitivity_quantities,
+        points=lambda wildcards, input: DESIGNS().design(
+            wildcards.design, chosen_factors(input.factors)
+        ),
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
         settings=PLAN.study.metrics.model_dump(),
     script:
         "../scripts/measure_sample.py"
@@ -128,7 +111,7 @@ rule sensitivity_sample:
             "{sensitivity}/samples/{design}.csv",
             sensitivity=SENSITIVITY,
             design=["morris", "tornado", "sobol"]
-            + ["confirm"] * bool(sensitivity_plan().confirmed),
+            + ["confirm"] * bool(DESIGNS().confirmed),
         ),
     output:
         nc=f"{SENSITIVITY}/sample.nc",
@@ -140,8 +123,8 @@ rule sensitivity_sample:
     log:
         f"{SENSITIVITY}/logs/sample.log",
     params:
-        axes=sensitivity_axes,
-        quantities=sensitivity_quantities,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
     script:
         "../scripts/join_samples.py"
 
@@ -160,11 +143,11 @@ rule sensitivity_morris:
     log:
         f"{SENSITIVITY}/logs/morris_table.log",
     params:
-        axes=sensitivity_axes,
-        quantities=sensitivity_quantities,
-        resamples=lambda wildcards: sensitivity_plan().settings.morris.resamples,
-        seed=lambda wildcards: sensitivity_plan().settings.seed,
-        described=described_sample,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        resamples=lambda wildcards: DESIGNS().settings.morris.resamples,
+        seed=lambda wildcards: DESIGNS().settings.seed,
+        described=lambda wildcards, input: described(input.sample),
     script:
         "../scripts/screen_factors.py"
 
@@ -173,17 +156,15 @@ checkpoint sensitivity_factors:
     """The factors that matter: those of the configuration, or those that the screening finds."""
     input:
         lambda wildcards: (
-            []
-            if sensitivity_plan().settings.sobol.factors
-            else f"{SENSITIVITY}/morris.csv"
+            [] if DESIGNS().settings.sobol.factors else f"{SENSITIVITY}/morris.csv"
         ),
     output:
         FACTORS,
     log:
         f"{SENSITIVITY}/logs/factors.log",
     params:
-        factors=lambda wildcards: sensitivity_plan().settings.sobol.factors,
-        share=lambda wildcards: sensitivity_plan().settings.sobol.share,
+        factors=lambda wildcards: DESIGNS().settings.sobol.factors,
+        share=lambda wildcards: DESIGNS().settings.sobol.share,
     script:
         "../scripts/choose_factors.py"
 
@@ -202,9 +183,9 @@ rule sensitivity_tornado:
     log:
         f"{SENSITIVITY}/logs/tornado_table.log",
     params:
-        axes=sensitivity_axes,
-        quantities=sensitivity_quantities,
-        described=described_sample,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        described=lambda wildcards, input: described(input.sample),
     script:
         "../scripts/measure_tornado.py"
 
@@ -227,11 +208,11 @@ rule sensitivity_sobol:
     benchmark:
         f"{SENSITIVITY}/benchmarks/sobol_table.tsv"
     params:
-        axes=sensitivity_axes,
-        quantities=sensitivity_quantities,
-        settings=lambda wildcards: sensitivity_plan().settings.sobol.model_dump(),
-        seed=lambda wildcards: sensitivity_plan().settings.seed,
-        described=described_sample,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        settings=lambda wildcards: DESIGNS().settings.sobol.model_dump(),
+        seed=lambda wildcards: DESIGNS().settings.seed,
+        described=lambda wildcards, input: described(input.sample),
     script:
         "../scripts/fit_surrogate.py"
 
@@ -251,10 +232,10 @@ rule sensitivity_confirm:
     log:
         f"{SENSITIVITY}/logs/confirm_table.log",
     params:
-        axes=sensitivity_axes,
-        quantities=sensitivity_quantities,
-        fidelities=lambda wildcards: sensitivity_plan().fidelities,
-        described=described_sample,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        fidelities=lambda wildcards: DESIGNS().fidelities,
+        described=lambda wildcards, input: described(input.sample),
     script:
         "../scripts/confirm_sample.py"
 
@@ -270,9 +251,7 @@ rule sensitivity_figure:
             if wildcards.figure == "cross_validation"
             else []
         ),
-        sample=lambda wildcards: (
-            f"{SENSITIVITY}/samples/{wildcards.figure.replace('cross_validation', 'sobol')}.csv"
-        ),
+        sample=lambda wildcards: f"{SENSITIVITY}/samples/{SAMPLE_OF[wildcards.figure]}.csv",
     output:
         png=report(
             f"{SENSITIVITY}/figures/{{figure}}.png",
@@ -284,10 +263,10 @@ rule sensitivity_figure:
     log:
         f"{SENSITIVITY}/logs/figures/{{figure}}.log",
     wildcard_constraints:
-        figure="morris|tornado|sobol|cross_validation",
+        figure="|".join(SAMPLE_OF),
     params:
-        axes=sensitivity_axes,
-        described=described_sample,
+        axes=lambda wildcards: DESIGNS().axes,
+        described=lambda wildcards, input: described(input.sample),
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/draw_sensitivity.py"

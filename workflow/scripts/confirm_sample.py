@@ -1,7 +1,6 @@
 """Compare points of a sample with the same ones at another fidelity."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from sph.analysis.sensitivity import Axis, Quantity
 from sph.analysis.sensitivity_tables import confirmation_table, read_sample
@@ -12,15 +11,14 @@ from sph.command.job import job_log
 def confirm_sample(
     path_to_sample: str,
     path_to_confirmed: str,
-    axes: Sequence[Mapping[str, Any]],
-    quantities: Sequence[Mapping[str, Any]],
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
     fidelities: tuple[str, str],
     path_to_table: str,
 ) -> None:
     """One row a metric and point."""
-    factors, metrics = [Axis(**axis) for axis in axes], [Quantity(**quantity) for quantity in quantities]
-    sample, confirmed = (read_sample(path, factors, metrics) for path in (path_to_sample, path_to_confirmed))
-    write_csv(confirmation_table(sample, confirmed, metrics, fidelities), path_to_table)
+    sample, confirmed = (read_sample(path, axes, quantities) for path in (path_to_sample, path_to_confirmed))
+    write_csv(confirmation_table(sample, confirmed, quantities, fidelities), path_to_table)
 
 
 if __name__ == "__main__":

@@ -1,14 +1,11 @@
 """Draw a figure of the sensitivity analysis."""
 
-import json
-from collections.abc import Mapping, Sequence
-from pathlib import Path
-from typing import Any
+from collections.abc import Sequence
 
 from sph.analysis.elementary_effects import MORRIS
 from sph.analysis.figures import save
 from sph.analysis.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
-from sph.analysis.sensitivity import Axis
+from sph.analysis.sensitivity import Axis, chosen_factors
 from sph.analysis.sensitivity_tables import TORNADO
 from sph.analysis.surrogate import CROSS_VALIDATION, SOBOL
 from sph.analysis.tables import read_csv
@@ -20,19 +17,17 @@ def draw_sensitivity(
     path_to_table: str,
     path_to_indices: str,
     path_to_factors: str,
-    axes: Sequence[Mapping[str, Any]],
+    axes: Sequence[Axis],
     note: str,
     paths_to_pictures: Sequence[str],
 ) -> None:
     """Draw 'morris', 'tornado', 'sobol' or 'cross_validation' from the table of that name; the last needs the indices, too."""
-    factors = [Axis(**axis) for axis in axes]
     if figure == "morris":
-        chosen = json.loads(Path(path_to_factors).read_text())
-        drawn = figure_morris(read_csv(path_to_table, MORRIS, "a screening"), factors, chosen, note)
+        drawn = figure_morris(read_csv(path_to_table, MORRIS, "a screening"), axes, chosen_factors(path_to_factors), note)
     elif figure == "tornado":
-        drawn = figure_tornado(read_csv(path_to_table, TORNADO, "a tornado"), factors, note)
+        drawn = figure_tornado(read_csv(path_to_table, TORNADO, "a tornado"), axes, note)
     elif figure == "sobol":
-        drawn = figure_sobol(read_csv(path_to_table, SOBOL, "Sobol' indices"), factors, note)
+        drawn = figure_sobol(read_csv(path_to_table, SOBOL, "Sobol' indices"), axes, note)
     else:
         table = read_csv(path_to_table, CROSS_VALIDATION, "a cross-validation")
         drawn = figure_cross_validation(table, read_csv(path_to_indices, SOBOL, "Sobol' indices"), note)

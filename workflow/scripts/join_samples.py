@@ -1,7 +1,6 @@
 """Put the samples of all designs of the sensitivity analysis together."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import pandas as pd
 
@@ -14,15 +13,14 @@ from sph.command.job import job_log
 
 def join_samples(
     paths_to_samples: Sequence[str],
-    axes: Sequence[Mapping[str, Any]],
-    quantities: Sequence[Mapping[str, Any]],
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
     path_to_nc: str,
     path_to_csv: str,
 ) -> None:
     """The rows of every sample, in the order of the paths."""
-    factors, metrics = [Axis(**axis) for axis in axes], [Quantity(**quantity) for quantity in quantities]
-    frame = pd.concat([read_sample(path, factors, metrics) for path in paths_to_samples], ignore_index=True)
-    trajectory.write(path_to_nc, flat_dataset(frame, sample_columns(factors, metrics)))
+    frame = pd.concat([read_sample(path, axes, quantities) for path in paths_to_samples], ignore_index=True)
+    trajectory.write(path_to_nc, flat_dataset(frame, sample_columns(axes, quantities)))
     write_csv(frame, path_to_csv)
 
 

@@ -17,13 +17,13 @@ def measure_sample(
     paths_to_runs: Sequence[str],
     design: str,
     points: Mapping[str, Point],
-    axes: Sequence[Mapping[str, Any]],
-    quantities: Sequence[Mapping[str, Any]],
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
     settings: Mapping[str, Any],
     path_to_csv: str,
 ) -> None:
     """One row a run, in the order of the points."""
-    columns = sample_columns([Axis(**axis) for axis in axes], [Quantity(**quantity) for quantity in quantities])
+    columns = sample_columns(axes, quantities)
     chosen = MetricSettings(**settings)
     rows = [
         sample_row(f"{design}/{run}", point, trajectory.read(path), columns, chosen)

@@ -1,7 +1,6 @@
 """Tabulate the metrics at both ends of every factor."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from sph.analysis.sensitivity import Axis, Quantity
 from sph.analysis.sensitivity_tables import read_sample, tornado_table
@@ -9,12 +8,9 @@ from sph.analysis.tables import write_csv
 from sph.command.job import job_log
 
 
-def measure_tornado(
-    path_to_sample: str, axes: Sequence[Mapping[str, Any]], quantities: Sequence[Mapping[str, Any]], path_to_table: str
-) -> None:
+def measure_tornado(path_to_sample: str, axes: Sequence[Axis], quantities: Sequence[Quantity], path_to_table: str) -> None:
     """One row a metric and factor."""
-    factors, metrics = [Axis(**axis) for axis in axes], [Quantity(**quantity) for quantity in quantities]
-    write_csv(tornado_table(read_sample(path_to_sample, factors, metrics), factors, metrics), path_to_table)
+    write_csv(tornado_table(read_sample(path_to_sample, axes, quantities), axes, quantities), path_to_table)
 
 
 if __name__ == "__main__":

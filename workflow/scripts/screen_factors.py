@@ -1,7 +1,6 @@
 """Screen the factors by their elementary effects."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 from sph.analysis.elementary_effects import morris_table
 from sph.analysis.sensitivity import Axis, Quantity
@@ -12,15 +11,14 @@ from sph.command.job import job_log
 
 def screen_factors(
     path_to_sample: str,
-    axes: Sequence[Mapping[str, Any]],
-    quantities: Sequence[Mapping[str, Any]],
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
     resamples: int,
     seed: int,
     path_to_table: str,
 ) -> None:
     """One row a metric and factor."""
-    factors, metrics = [Axis(**axis) for axis in axes], [Quantity(**quantity) for quantity in quantities]
-    write_csv(morris_table(read_sample(path_to_sample, factors, metrics), factors, metrics, resamples, seed), path_to_table)
+    write_csv(morris_table(read_sample(path_to_sample, axes, quantities), axes, quantities, resamples, seed), path_to_table)
 
 
 if __name__ == "__main__":
