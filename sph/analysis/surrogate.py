@@ -23,6 +23,7 @@ from SALib.sample import sobol as salib_sobol
 from sklearn.exceptions import ConvergenceWarning  # type: ignore[import-untyped]
 from sklearn.gaussian_process import GaussianProcessRegressor  # type: ignore[import-untyped]
 from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel  # type: ignore[import-untyped]
+from threadpoolctl import threadpool_limits
 
 from sph.analysis.elementary_effects import INTERVAL
 from sph.analysis.sensitivity import Axis, Quantity, SobolSettings
@@ -160,9 +161,10 @@ def sobol_tables(
         words = {"metric": quantity.metric, "quantity": quantity.text, "units": quantity.unit}
         rows = [words | counts | {"factor": axis.name, "verdict": f"{UNTRUSTED}: all runs have the same value"} for axis in axes]
         if np.ptp(values) > 0.0:
-            fold, processes = cross_validate(shares, values, settings.folds, seed)
-            predicted, deviation = predict_unseen(shares, fold, processes)
-            rows = [row | found for row, found in zip(rows, _rows(processes, values, predicted, settings, seed), strict=True)]
+            with threadpool_limits(1):  # two threads on matrices this small, on two cores in use: 12 times as long
+                fold, processes = cross_validate(shares, values, settings.folds, seed)
+                predicted, deviation = predict_unseen(shares, fold, processes)
+                rows = [row | found for row, found in zip(rows, _rows(processes, values, predicted, settings, seed), strict=True)]
             parts = {"run": sample["run"][known], "fold": fold, "computed": values, "predicted": predicted, "predicted_sd": deviation}
             validation.append(pd.DataFrame(words | parts)[validation[0].columns])
         indices += rows
