@@ -42,7 +42,7 @@ SAMPLE: tuple[Variable, ...] = (
 )
 """The columns of a sample before those of its factors and metrics."""
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
-SceneKey = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)+$")]
+SceneKey = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$")]
 
 
 class Factor(Section):
@@ -221,11 +221,14 @@ class SensitivityPlan:
         return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
 
     def check(self) -> None:
-        """Build every scene of the designs that no result decides, and of every corner of the ranges at every fidelity, with particles
-        and probes; ValueError names the point."""
-        for design, runs in self._designs.items():
-            for run in runs:
-                self._check(self.scene(design, run), f"{design}/{run}")
+        """Build the scene of every run, with its particles and probes, and of every corner of the ranges at every fidelity; ValueError
+        names the point.
+
+        Which factors the Sobol' sample varies is not known yet: that of all factors stands for it.
+        """
+        for design in (*self._designs, "sobol"):
+            for run, point in self.design(design, [axis.name for axis in self.axes]).items():
+                self._check(self._scene(point, self.fidelities[0]), f"{design}/{run}")
         for corner in itertools.product(*((axis.low, axis.high) for axis in self.axes)):
             at = ", ".join(f"{axis.name} = {value:g}" for axis, value in zip(self.axes, corner, strict=True))
             for fidelity in self._bases:

@@ -126,6 +126,14 @@ def test_ranges_with_a_scene_that_is_refused_are_refused_before_any_run(tmp_path
         load_sensitivity("sensitivity.yaml", load_study(CONFIG, [ROOT]), [tmp_path])
 
 
+def test_a_range_is_refused_for_a_point_inside_it(tmp_path: Path) -> None:
+    """Both ends are whole multiples of the interval of the series, what lies between is not."""
+    factors = {"S_R": SHIPPED["factors"]["S_R"], "duration": {"keys": {"duration": 1}, "bounds": [14.0, 16.0]}}
+    (tmp_path / "sensitivity.yaml").write_text(yaml.safe_dump(SHIPPED | {"factors": factors}))
+    with pytest.raises(ValueError, match="sensitivity.yaml: at .*duration: .*whole multiple"):
+        load_sensitivity("sensitivity.yaml", load_study(CONFIG, [ROOT]), [tmp_path])
+
+
 def test_a_probe_that_stays_where_it_is_does_not_go_with_a_slope_that_grows(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"factors\.height: .*probes\.A.*crest_edge"):
         planned(tmp_path, {"overrides": {"probes": {"A": [69.0, 34.0]}}})
