@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -145,16 +145,21 @@ def figure_sobol(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Fig
         ax.set_yticklabels([labels[name] for name in rows["factor"]] if number == 0 else [])
         ax.tick_params(axis="y", length=0)
         ax.axvline(0.0, color="black", linewidth=0.6)
-        verdict = "" if trusted else f"\n{rows['verdict'].iloc[0]}"
-        q2 = f"Q² = {rows['q2'].iloc[0]:.2f}, noise {rows['noise_share'].iloc[0]:.1%}"
-        ax.text(0.98, 0.02, q2 + verdict, transform=ax.transAxes, ha="right", va="bottom", fontsize=7.5,
-                color="black" if trusted else UNTRUSTED_COLOUR)  # fmt: skip
+        ax.set_ylim(-0.6, len(rows) + 0.4)  # room for the text
+        _state(ax, f"Q² = {rows['q2'].iloc[0]:.2f}", rows["verdict"].iloc[0], "top")
     label_panels(axes.values(), [_title(table, metric) for metric in axes])
     handles = [Line2D([], [], color=colour, linewidth=6, label=text) for text, colour in zip(
         ("first order", "total"), looks.values(), strict=True)]  # fmt: skip
     figure.legend(handles=handles, loc="outside upper center", ncols=2)
     write_note(figure, note)
     return figure
+
+
+def _state(ax: Axes, text: str, verdict: str, corner: Literal["top", "bottom"]) -> None:
+    """A text at the right, with a verdict that is no trust."""
+    trusted, y = verdict == TRUSTED, {"top": 0.99, "bottom": 0.02}[corner]
+    colour = "black" if trusted else UNTRUSTED_COLOUR
+    ax.text(0.98, y, text if trusted else f"{text}\n{verdict}", transform=ax.transAxes, ha="right", va=corner, fontsize=7.5, color=colour)
 
 
 def _title(table: pd.DataFrame, metric: str) -> str:
@@ -179,10 +184,8 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
         quantity, unit = facts["quantity"], _unit(facts["units"]) if facts["quantity"] == metric else ""
         short = quantity.replace(metric, "u") if quantity != metric else _words(metric)
         ax.set(xlabel=f"{short}{unit}, computed", ylabel=f"{short}{unit}, predicted")
-        trusted = facts["verdict"] == TRUSTED
         text = f"Q² = {facts['q2']:.2f}, RMSE {facts['rmse']:.2g}{_bare(facts['units'])}"
-        ax.text(0.03, 0.97, text if trusted else f"{text}\n{facts['verdict']}", transform=ax.transAxes, ha="left", va="top",
-                fontsize=7.5, color="black" if trusted else UNTRUSTED_COLOUR)  # fmt: skip
+        _state(ax, text, facts["verdict"], "bottom")
     label_panels(axes.values(), [_words(metric) for metric in axes])
     write_note(figure, note)
     return figure
