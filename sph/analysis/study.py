@@ -85,6 +85,7 @@ class Study(Section):
     validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
     limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
     extremes: str = key("file of the sweeps that 'snakemake extremes' runs, likewise", default="config/extremes.yaml")
+    sensitivity: str = key("file of the factors that 'snakemake sensitivity' varies, likewise", default="config/sensitivity.yaml")
 
     @model_validator(mode="after")
     def _known(self) -> Study:
@@ -146,6 +147,10 @@ class Plan:
     def folder(self) -> str:
         """Where the results go, relative to the working folder."""
         return f"results/{self.study.study}/{self.study.fidelity}"
+
+    def at(self, fidelity: str) -> Plan:
+        """The same study at another of its fidelities."""
+        return Plan(self.study.model_copy(update={"fidelity": fidelity}), self._scene_file, self.origin)
 
     def scene(self, **point: str) -> dict[str, Any]:
         """Scene with some of S_R, gamma and amplitude set, as a mapping."""

@@ -19,10 +19,14 @@ from pydantic.fields import FieldInfo
 from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
+from sph.analysis.elementary_effects import MORRIS
 from sph.analysis.extremes import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
 from sph.analysis.limits import LIMITS, Limits, read_limits
 from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
+from sph.analysis.sensitivity import SAMPLE, Sensitivity
+from sph.analysis.sensitivity_tables import CONFIRMED, TORNADO
 from sph.analysis.study import Study
+from sph.analysis.surrogate import CROSS_VALIDATION, SOBOL
 from sph.analysis.tables import VALUES
 from sph.analysis.trade import PRESETS, Trade
 from sph.analysis.trade_table import QUANTITIES, TRADE, Summary, summary
@@ -182,9 +186,16 @@ TABLES: dict[str, Callable[[], str]] = {
     "validation_keys": lambda: markdown(KEY_HEAD, key_rows(Validation)),
     "limits_keys": lambda: markdown(KEY_HEAD, key_rows(Limits)),
     "extremes_keys": lambda: markdown(KEY_HEAD, key_rows(Extremes)),
+    "sensitivity_keys": lambda: markdown(KEY_HEAD, key_rows(Sensitivity)),
     "failure_rule": lambda: markdown(KEY_HEAD, key_rows(FailureRule)),
     "validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(VALIDATION)),
     "extremes_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(EXTREMES)),
+    "sample_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SAMPLE)),
+    "morris_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(MORRIS)),
+    "tornado_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TORNADO)),
+    "sobol_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SOBOL)),
+    "cross_validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CROSS_VALIDATION)),
+    "confirmation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CONFIRMED)),
     "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
     "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
     "limits": lambda: _limits_table(read_limits()),

@@ -38,6 +38,7 @@ from typer.testing import CliRunner
 
 from sph.analysis.advice import shipped_table
 from sph.analysis.limits import Limits, load_limits
+from sph.analysis.sensitivity import Sensitivity, load_sensitivity
 from sph.analysis.study import Study, load_study
 from sph.analysis.trade import Trade, load_trade
 from sph.analysis.trade_table import summary
@@ -118,6 +119,16 @@ TRADE = {
     },
 }
 LIMITS = {"scene": "tiny.yaml", "cases": {"weak": {}}, "changes": {"as it is": {}, "S_R 0.1": {"coupling": {"S_R": 0.1}}}}
+SENSITIVITY = {
+    "factors": {
+        "S_R": {"keys": {"coupling.S_R": 1.0}, "bounds": [0.1, 0.5]},
+        "height": {"keys": {"geometry.slope_height": 1.0, "geometry.apron_length": 0.75}, "bounds": [3.0, 5.0], "scale": "log"},
+    },
+    "metrics": {"displacement_magnitude": {"log_offset": 0.01}, "runout": {}},
+    "morris": {"trajectories": 2},
+    "sobol": {"samples": 8},
+    "confirm": {"fidelity": "b", "points": 2},
+}
 VALIDATION = {
     "cases": {
         "V1": {
@@ -129,7 +140,15 @@ VALIDATION = {
         }
     }
 }
-MODELS = {"scene": Scene, "study": Study, "trade": Trade, "limits": Limits, "validation": Validation, "rule": FailureRule}
+MODELS = {
+    "scene": Scene,
+    "study": Study,
+    "trade": Trade,
+    "limits": Limits,
+    "sensitivity": Sensitivity,
+    "validation": Validation,
+    "rule": FailureRule,
+}
 LADDER = shipped_table()
 RUNGS = [] if LADDER is None else summary(LADDER)
 """What every scene is compared with to tell its error, put together once."""
@@ -305,6 +324,18 @@ def limits(data: Any, folder: Path) -> str:
     return "accepted"
 
 
+def sensitivity(data: Any, folder: Path) -> str:
+    """Load an analysis; every run has a file of its own in its folder."""
+    write(folder / "sensitivity.yaml", data)
+    plan = load_sensitivity("sensitivity.yaml", load_study(STUDY, [folder]), [folder])
+    chosen = [axis.name for axis in plan.axes]
+    for design in ("morris", "tornado", "sobol", "confirm"):
+        for run in plan.design(design, chosen):
+            _stays(f"results/s/a/sensitivity/runs/{design}/{run}.nc", f"results/s/a/sensitivity/runs/{design}")
+            make_scene(plan.scene(design, run, chosen))
+    return "accepted"
+
+
 def validation(data: Any, folder: Path) -> str:
     """Load a suite; every run has a file of its own in its folder."""
     write(folder / "validation.yaml", data)
@@ -417,13 +448,18 @@ def broken(base: Mapping[str, Any]) -> st.SearchStrategy[str]:
 
 EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any]]] = {
     "scene": (
-        55,
+        50,
         scene,
         st.one_of([changed(Scene, base, most) for base in SCENES for most in (1, 2, 4)] + [section(Scene), broken(SCENES[1])]),
     ),
     "study": (8, study, st.one_of(changed(Study, STUDY, 1), changed(Study, STUDY), broken(STUDY))),
     "trade": (6, trade, st.one_of(changed(Trade, TRADE, 1), changed(Trade, TRADE), broken(TRADE))),
     "limits": (6, limits, st.one_of(changed(Limits, LIMITS, 1), changed(Limits, LIMITS), broken(LIMITS))),
+    "sensitivity": (
+        5,
+        sensitivity,
+        st.one_of(changed(Sensitivity, SENSITIVITY, 1), changed(Sensitivity, SENSITIVITY), broken(SENSITIVITY)),
+    ),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
     "line": (10, line, lines.map(list)),

@@ -20,6 +20,7 @@ HOMES = {
     "validation_keys": "config",
     "limits_keys": "config",
     "extremes_keys": "config",
+    "sensitivity_keys": "config",
     "failure_rule": "config",
     "trajectory": "results",
     "metrics": "results",
@@ -28,6 +29,12 @@ HOMES = {
     "validation_variables": "results",
     "limits_variables": "results",
     "extremes_variables": "results",
+    "sample_variables": "results",
+    "morris_variables": "results",
+    "tornado_variables": "results",
+    "sobol_variables": "results",
+    "cross_validation_variables": "results",
+    "confirmation_variables": "results",
 }
 MEASURED = ("presets", "trade", "validation", "limits", "extremes")
 

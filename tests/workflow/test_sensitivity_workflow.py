@@ -1,0 +1,113 @@
+"""The sensitivity analysis from end to end, as a user runs it, with scenes of a few hundred particles."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import xarray as xr
+import yaml
+from test_workflow import ROOT, planned_jobs, snakemake, write_config
+
+from sph import trajectory
+from sph.analysis.elementary_effects import MORRIS
+from sph.analysis.surrogate import SOBOL
+from sph.analysis.tables import read_csv
+from sph.configuration import merge
+from sph.scene import Scene
+
+FOLDER = Path("results/small/draft/sensitivity")
+SENSITIVITY: dict[str, Any] = {
+    "overrides": {"outputs": {"frame_interval": 0.5}},
+    "factors": {
+        "S_R": {"keys": {"coupling.S_R": 1}, "bounds": [0.1, 0.5]},
+        "amplitude": {"keys": {"motion.amplitude": 1}, "bounds": [4.0, 9.0]},
+    },
+    "metrics": {"displacement_magnitude": {"log_offset": 0.01}},
+    "morris": {"trajectories": 2},
+    "sobol": {"samples": 8, "folds": 2, "draws": 50, "points": 64},
+    "confirm": {"fidelity": "coarse", "points": 1},
+}
+FIDELITIES = {"draft": {}, "coarse": {"numerics": {"spacing": 6.0}}}
+ONCE = {"sensitivity": 1, "sensitivity_morris": 1, "sensitivity_factors": 1, "sensitivity_tornado": 1, "sensitivity_sobol": 1,
+        "sensitivity_sample": 1, "sensitivity_confirm": 1, "sensitivity_figure": 4, "sensitivity_measure": 4}  # fmt: skip
+
+
+def written(folder: Path, changes: dict[str, Any] | None = None) -> tuple[str, str]:
+    (folder / "sensitivity.yaml").write_text(yaml.safe_dump(merge(SENSITIVITY, changes or {}), sort_keys=False))
+    return write_config(folder, sensitivity="sensitivity.yaml", fidelities=FIDELITIES)
+
+
+@pytest.fixture(scope="module")
+def analysed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+    """Folder of a finished small analysis."""
+    folder = tmp_path_factory.mktemp("sensitivity")
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    config = written(folder)
+    assert planned_jobs(folder, *config, "--", "sensitivity") == ONCE | {"sensitivity_run": 11}, "before the screening is known"
+    result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")
+    assert result.returncode == 0, result.stderr
+    return folder
+
+
+def test_the_shipped_analysis_is_planned() -> None:
+    jobs = planned_jobs(ROOT, "--config", "fidelity=draft", "--forceall", "--", "sensitivity")
+    assert jobs["sensitivity_run"] > 100 and jobs["sensitivity_factors"] == 1 and "gravity" not in jobs
+
+
+def test_tables_and_figures(analysed: Path) -> None:
+    folder = analysed / FOLDER
+    sample = pd.read_csv(folder / "sample.csv")
+    designs = sample["run"].str.partition("/")[0].value_counts().to_dict()
+    assert designs == {"morris": 6, "tornado": 5, "sobol": 8, "confirm": 1}
+    assert all((folder / "runs" / f"{run}.nc").exists() for run in sample["run"])
+    with xr.open_dataset(folder / "sample.nc") as ds:
+        assert ds["displacement_magnitude"].attrs["units"] == "m" and ds["amplitude"].attrs["units"] == "m/s2"
+    morris, sobol = read_csv(folder / "morris.csv", MORRIS, "it"), read_csv(folder / "sobol.csv", SOBOL, "it")
+    assert list(morris["factor"]) == ["S_R", "amplitude"] and (morris["diverged"] == 0).all()
+    assert list(sobol["factor"]) == json.loads((folder / "factors.json").read_text())
+    tornado = pd.read_csv(folder / "tornado.csv").set_index("factor")
+    assert tornado.loc["S_R", "at_low"] > tornado.loc["S_R", "at_base"] > tornado.loc["S_R", "at_high"] > 0
+    assert len(pd.read_csv(folder / "confirm.csv")) == 1
+    for name in ("morris", "tornado", "sobol", "cross_validation"):
+        assert (folder / "figures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert (folder / "figures" / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_run_holds_the_factors_of_its_row(analysed: Path) -> None:
+    sample = pd.read_csv(analysed / FOLDER / "samples" / "sobol.csv").iloc[3]
+    scene = trajectory.scene_of(trajectory.read(analysed / FOLDER / "runs" / f"{sample['run']}.nc"))
+    assert (scene.coupling.S_R, scene.motion.amplitude) == (sample["S_R"], sample["amplitude"])
+    confirmed = trajectory.scene_of(trajectory.read(analysed / FOLDER / "runs" / "confirm" / "0000.nc"))
+    assert confirmed.numerics.spacing == 6.0
+
+
+def test_a_finished_analysis_has_nothing_to_do(analysed: Path) -> None:
+    assert planned_jobs(analysed, *written(analysed), "--", "sensitivity") == {}
+
+
+def test_a_larger_analysis_runs_only_what_is_new(analysed: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(analysed, tmp_path / "larger"))
+    samples = written(folder, {"sobol": {"samples": 10}})
+    jobs = planned_jobs(folder, *samples, "--", "sensitivity")
+    assert jobs["sensitivity_run"] == 2 and "sensitivity_morris" not in jobs
+    config = written(folder, {"morris": {"trajectories": 3}, "sobol": {"samples": 10}})
+    before = {path: path.stat().st_mtime_ns for path in folder.glob(f"{FOLDER}/runs/**/*.nc")}
+    result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")
+    assert result.returncode == 0, result.stderr
+    after = {path: path.stat().st_mtime_ns for path in folder.glob(f"{FOLDER}/runs/**/*.nc")}
+    assert len(after) == len(before) + 3 + 2 and before.items() <= after.items()
+    assert len(pd.read_csv(folder / FOLDER / "samples" / "sobol.csv")) == 10
+
+
+def test_ranges_that_cannot_be_built_are_refused_before_any_job(analysed: Path) -> None:
+    angle = {"slope_angle": {"keys": {"geometry.slope_angle": 1}, "bounds": [50.0, 95.0]}}
+    result = snakemake(analysed, "--cores", "1", *written(analysed, {"factors": angle}), "--", "sensitivity")
+    text = result.stdout + result.stderr
+    assert result.returncode != 0 and "sensitivity.yaml: at " in text and "slope_angle" in text and "less than or equal to 90" in text

@@ -1,0 +1,272 @@
+# Purpose: which factors decide the answer (`snakemake --cores 2 sensitivity`): screening, one at a time, indices.
+# Inputs:  config: sensitivity, and the study's scene and fidelity; the sources of solver, analysis and drawing.
+# Outputs: results/<study>/<fidelity>/sensitivity: runs/<design>/*.nc, samples/*.csv, factors.json, morris.csv, tornado.csv, sobol.csv,
+#          cross_validation.csv, confirm.csv, sample.csv, sample.nc, figures/*
+import functools
+
+from sph.analysis.sensitivity import chosen_factors, load_sensitivity
+from sph.analysis.sensitivity_tables import described
+
+SENSITIVITY = f"{RESULTS}/sensitivity"
+FACTORS = f"{SENSITIVITY}/factors.json"
+ALL_FACTORS = ("morris", "tornado")  # designs that vary every factor
+SAMPLE_OF = {
+    "morris": "morris",
+    "tornado": "tornado",
+    "sobol": "sobol",
+    "cross_validation": "sobol",
+}
+# Read once a rule of the analysis is asked for; its scenes are built before the first job, not again by each.
+DESIGNS = functools.cache(
+    functools.partial(
+        load_sensitivity,
+        PLAN.study.sensitivity,
+        PLAN,
+        FOLDERS,
+        check=workflow.is_main_process,
+    )
+)
+
+
+wildcard_constraints:
+    design="morris|tornado|sobol|confirm",
+
+
+rule sensitivity:
+    """Which factors decide the answer: tables and figures."""
+    input:
+        f"{SENSITIVITY}/sample.csv",
+        lambda wildcards: (
+            [f"{SENSITIVITY}/confirm.csv"] if DESIGNS().confirmed else []
+        ),
+        expand(
+            "{sensitivity}/figures/{figure}.{kind}",
+            sensitivity=SENSITIVITY,
+            figure=SAMPLE_OF,
+            kind=["png", "pdf"],
+        ),
+
+
+rule sensitivity_run:
+    """Run a point of a design from the start to the end, on one core."""
+    input:
+        sources=SOLVER,
+        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
+    output:
+        f"{SENSITIVITY}/runs/{{design}}/{{run}}.nc",
+    log:
+        f"{SENSITIVITY}/logs/{{design}}/{{run}}.log",
+    benchmark:
+        f"{SENSITIVITY}/benchmarks/{{design}}/{{run}}.tsv"
+    wildcard_constraints:
+        run=".+",
+    threads: 1
+    params:
+        scene=lambda wildcards, input: DESIGNS().scene(
+            wildcards.design, wildcards.run, chosen_factors(input.factors)
+        ),
+        until="end",
+    script:
+        "../scripts/simulate.py"
+
+
+rule sensitivity_measure:
+    """Measure every run of a design."""
+    input:
+        sources=SOLVER + ANALYSIS,
+        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
+        runs=lambda wildcards: [
+            f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
+            for run in DESIGNS().design(
+                wildcards.design,
+                (
+                    ()
+                    if wildcards.design in ALL_FACTORS
+                    else chosen_factors(
+                        checkpoints.sensitivity_factors.get().output[0]
+                    )
+                ),
+            )
+        ],
+    output:
+        f"{SENSITIVITY}/samples/{{design}}.csv",
+    log:
+        f"{SENSITIVITY}/logs/{{design}}.log",
+    params:
+        points=lambda wildcards, input: DESIGNS().design(
+            wildcards.design, chosen_factors(input.factors)
+        ),
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        settings=PLAN.study.metrics.model_dump(),
+    script:
+        "../scripts/measure_sample.py"
+
+
+rule sensitivity_sample:
+    """All runs in one table, as netCDF and CSV."""
+    input:
+        sources=ANALYSIS,
+        samples=lambda wildcards: expand(
+            "{sensitivity}/samples/{design}.csv",
+            sensitivity=SENSITIVITY,
+            design=["morris", "tornado", "sobol"]
+            + ["confirm"] * bool(DESIGNS().confirmed),
+        ),
+    output:
+        nc=f"{SENSITIVITY}/sample.nc",
+        csv=report(
+            f"{SENSITIVITY}/sample.csv",
+            caption="../report/sensitivity_sample.rst",
+            category="Sensitivity",
+        ),
+    log:
+        f"{SENSITIVITY}/logs/sample.log",
+    params:
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+    script:
+        "../scripts/join_samples.py"
+
+
+rule sensitivity_morris:
+    """Elementary effects of all factors."""
+    input:
+        sources=ANALYSIS,
+        sample=f"{SENSITIVITY}/samples/morris.csv",
+    output:
+        report(
+            f"{SENSITIVITY}/morris.csv",
+            caption="../report/sensitivity_morris.rst",
+            category="Sensitivity",
+        ),
+    log:
+        f"{SENSITIVITY}/logs/morris_table.log",
+    params:
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        resamples=lambda wildcards: DESIGNS().settings.morris.resamples,
+        seed=lambda wildcards: DESIGNS().settings.seed,
+        described=lambda wildcards, input: described(input.sample),
+    script:
+        "../scripts/screen_factors.py"
+
+
+checkpoint sensitivity_factors:
+    """The factors that matter: those of the configuration, or those that the screening finds."""
+    input:
+        lambda wildcards: (
+            [] if DESIGNS().settings.sobol.factors else f"{SENSITIVITY}/morris.csv"
+        ),
+    output:
+        FACTORS,
+    log:
+        f"{SENSITIVITY}/logs/factors.log",
+    params:
+        factors=lambda wildcards: DESIGNS().settings.sobol.factors,
+        share=lambda wildcards: DESIGNS().settings.sobol.share,
+    script:
+        "../scripts/choose_factors.py"
+
+
+rule sensitivity_tornado:
+    """The metrics at both ends of every factor."""
+    input:
+        sources=ANALYSIS,
+        sample=f"{SENSITIVITY}/samples/tornado.csv",
+    output:
+        report(
+            f"{SENSITIVITY}/tornado.csv",
+            caption="../report/sensitivity_tornado.rst",
+            category="Sensitivity",
+        ),
+    log:
+        f"{SENSITIVITY}/logs/tornado_table.log",
+    params:
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        described=lambda wildcards, input: described(input.sample),
+    script:
+        "../scripts/measure_tornado.py"
+
+
+rule sensitivity_sobol:
+    """Fit and cross-validate the surrogate, and compute the indices with it."""
+    input:
+        sources=ANALYSIS,
+        factors=FACTORS,
+        sample=f"{SENSITIVITY}/samples/sobol.csv",
+    output:
+        indices=report(
+            f"{SENSITIVITY}/sobol.csv",
+            caption="../report/sensitivity_sobol.rst",
+            category="Sensitivity",
+        ),
+        validation=f"{SENSITIVITY}/cross_validation.csv",
+    log:
+        f"{SENSITIVITY}/logs/sobol_table.log",
+    benchmark:
+        f"{SENSITIVITY}/benchmarks/sobol_table.tsv"
+    params:
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        settings=lambda wildcards: DESIGNS().settings.sobol.model_dump(),
+        seed=lambda wildcards: DESIGNS().settings.seed,
+        described=lambda wildcards, input: described(input.sample),
+    script:
+        "../scripts/fit_surrogate.py"
+
+
+rule sensitivity_confirm:
+    """The first points of the Sobol' sample beside the same ones at another fidelity."""
+    input:
+        sources=ANALYSIS,
+        sample=f"{SENSITIVITY}/samples/sobol.csv",
+        confirmed=f"{SENSITIVITY}/samples/confirm.csv",
+    output:
+        report(
+            f"{SENSITIVITY}/confirm.csv",
+            caption="../report/sensitivity_confirm.rst",
+            category="Sensitivity",
+        ),
+    log:
+        f"{SENSITIVITY}/logs/confirm_table.log",
+    params:
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        fidelities=lambda wildcards: DESIGNS().fidelities,
+        described=lambda wildcards, input: described(input.sample),
+    script:
+        "../scripts/confirm_sample.py"
+
+
+rule sensitivity_figure:
+    """Draw a table of the sensitivity analysis."""
+    input:
+        sources=DRAWING,
+        factors=FACTORS,
+        table=lambda wildcards: f"{SENSITIVITY}/{wildcards.figure}.csv",
+        indices=lambda wildcards: (
+            f"{SENSITIVITY}/sobol.csv"
+            if wildcards.figure == "cross_validation"
+            else []
+        ),
+        sample=lambda wildcards: f"{SENSITIVITY}/samples/{SAMPLE_OF[wildcards.figure]}.csv",
+    output:
+        png=report(
+            f"{SENSITIVITY}/figures/{{figure}}.png",
+            caption="../report/sensitivity_figure.rst",
+            category="Sensitivity",
+            labels={"figure": "{figure}"},
+        ),
+        pdf=f"{SENSITIVITY}/figures/{{figure}}.pdf",
+    log:
+        f"{SENSITIVITY}/logs/figures/{{figure}}.log",
+    wildcard_constraints:
+        figure="|".join(SAMPLE_OF),
+    params:
+        axes=lambda wildcards: DESIGNS().axes,
+        described=lambda wildcards, input: described(input.sample),
+        fidelity=PLAN.study.fidelity,
+    script:
+        "../scripts/draw_sensitivity.py"

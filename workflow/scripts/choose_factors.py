@@ -1,0 +1,27 @@
+"""Name the factors that matter."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+from sph.analysis.elementary_effects import MORRIS, influential
+from sph.analysis.tables import read_csv
+from sph.command.job import job_log
+from sph.files import whole
+
+
+def choose_factors(paths_to_tables: Sequence[str], factors: Sequence[str] | None, share: float, path_to_names: str) -> None:
+    """Those given, or those that the table of the screening, the only path, finds."""
+    names = list(factors) if factors else influential(read_csv(paths_to_tables[0], MORRIS, "a screening"), share)
+    with whole(path_to_names) as temporary:
+        Path(temporary).write_text(json.dumps(names) + "\n")
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        choose_factors(
+            snakemake.input,  # type: ignore[name-defined]
+            snakemake.params.factors,  # type: ignore[name-defined]
+            snakemake.params.share,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )

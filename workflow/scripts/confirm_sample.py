@@ -1,0 +1,33 @@
+"""Compare points of a sample with the same ones at another fidelity."""
+
+from collections.abc import Sequence
+
+from sph.analysis.sensitivity import Axis, Quantity
+from sph.analysis.sensitivity_tables import confirmation_table, read_sample
+from sph.analysis.tables import write_csv
+from sph.command.job import job_log
+
+
+def confirm_sample(
+    path_to_sample: str,
+    path_to_confirmed: str,
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
+    fidelities: tuple[str, str],
+    path_to_table: str,
+) -> None:
+    """One row a metric and point."""
+    sample, confirmed = (read_sample(path, axes, quantities) for path in (path_to_sample, path_to_confirmed))
+    write_csv(confirmation_table(sample, confirmed, quantities, fidelities), path_to_table)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        confirm_sample(
+            snakemake.input.sample,  # type: ignore[name-defined]
+            snakemake.input.confirmed,  # type: ignore[name-defined]
+            snakemake.params.axes,  # type: ignore[name-defined]
+            snakemake.params.quantities,  # type: ignore[name-defined]
+            snakemake.params.fidelities,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )

@@ -1,0 +1,42 @@
+"""Fit the surrogate to the sample, cross-validate it and compute the Sobol' indices."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph.analysis.sensitivity import Axis, Quantity, SobolSettings, chosen_factors
+from sph.analysis.sensitivity_tables import read_sample
+from sph.analysis.surrogate import sobol_tables
+from sph.analysis.tables import write_csv
+from sph.command.job import job_log
+
+
+def fit_surrogate(
+    path_to_sample: str,
+    path_to_factors: str,
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
+    settings: Mapping[str, Any],
+    seed: int,
+    path_to_indices: str,
+    path_to_validation: str,
+) -> None:
+    """Indices, a row a metric and factor, and predictions of unseen runs, a row a metric and run."""
+    sample, chosen = read_sample(path_to_sample, axes, quantities), chosen_factors(path_to_factors)
+    varied = [axis for axis in axes if axis.name in chosen]
+    indices, validation = sobol_tables(sample, varied, quantities, SobolSettings(**settings), seed)
+    write_csv(indices, path_to_indices)
+    write_csv(validation, path_to_validation)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        fit_surrogate(
+            snakemake.input.sample,  # type: ignore[name-defined]
+            snakemake.input.factors,  # type: ignore[name-defined]
+            snakemake.params.axes,  # type: ignore[name-defined]
+            snakemake.params.quantities,  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            snakemake.params.seed,  # type: ignore[name-defined]
+            snakemake.output.indices,  # type: ignore[name-defined]
+            snakemake.output.validation,  # type: ignore[name-defined]
+        )

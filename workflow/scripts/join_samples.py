@@ -1,0 +1,35 @@
+"""Put the samples of all designs of the sensitivity analysis together."""
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from sph import trajectory
+from sph.analysis.sensitivity import Axis, Quantity
+from sph.analysis.sensitivity_tables import read_sample, sample_columns
+from sph.analysis.tables import flat_dataset, write_csv
+from sph.command.job import job_log
+
+
+def join_samples(
+    paths_to_samples: Sequence[str],
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
+    path_to_nc: str,
+    path_to_csv: str,
+) -> None:
+    """The rows of every sample, in the order of the paths."""
+    frame = pd.concat([read_sample(path, axes, quantities) for path in paths_to_samples], ignore_index=True)
+    trajectory.write(path_to_nc, flat_dataset(frame, sample_columns(axes, quantities)))
+    write_csv(frame, path_to_csv)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        join_samples(
+            snakemake.input.samples,  # type: ignore[name-defined]
+            snakemake.params.axes,  # type: ignore[name-defined]
+            snakemake.params.quantities,  # type: ignore[name-defined]
+            snakemake.output.nc,  # type: ignore[name-defined]
+            snakemake.output.csv,  # type: ignore[name-defined]
+        )

@@ -1,0 +1,33 @@
+"""Screen the factors by their elementary effects."""
+
+from collections.abc import Sequence
+
+from sph.analysis.elementary_effects import morris_table
+from sph.analysis.sensitivity import Axis, Quantity
+from sph.analysis.sensitivity_tables import read_sample
+from sph.analysis.tables import write_csv
+from sph.command.job import job_log
+
+
+def screen_factors(
+    path_to_sample: str,
+    axes: Sequence[Axis],
+    quantities: Sequence[Quantity],
+    resamples: int,
+    seed: int,
+    path_to_table: str,
+) -> None:
+    """One row a metric and factor."""
+    write_csv(morris_table(read_sample(path_to_sample, axes, quantities), axes, quantities, resamples, seed), path_to_table)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        screen_factors(
+            snakemake.input.sample,  # type: ignore[name-defined]
+            snakemake.params.axes,  # type: ignore[name-defined]
+            snakemake.params.quantities,  # type: ignore[name-defined]
+            snakemake.params.resamples,  # type: ignore[name-defined]
+            snakemake.params.seed,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )
