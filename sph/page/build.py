@@ -31,8 +31,8 @@ from sph.trajectory import scene_of
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
-OVERHEAD = 200_000
-"""Characters of it left for what all drawings share, the particles of the box."""
+REST = 1000
+"""Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
 """Place of the runs in the page."""
 MARKS = {"holds": "good", "fails": "bad", "misses": "bad", "diverged": "bad", "not yet": "open", "not covered": "open"}
@@ -136,16 +136,20 @@ def build_page(study: StudyFiles, sections: Sequence[Section] = SECTIONS, larges
         cost=cost_of(table, study),
         versions=versions_of(runs),
     )
-    facts = {"|".join(point): {"facts": row, "file": file} for point, row, file in zip(points, rows, files, strict=True)}
-    data = {"columns": list(columns), "folder": study.folder, "points": facts}
-    data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - OVERHEAD)
+    facts: dict[str, dict[str, Any]] = {
+        "|".join(point): {"facts": row, "file": file} for point, row, file in zip(points, rows, files, strict=True)
+    }
+    data: dict[str, Any] = {"columns": list(columns), "folder": study.folder, "points": facts}
+    data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST)
+    for point, run in zip(facts.values(), data.pop("runs"), strict=False):
+        point["run"] = run
     before, _, after = page.rpartition(DATA)
     return before + as_json(data) + after
 
 
-def as_json(data: Any) -> Markup:
+def as_json(data: Any) -> str:
     """Data for a script element: JSON in which no character can end the element."""
-    return htmlsafe_json_dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    return str(htmlsafe_json_dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False))
 
 
 def found_part(section: Section, study: StudyFiles) -> Part:
@@ -204,9 +208,12 @@ def versions_of(paths: Sequence[str]) -> dict[str, list[str]]:
 
 
 def attributes(path: str) -> dict[str, Any]:
-    """Attributes of a trajectory, its arrays left alone."""
-    with xr.open_dataset(path, engine="netcdf4") as run:
-        return dict(run.attrs)
+    """Attributes of a trajectory, its arrays left alone; ValueError names a file that is none."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as run:
+            return {str(name): value for name, value in run.attrs.items()}
+    except Exception as error:  # as in sph.trajectory
+        raise ValueError(f"{path}: cannot be read as a trajectory: {error}; delete it and run again what wrote it") from error
 
 
 def inline(text: str) -> Markup:

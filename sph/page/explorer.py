@@ -8,6 +8,7 @@ number or lies outside the range is ``LOST``.  Frames begin at the end of the gr
 from __future__ import annotations
 
 import base64
+import json
 import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -58,8 +59,8 @@ DETAILS = tuple(Detail(frames, 1) for frames in (1, 2, 4, 8, None)) + tuple(Deta
 """From all to little: the first with which the runs fit into the page is taken."""
 
 
-def explorer(paths: Sequence[Path | str], probe: str, budget: int) -> dict[str, Any]:
-    """What the page needs to draw the runs of a study, with at most ``budget`` characters of packed data.
+def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, Any]:
+    """What the page needs to draw the runs of a study, as JSON in at most ``room`` characters.
 
     ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is no run and a probe that it lacks.
     """
@@ -68,42 +69,44 @@ def explorer(paths: Sequence[Path | str], probe: str, budget: int) -> dict[str, 
     limits = np.array(frame_limits(first, 0))
     low, high = limits[::2], limits[1::2]
     quanta = Quanta(0.5 * (low + high), max(scene.numerics.spacing / QUANTA, float(np.max(high - low)) / RANGE))
+    box = first["kind"].values != SOIL
+    shared = {
+        "probe": probe,
+        "spacing": scene.numerics.spacing,
+        "quantum": quanta.size,
+        "middle": quanta.middle.tolist(),
+        "surface": [corners.tolist() for corners in surface_line(scene)],
+        "box": [np.round(first[name].values[box], 3).tolist() for name in ("x0", "y0")],
+        "shaking": None if isinstance(scene.motion, NoMotion) else [scene.motion.start, scene.motion.end],
+        "colours": [to_hex(colour) for colour in colour_map()(np.linspace(0.0, 1.0, COLOURS))],
+    }
+    room -= _size(shared)
     for detail in DETAILS:
-        runs = list(_within(budget, (run_data(trajectory.read_run(path), probe, detail, quanta) for path in paths)))
+        runs = list(_within(room, (run_data(trajectory.read_run(path), probe, detail, quanta) for path in paths)))
         if len(runs) == len(paths):
             break
     else:
         runs = []
-    box = first["kind"].values != SOIL
-    final = [run.pop("largest") for run in runs]
-    seen = np.array([limits, *(run.pop("limits") for run in runs if "limits" in run)])
-    surface_x, surface_y = surface_line(scene)
-    return {
-        "probe": probe,
+    seen = np.array([limits, *(run["limits"] for run in runs if run["limits"])])
+    return shared | {
         "detail": detail.words() if runs else "no drawing",
-        "spacing": scene.numerics.spacing,
         "stride": detail.particles,
-        "quantum": quanta.size,
-        "middle": quanta.middle.tolist(),
         "left": seen[:, 0].min(),
         "right": seen[:, 1].max(),
         "lower": seen[:, 2].min(),
         "upper": seen[:, 3].max(),
-        "surface": [surface_x.tolist(), surface_y.tolist()],
-        "box": [np.round(first[name].values[box], 3).tolist() for name in ("x0", "y0")],
         "start": min((run["times"][0] for run in runs), default=0.0),
         "end": max((run["times"][-1] for run in runs), default=0.0),
-        "largest": max(final, default=0.0),
-        "shaking": None if isinstance(scene.motion, NoMotion) else [scene.motion.start, scene.motion.end],
-        "colours": [to_hex(colour) for colour in colour_map()(np.linspace(0.0, 1.0, COLOURS))],
+        "largest": max((run["largest"] for run in runs), default=0.0),
         "runs": runs,
     }
 
 
 def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
-    (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of a
-    run that did not diverge; ``largest`` displacement (m) of a particle in it."""
+    (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
+    picture and ``largest`` displacement (m) of a particle, none for a diverged run."""
+    history = probe_history(run, probe)
     start, last = gravity_frame(run), run.sizes["frame"] - 1
     frames = np.array(sorted({start, last, *range(last, start, -(detail.frames or max(last, 1)))}))
     at = int(run["probe_particle"].values[list(run["probe"].values).index(probe)])
@@ -111,13 +114,13 @@ def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dic
     shown = np.concatenate([[at], soil[soil != at][:: detail.particles]])
     positions = np.stack([run[name].values[np.ix_(frames, shown)].astype(float) for name in ("x", "y")], axis=1)
     beta = np.nan_to_num(run["beta"].values[np.ix_(frames, shown)], nan=0.0)
-    history = probe_history(run, probe)
     every = slice(None, None, -max(1, (history.time.size - 1) // SAMPLES))
     curve = np.stack([values[every][::-1] for values in (history.time, history.horizontal, history.vertical)])
-    fine = run.attrs["status"] != "diverged"
+    diverged = run.attrs["status"] == "diverged"
     moved = np.hypot(*(positions - positions[0]).transpose(1, 0, 2))
-    return ({"limits": frame_limits(run, -1)} if fine else {}) | {
-        "largest": float(moved.max()) if fine else 0.0,
+    return {
+        "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),
+        "largest": 0.0 if diverged else float(np.nanmax(moved)),
         "times": np.round(run["time"].values[frames], 6).tolist(),
         "particles": int(shown.size),
         "positions": packed(quantised(positions, quanta)),
@@ -140,10 +143,14 @@ def packed(values: np.ndarray) -> str:
     return base64.b64encode(zlib.compress(steps.astype(values.dtype.newbyteorder("<")).tobytes(), 9)).decode()
 
 
-def _within(budget: int, runs: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
-    """Runs as long as their packed data together stay within a number of characters."""
+def _within(room: int, runs: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Runs as long as they together stay within a number of characters."""
     for run in runs:
-        budget -= sum(len(value) for value in run.values() if isinstance(value, str))
-        if budget < 0:
+        room -= _size(run)
+        if room < 0:
             return
         yield run
+
+
+def _size(data: Any) -> int:
+    return len(json.dumps(data))

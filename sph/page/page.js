@@ -261,6 +261,7 @@
     const next = { point, run: null, title: `S_R ${values[0]}, γ ${values[1]} 1/s, amplitude ${values[2]} m/s²` };
     chosen = next;
     describe(point, next.title);
+    byId("drawings").hidden = !point.run;
     const run = point.run && (await loaded(point.run));
     if (chosen !== next || !run) return undefined; // another one was chosen meanwhile, or the page holds no drawings
     chosen.run = run;

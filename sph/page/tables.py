@@ -73,7 +73,8 @@ def short(cell: str) -> str:
 
 def metres(value: float) -> str:
     """A length in m, to three digits or a millimetre."""
-    return NOTHING if math.isnan(value) else f"{value:.3f}" if abs(value) < 1 else f"{value:.3g}"
+    digits = 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
+    return NOTHING if math.isnan(value) else f"{value:.{digits}f}"
 
 
 def _share(value: float) -> str:
@@ -108,7 +109,8 @@ def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str
             yield from key_rows(value, f"{path}{name}.")
         else:
             unit = str(extra.get("unit", "-")) if isinstance(extra, dict) else "-"
-            yield f"{path}{name}", f"{value:g}" if isinstance(value, float) else str(value), unit, field.description or ""
+            text = "null" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+            yield f"{path}{name}", text, unit, field.description or ""
 
 
 def scene_table(section: BaseModel, varied: Mapping[str, str]) -> Table:
