@@ -105,7 +105,8 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
 def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
     (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
-    picture and ``largest`` displacement (m) of a particle, none for a diverged run."""
+    picture and ``largest`` displacement (m) of a particle, none for a diverged run;
+    ``reason`` of its status."""
     history = probe_history(run, probe)
     start, last = gravity_frame(run), run.sizes["frame"] - 1
     frames = np.array(sorted({start, last, *range(last, start, -(detail.frames or max(last, 1)))}))
@@ -121,6 +122,7 @@ def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dic
     return {
         "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),
         "largest": 0.0 if diverged else float(np.nanmax(moved)),
+        "reason": str(run.attrs["status_reason"]),
         "times": np.round(run["time"].values[frames], 6).tolist(),
         "particles": int(shown.size),
         "positions": packed(quantised(positions, quanta)),

@@ -242,14 +242,14 @@
     }));
   }
 
-  function describe({ facts, file }, title) {
+  function describe({ facts, file, run }, title) {
     const named = Object.fromEntries(study.columns.map((column, i) => [column, facts[i]]));
     const diverged = named.status === "diverged", path = `${study.folder}/${file}`;
     const numbers = Object.entries(named).filter(([name]) => / \(m\)$|error/.test(name));
     byId("title").textContent = title;
     byId("class").textContent = named.class;
     byId("result").className = diverged ? "bad" : "";
-    list("numbers", diverged ? [["diverged", "The guard stopped this run: it has no numbers. What is drawn is what was stored until then."]] : numbers, "span");
+    list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
     list("facts", [["status", named.status], ["file", path], ["repeat it", `sph run ${path} --out again.nc`]], "code");
   }
 

@@ -25,6 +25,7 @@ DRIVER = shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(
     not (BROWSER and DRIVER), reason="no browser test: chromium or chromedriver is missing (apt-get install chromium chromium-driver)"
 )
+LABEL = "return document.getElementById(arguments[0]).ariaLabel"
 DESK, PHONE = (1200, 900), (360, 740)
 
 
@@ -59,7 +60,7 @@ class Browser:
         """Pixels of a canvas, once what it says of itself holds some words."""
 
         def ready(_: Any) -> str | None:
-            label = self.run("return document.getElementById(arguments[0]).ariaLabel", canvas)
+            label = self.run(LABEL, canvas)
             return str(self.run("return document.getElementById(arguments[0]).toDataURL()", canvas)) if words in label else None
 
         return str(wait.WebDriverWait(self.driver, 60, 0.05).until(ready, f"{canvas}: {words}"))
@@ -141,7 +142,7 @@ def test_a_diverged_run_says_so(browser: Browser) -> None:
     browser.open(*DESK)
     browser.choose("S_R", "0.50")
     browser.shown("S_R 0.50")
-    assert browser.text("class") == "undetermined" and "diverged" in browser.text("numbers")
+    assert browser.text("class") == "undetermined" and "a particle was too fast" in browser.text("numbers")
     assert browser.text("frame-note").startswith("1 of ")  # lost in the last frame
     assert "9.00" in browser.text("now")
 

@@ -23,7 +23,7 @@ rule page:
             f"{RESULTS}/report.html",
             caption="../report/page.rst",
             category="Page",
-            labels={"page": "the whole study"},
+            labels={"shows": "the whole study"},
         ),
     log:
         f"{RESULTS}/logs/page.log",
