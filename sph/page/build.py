@@ -50,7 +50,7 @@ class StudyFiles(NamedTuple):
     runs: Sequence[str]  # in the order of the points
     gravity: str  # the stage that all runs share
     trunks: Mapping[str, str]  # the stages that the runs of an amplitude share
-    files: Sequence[str]  # of the sections, below the folder
+    files: Sequence[str]  # of the sections
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure was drawn, by the stem of its file
     probe: str = "A"
 
@@ -63,7 +63,8 @@ class Picture(NamedTuple):
     width: int
     height: int
     caption: str
-    source: str
+    source: str  # file
+    runs: Sequence[str]  # from which it was drawn, where that is known
 
     @property
     def alt(self) -> str:
@@ -159,11 +160,11 @@ def found_part(section: Section, study: StudyFiles) -> Part:
     pictures = []
     for file, caption in of(section.figures, study.files, study.folder):
         runs = [Path(run).relative_to(study.folder).as_posix() for run in study.shown.get(Path(file).stem, ())]
-        pictures.append(picture(file, caption, ", ".join(runs)))
+        pictures.append(picture(file, caption, runs))
     return Part(section, tables, pictures)
 
 
-def picture(path: str, caption: str, source: str = "") -> Picture:
+def picture(path: str, caption: str, runs: Sequence[str] = ()) -> Picture:
     """A PNG for the page, in 256 colours, which takes a third of the room; ValueError names a file that is none."""
     try:
         with Image.open(path) as image:
@@ -173,7 +174,7 @@ def picture(path: str, caption: str, source: str = "") -> Picture:
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as a picture: {error}; delete it and run again what wrote it") from error
     data = "data:image/png;base64," + base64.b64encode(small.getvalue()).decode()
-    return Picture(words(Path(path).stem), data, width, height, caption, source)
+    return Picture(words(Path(path).stem), data, width, height, caption, path, runs)
 
 
 def words(stem: str) -> str:

@@ -1,4 +1,4 @@
-"""What the page shows besides the runs: sections of tables and figures, found at paths below the results of a study.
+"""What the page shows besides the runs: sections of tables and figures, found at paths below ``results/<study>``.
 
 A section whose files do not exist names the command that makes them.  To add one, add a row to ``SECTIONS``.
 """
@@ -9,11 +9,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path, PurePath
 from typing import NamedTuple
 
-from sph.analysis.figures import FIGURES, caption
+from sph.analysis.figures import FIGURES
+from sph.analysis.figures import caption as caption_of
 
 
 class Section(NamedTuple):
-    """A part of the page; patterns are those of ``Path.glob`` without ``**``, relative to the folder of the results, captions in words."""
+    """A part of the page; patterns are those of ``Path.glob`` without ``**``, relative to ``results/<study>``, where ``{fidelity}`` is
+    that of the page: a target that runs at a fidelity of its own is found by ``*``, and its path says at which."""
 
     title: str
     text: str
@@ -29,36 +31,54 @@ SECTIONS: tuple[Section, ...] = (
         "The paper's claims",
         "Each claim is turned into a test on numbers; a claim that fails is shown as such.",
         "snakemake --cores 2",
-        tables={"claims.csv": "Claim, test, what was measured, verdict"},
+        tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
         always=True,
     ),
     Section(
         "Figures",
         "Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
         "snakemake --cores 2",
-        figures={f"figures/fig{number}.png": caption(draw) for number, draw in FIGURES.items()},
+        figures={f"{{fidelity}}/figures/fig{number}.png": caption_of(draw) for number, draw in FIGURES.items()},
         always=True,
     ),
     Section(
         "Trigger",
-        "The smallest amplitude of shaking at which the slope fails.",
+        "The amplitude of shaking at which the slope begins to fail, bracketed by a run that stands and one that fails.",
         "snakemake --cores 2 trigger",
-        tables={"trigger/*.csv": "Amplitude that triggers failure"},
-        figures={f"{folder}/*.png": "Amplitude that triggers failure" for folder in ("trigger", "trigger/figures")},
+        tables={
+            "*/trigger/claim.csv": "What the search says of the paper's claim",
+            "*/trigger/trigger.csv": "Critical amplitudes",
+            "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
+        },
+        figures={"*/trigger/figures/trigger.png": "Critical amplitude of shaking against strength ratio."},
     ),
     Section(
         "Maps",
-        "Where the slope moves over the plane of strength ratio and amplitude.",
+        "Displacement and class over strength ratio, rate of the loss of strength and amplitude.",
         "snakemake --cores 2 maps",
-        tables={"maps/*.csv": "Displacement over the plane"},
-        figures={f"{folder}/*.png": "Displacement over the plane" for folder in ("maps", "maps/figures")},
+        tables={"*/trigger/shares.csv": "Shares of strength ratio and rate that reach each class"},
+        figures={
+            "*/trigger/figures/shares.png": "Shares of strength ratio and rate that reach each class.",
+            "*/trigger/figures/map-*.png": "Map over strength ratio and amplitude.",
+        },
     ),
     Section(
         "Sensitivity",
-        "Which parameters the answers depend on most.",
+        "Which parameters decide the answers.",
         "snakemake --cores 2 sensitivity",
-        tables={"sensitivity/*.csv": "Sensitivity"},
-        figures={f"{folder}/*.png": "Sensitivity" for folder in ("sensitivity", "sensitivity/figures")},
+        tables={
+            "*/sensitivity/morris.csv": "Screening (Morris)",
+            "*/sensitivity/tornado.csv": "One parameter at a time",
+            "*/sensitivity/sobol.csv": "Shares of the variance (Sobol)",
+            "*/sensitivity/cross_validation.csv": "How well the model of the answers predicts runs that it has not seen",
+            "*/sensitivity/confirm.csv": "Points run again at another fidelity",
+        },
+        figures={
+            "*/sensitivity/figures/morris.png": "Screening (Morris).",
+            "*/sensitivity/figures/tornado.png": "One parameter at a time.",
+            "*/sensitivity/figures/sobol.png": "Shares of the variance (Sobol).",
+            "*/sensitivity/figures/cross_validation.png": "Predicted against computed answers of runs left out.",
+        },
     ),
     Section(
         "Speed and accuracy",
@@ -87,30 +107,28 @@ SECTIONS: tuple[Section, ...] = (
 
 
 def existing(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:
-    """Files of all sections that exist below a folder of results, sorted within each pattern."""
+    """Files of all sections that exist, for the page of a folder ``results/<study>/<fidelity>``; sorted within each pattern."""
+    folder = Path(folder)
     return [
         str(path)
         for section in sections
         for pattern in (*section.tables, *section.figures)
-        for path in sorted(Path(folder).glob(pattern))
+        for path in sorted(folder.parent.glob(pattern.format(fidelity=folder.name)))
         if not path.name.startswith(".")
     ]
 
 
 def certain(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:
     """Files that every study makes, of sections with ``always``."""
-    return [f"{folder}/{path}" for section in sections if section.always for path in (*section.tables, *section.figures)]
+    folder = Path(folder)
+    patterns = [pattern for section in sections if section.always for pattern in (*section.tables, *section.figures)]
+    return [str(folder.parent / pattern.format(fidelity=folder.name)) for pattern in patterns]
 
 
 def of(patterns: Mapping[str, str], files: Iterable[str], folder: Path | str) -> Iterator[tuple[str, str]]:
-    """Those of ``files`` that patterns below a folder match, each once, with its caption."""
-    left = {file: PurePath(file).relative_to(folder) for file in files}
-    for pattern, words in patterns.items():
-        for file in [file for file, path in left.items() if matches(path, pattern)]:
-            del left[file]
-            yield file, words
-
-
-def matches(path: PurePath, pattern: str) -> bool:
-    """Whether a relative path is one that ``Path.glob(pattern)`` finds, of a pattern without ``**``."""
-    return len(path.parts) == len(PurePath(pattern).parts) and path.match(pattern)
+    """Those of ``files`` that patterns match for the page of a folder, with their captions, in the order of the patterns."""
+    study, fidelity = Path(folder).parent, Path(folder).name
+    paths = {file: PurePath(file).relative_to(study) for file in files}
+    for pattern, caption in patterns.items():
+        wanted = PurePath(pattern.format(fidelity=fidelity))
+        yield from ((file, caption) for file, path in paths.items() if len(path.parts) == len(wanted.parts) and path.match(str(wanted)))

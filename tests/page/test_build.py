@@ -92,7 +92,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
 
 def test_nothing_that_a_file_holds_becomes_markup(study: StudyFiles) -> None:
     Path(FOLDER, "trigger").mkdir()
-    Path(FOLDER, "trigger", "bad.csv").write_text(f'name,note\n"{HOSTILE}",**bold**\n')
+    Path(FOLDER, "trigger", "claim.csv").write_text(f'name,note\n"{HOSTILE}",**bold**\n')
     page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER), probe="A"))
     words = Words(page)
     assert TITLE in words.text and HOSTILE in words.text
@@ -113,17 +113,20 @@ def test_every_picture_has_words(study: StudyFiles) -> None:
     page = build_page(study)
     pictures = [attrs for tag, attrs in Words(page).elements if tag == "img"]
     assert len(pictures) == 7 and all(len(attrs["alt"] or "") > 20 for attrs in pictures)
-    assert "Drawn from runs/S_R-0.10_gamma-100_amplitude-6.0.nc, runs/S_R-0.50_gamma-100_amplitude-4.0.nc" in Words(page).text
+    assert "drawn from runs/S_R-0.10_gamma-100_amplitude-6.0.nc, runs/S_R-0.50_gamma-100_amplitude-4.0.nc" in Words(page).text
 
 
 def test_a_section_names_its_command_until_its_files_exist(study: StudyFiles) -> None:
     before = Words(build_page(study)).text
     assert "snakemake --cores 2 sensitivity" in before
-    Path(FOLDER, "sensitivity").mkdir()
-    Path(FOLDER, "sensitivity", "first_order.csv").write_text("parameter,share\ncohesion,0.123456789\n")
-    assert f"{FOLDER}/sensitivity/first_order.csv" in existing(FOLDER)
+    for name in ("up", "other"):  # at the page's fidelity and at another one
+        path = Path(FOLDER).with_name(name) / "sensitivity" / "morris.csv"
+        path.parent.mkdir(parents=True)
+        path.write_text(f"parameter,share\n{name},0.123456789\n")
+        assert str(path) in existing(FOLDER)
     after = Words(build_page(study._replace(files=existing(FOLDER)))).text
-    assert "snakemake --cores 2 sensitivity" not in after and "cohesion" in after and "0.1235" in after
+    assert "snakemake --cores 2 sensitivity" not in after and "0.1235" in after
+    assert after.count("results/made/up/sensitivity/morris.csv") == after.count("results/made/other/sensitivity/morris.csv") == 1
 
 
 def test_the_order_of_the_runs_does_not_matter(study: StudyFiles) -> None:

@@ -189,7 +189,7 @@ def copied(finished: Path, tmp_path: Path) -> Path:
 
 
 def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
-    made = copied / "results" / "small" / "draft" / "sensitivity" / "first_order.csv"
+    made = copied / "results" / "small" / "draft" / "sensitivity" / "morris.csv"
     made.parent.mkdir()
     made.write_text("parameter,share\ncohesion,0.5\n")
     assert planned_jobs(copied, *write_config(copied)) == {"all": 1, "page": 1}
