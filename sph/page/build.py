@@ -155,7 +155,7 @@ def as_json(data: Any) -> str:
 
 def found_part(section: Section, study: StudyFiles) -> Part:
     """A section with those of the study's files that are its own."""
-    tables = [csv_table(file, caption) for file, caption in of(section.tables, study.files, study.folder)]
+    tables = [csv_table(file, caption, section.variables) for file, caption in of(section.tables, study.files, study.folder)]
     tables += [table for name, caption in section.measured.items() if (table := reference_table(name, caption)).rows]
     pictures = []
     for file, caption in of(section.figures, study.files, study.folder):
@@ -180,7 +180,7 @@ def picture(path: str, caption: str, runs: Sequence[str] = ()) -> Picture:
 def words(stem: str) -> str:
     """A file's stem in words: fig4 is Figure 4."""
     number = re.fullmatch(r"fig(\d+)", stem)
-    return f"Figure {number[1]}" if number else stem.replace("_", " ").capitalize()
+    return f"Figure {number[1]}" if number else re.sub("[_-]", " ", stem).capitalize()
 
 
 def cost_of(table: pd.DataFrame, study: StudyFiles) -> Cost:

@@ -5,12 +5,13 @@ A section whose files do not exist names the command that makes them.  To add on
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import NamedTuple
 
 from sph.analysis.figures import FIGURES
 from sph.analysis.figures import caption as caption_of
+from sph.trajectory import Variable
 
 
 class Section(NamedTuple):
@@ -22,6 +23,7 @@ class Section(NamedTuple):
     command: str  # makes its files
     tables: Mapping[str, str] = {}  # caption by pattern of CSV files
     figures: Mapping[str, str] = {}  # caption by pattern of PNG files
+    variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
     measured: Mapping[str, str] = {}  # caption by name in sph.command.reference.TABLES: what the release holds
     always: bool = False  # made with every study
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from pydantic import BaseModel
 
 from sph.analysis.advice import percent
 from sph.command.reference import TABLES
+from sph.trajectory import Variable
 
 MOST_ROWS = 500
 """Most rows that the page shows of a CSV file."""
@@ -48,8 +49,8 @@ def reference_table(name: str, caption: str) -> Table:
     return Table(caption, cells[0] if cells else [], cells[2:], note)
 
 
-def csv_table(path: Path | str, caption: str) -> Table:
-    """Table of a CSV file, numbers to four digits; ValueError names a file that is none."""
+def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()) -> Table:
+    """Table of a CSV file, numbers to four digits, headings with the units that are declared; ValueError names a file that is none."""
     try:
         with open(path, newline="", encoding="utf-8") as file:
             head, *rows = csv.reader(file, strict=True)
@@ -58,7 +59,10 @@ def csv_table(path: Path | str, caption: str) -> Table:
     if any(len(row) != len(head) for row in rows):
         raise ValueError(f"{path}: cannot be read as a table: its rows have not all {len(head)} columns; run again what wrote it")
     note = f"The first {MOST_ROWS} of {len(rows)} rows." if len(rows) > MOST_ROWS else ""
-    return Table(caption, head, [[short(cell) for cell in row] for row in rows[:MOST_ROWS]], note, str(path))
+    units = {row.name: f"{row.name} ({row.units})" for row in variables if row.units != "1"}
+    return Table(
+        caption, [units.get(name, name) for name in head], [[short(cell) for cell in row] for row in rows[:MOST_ROWS]], note, str(path)
+    )
 
 
 def short(cell: str) -> str:
@@ -82,7 +86,7 @@ def _share(value: float) -> str:
 
 
 def _status(row: Mapping[Any, Any]) -> str:
-    return str(row["status"]) + (", still moving" if row["still_moving"] and not row["diverged"] else "")
+    return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "")
 
 
 def run_columns(probe: str) -> dict[str, Callable[[Mapping[Any, Any]], str]]:

@@ -17,7 +17,7 @@ from made import FOLDER, TITLE
 from sph import trajectory
 from sph.analysis.fields import displacement
 from sph.analysis.metrics import CLASSES
-from sph.analysis.tables import read_table
+from sph.analysis.tables import number_column, read_table
 from sph.command.reference import TABLES
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
@@ -211,6 +211,13 @@ def test_tables_of_the_release_are_those_of_the_readme(name: str) -> None:
 )
 def test_cells_are_read_as_written_or_to_four_digits(cell: str, shown: str) -> None:
     assert short(cell) == shown
+
+
+def test_headings_have_the_units_that_are_declared(tmp_path: Path) -> None:
+    path = tmp_path / "critical.csv"
+    path.write_text("case,critical_amplitude,share\nslope,2.5,0.5\n")
+    variables = [number_column("critical_amplitude", "m s-2", ""), number_column("share", "1", "")]
+    assert csv_table(path, "", variables).head == ["case", "critical_amplitude (m s-2)", "share"]
 
 
 def test_a_long_table_says_that_it_is_cut(tmp_path: Path) -> None:

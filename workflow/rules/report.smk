@@ -30,7 +30,6 @@ rule page:
     params:
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,
-        folder=RESULTS,
         points=PLAN.study.points.to_dict("records"),
         amplitudes=PLAN.study.grid.amplitude,
         probe=PLAN.study.metrics.probe,

@@ -1,5 +1,7 @@
 """Write the page of a study."""
 
+from pathlib import Path
+
 from sph.command.job import job_log
 from sph.page.build import StudyFiles, write_page
 
@@ -9,7 +11,7 @@ if __name__ == "__main__":
         study = StudyFiles(
             params.name,
             params.fidelity,
-            params.folder,
+            str(Path(snakemake.output[0]).parent),  # type: ignore[name-defined]
             given.study,
             params.points,
             given.runs,
