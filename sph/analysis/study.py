@@ -97,6 +97,11 @@ class Study(Section):
         """Table of all grid points, labels as written."""
         return pd.DataFrame(list(itertools.product(*(getattr(self.grid, name) for name in GRID))), columns=list(GRID))
 
+    @staticmethod
+    def point_name(point: Mapping[str, str]) -> str:
+        """Name of a grid point in file names, as the Snakefile's ``Paramspace`` writes it."""
+        return "_".join(f"{name}-{point[name]}" for name in GRID)
+
     @property
     def reference_amplitude(self) -> str:
         """Label of the amplitude at which claims are tested and figures drawn; ValueError if the grid lacks it."""
@@ -152,6 +157,11 @@ class Plan:
             make_scene(merge(self._scene_file, overrides), f"{self.origin} at fidelity {name}")
         for point in self.study.points.to_dict("records"):
             self.built(**{str(name): str(value) for name, value in point.items()})
+        if self.built().coupling.initial_state == "fluid":
+            raise ValueError(
+                f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "
+                "allowed in a study: 'solid' (a fluid scene runs by 'sph run')"
+            )
         for figure in range(1, 8):
             list(self.study.figure_runs(figure))
 

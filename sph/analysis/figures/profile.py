@@ -83,9 +83,11 @@ def mark_probes(ax: Axes, trajectory: xr.Dataset, frame: int) -> None:
         )
 
 
-def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, frame: int = -1) -> Normalize:
-    """One scale for the soil of several trajectories; a constant field gets a span of 1, values that are not finite are left out."""
-    values = np.concatenate([FIELDS[field].of(ds, frame)[ds["kind"].values == SOIL] for ds in trajectories.values()])
+def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:
+    """One scale for the soil of several trajectories in some frames, the last one by default; a constant field gets a span of 1,
+    values that are not finite are left out."""
+    soils = [(ds, ds["kind"].values == SOIL) for ds in trajectories.values()]
+    values = np.concatenate([FIELDS[field].of(ds, frame)[soil] for ds, soil in soils for frame in frames or (-1,)])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     low = 0.0 if low > 0 else low
