@@ -32,6 +32,13 @@ DRAWING = ANALYSIS + sorted(
 )
 
 
+PAGE = DRAWING + sorted(
+    str(path)
+    for pattern in ("page/*.*", "command/reference.py", "validation/measured/*.csv")
+    for path in Path(workflow.basedir, "sph").glob(pattern)
+)
+
+
 report: "workflow/report/workflow.rst"
 
 
@@ -42,8 +49,9 @@ wildcard_constraints:
 
 
 rule all:
-    """Everything: tables, claims, Figures 1-7."""
+    """Everything: tables, claims, Figures 1-7, the page of them all."""
     input:
+        f"{RESULTS}/report.html",
         f"{RESULTS}/study.nc",
         f"{RESULTS}/study.csv",
         f"{RESULTS}/claims.csv",
@@ -58,6 +66,7 @@ rule all:
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/trade.smk"
 include: "workflow/rules/validation.smk"
 include: "workflow/rules/limits.smk"

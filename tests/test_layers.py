@@ -9,11 +9,12 @@ import pytest
 
 SPH = Path(__file__).resolve().parents[1] / "sph"
 FORBIDDEN = {
-    "": ("sph.analysis", "sph.stability", "sph.command", "snakemake"),
-    "stability": ("sph.analysis", "sph.command", "snakemake"),
-    "analysis": ("sph.validation", "sph.command", "snakemake"),
-    "validation": ("sph.command", "snakemake"),
-    "command": ("snakemake",),
+    "": ("sph.analysis", "sph.stability", "sph.command", "sph.page", "snakemake"),
+    "stability": ("sph.analysis", "sph.command", "sph.page", "snakemake"),
+    "analysis": ("sph.validation", "sph.command", "sph.page", "snakemake"),
+    "validation": ("sph.command", "sph.page", "snakemake"),
+    "command": ("sph.page", "snakemake"),
+    "page": ("snakemake",),
 }
 
 

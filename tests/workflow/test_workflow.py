@@ -8,6 +8,7 @@ import re
 import shutil
 import subprocess
 import sys
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -73,7 +74,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, "numerics.spacing": 2.5, "numerics.time_step": 5e-4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
-    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1}
+    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1, "page": 1}
     assert planned_jobs(folder, *config) == once | {"trunk": 2, "simulate": 8, "figure": 7}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
@@ -82,7 +83,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
-    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1}
+    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1, "page": 1}
     assert jobs == once | {"trunk": 3, "simulate": 24, "figure": 7}
 
 
@@ -151,17 +152,24 @@ def test_figures_are_drawn(finished: Path) -> None:
         assert (folder / f"fig{number}.pdf").read_bytes().startswith(b"%PDF")
 
 
+def test_the_page_holds_the_study(finished: Path) -> None:
+    folder = finished / "results" / "small" / "draft"
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert all(f"runs/{path.name}" in page for path in folder.glob("runs/*.nc")) and page.count("data:image/png") == 7
+    assert "snakemake --cores 2 sensitivity" in page, "not made yet"
+
+
 def test_a_finished_study_has_nothing_to_do(finished: Path) -> None:
     assert planned_jobs(finished, *write_config(finished)) == {}
 
 
 def test_a_new_grid_value_runs_only_what_is_new(finished: Path) -> None:
     grid = STUDY["grid"] | {"S_R": ["0.10", "0.30", "0.50"]}
-    assert planned_jobs(finished, *write_config(finished, grid=grid)) == {"all": 1, "simulate": 4, "study": 1, "claims": 1}
+    assert planned_jobs(finished, *write_config(finished, grid=grid)) == {"all": 1, "simulate": 4, "study": 1, "claims": 1, "page": 1}
 
 
 def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:
-    assert planned_jobs(finished, *write_config(finished, metrics={"link_length": 3.0})) == {"all": 1, "study": 1, "claims": 1}
+    assert planned_jobs(finished, *write_config(finished, metrics={"link_length": 3.0})) == {"all": 1, "study": 1, "claims": 1, "page": 1}
 
 
 def test_a_scene_key_reruns_the_stages(finished: Path) -> None:
@@ -223,6 +231,33 @@ def test_a_branched_run_is_repeated_from_the_start(finished: Path, tmp_path: Pat
 def copied(finished: Path, tmp_path: Path) -> Path:
     """The finished study in a folder of its own, Snakemake's records included."""
     return Path(shutil.copytree(finished, tmp_path / "study"))
+
+
+def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
+    made = copied / "results" / "small" / "draft" / "sensitivity" / "morris.csv"
+    made.parent.mkdir()
+    made.write_text("parameter,share\ncohesion,0.5\n")
+    assert planned_jobs(copied, *write_config(copied)) == {"all": 1, "page": 1}
+    assert snakemake(copied, "--cores", "1", *write_config(copied)).returncode == 0
+    page = (copied / "results" / "small" / "draft" / "report.html").read_text(encoding="utf-8")
+    assert "snakemake --cores 2 sensitivity" not in page and "cohesion" in page
+    assert planned_jobs(copied, *write_config(copied)) == {}
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "workflow" / "rules").glob("*.smk")), ids=lambda path: path.stem)
+def test_every_result_in_snakemakes_report_has_a_caption_a_category_and_a_label(path: Path) -> None:
+    """With one key of labels throughout: Snakemake shows bare file names in a category where one is missing."""
+    for marked in path.read_text(encoding="utf-8").split("report(")[1:]:
+        written = marked.partition("),\n")[0]
+        caption = re.search(r'caption="([^"]+)"', written)
+        assert caption and (path.parent / caption[1]).is_file() and 'category="' in written and 'labels={"shows": "' in written
+
+
+def test_snakemakes_own_report_takes_the_page_in(copied: Path) -> None:
+    result = snakemake(copied, *write_config(copied), "--report", "report.zip")
+    assert result.returncode == 0, result.stderr
+    names = zipfile.ZipFile(copied / "report.zip").namelist()
+    assert any(name.endswith("report.html") and "data" in name for name in names), names
 
 
 @pytest.mark.parametrize(("removed", "after"), [(["runs/*_gamma-1_*.nc"], 5.0), ([], 3.0)], ids=["simulating", "measuring"])

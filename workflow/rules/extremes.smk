@@ -54,6 +54,7 @@ rule extremes_table:
             f"{EXTREMES}/extremes.csv",
             caption="../report/extremes.rst",
             category="Extremes",
+            labels={"shows": "every run"},
         ),
     log:
         f"{EXTREMES}/logs/extremes.log",
@@ -74,6 +75,7 @@ rule extremes_figure:
             f"{EXTREMES}/figures/extremes.png",
             caption="../report/extremes.rst",
             category="Extremes",
+            labels={"shows": "figure"},
         ),
         pdf=f"{EXTREMES}/figures/extremes.pdf",
     log:

@@ -16,7 +16,7 @@ rule figure:
             f"{RESULTS}/figures/fig{{number}}.png",
             caption="../report/figure.rst",
             category="Figures",
-            labels={"figure": "{number}"},
+            labels={"shows": "Figure {number}"},
         ),
         pdf=f"{RESULTS}/figures/fig{{number}}.pdf",
     log:

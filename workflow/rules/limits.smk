@@ -41,7 +41,10 @@ rule limits_table:
         runs=lambda wildcards: [f"{LIMITS}/runs/{run}.nc" for run in CHANGES().runs],
     output:
         report(
-            f"{LIMITS}/limits.csv", caption="../report/limits.rst", category="Limits"
+            f"{LIMITS}/limits.csv",
+            caption="../report/limits.rst",
+            category="Limits",
+            labels={"shows": "every change"},
         ),
     log:
         f"{LIMITS}/logs/limits.log",

@@ -31,7 +31,10 @@ rule study:
     output:
         nc=f"{RESULTS}/study.nc",
         csv=report(
-            f"{RESULTS}/study.csv", caption="../report/study.rst", category="Tables"
+            f"{RESULTS}/study.csv",
+            caption="../report/study.rst",
+            category="Tables",
+            labels={"shows": "every run"},
         ),
     log:
         f"{RESULTS}/logs/study.log",
@@ -53,7 +56,10 @@ rule claims:
         study=f"{RESULTS}/study.nc",
     output:
         report(
-            f"{RESULTS}/claims.csv", caption="../report/claims.rst", category="Tables"
+            f"{RESULTS}/claims.csv",
+            caption="../report/claims.rst",
+            category="Tables",
+            labels={"shows": "the claims"},
         ),
     log:
         f"{RESULTS}/logs/claims.log",

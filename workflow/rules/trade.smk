@@ -53,12 +53,16 @@ rule trade_table:
     output:
         nc=f"{TRADE}/trade.nc",
         csv=report(
-            f"{TRADE}/trade.csv", caption="../report/trade.rst", category="Ladder"
+            f"{TRADE}/trade.csv",
+            caption="../report/trade.rst",
+            category="Ladder",
+            labels={"shows": "every rung"},
         ),
         convergence=report(
             f"{TRADE}/convergence.csv",
             caption="../report/trade_convergence.rst",
             category="Ladder",
+            labels={"shows": "order of convergence"},
         ),
     log:
         f"{TRADE}/logs/trade.log",
@@ -83,7 +87,7 @@ rule trade_figure:
             f"{TRADE}/figures/{{figure}}.png",
             caption="../report/trade_figure.rst",
             category="Ladder",
-            labels={"figure": "{figure}"},
+            labels={"shows": "figure {figure}"},
         ),
         pdf=f"{TRADE}/figures/{{figure}}.pdf",
     log:

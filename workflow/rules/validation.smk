@@ -62,7 +62,7 @@ rule validation_case:
             f"{VALIDATION}/figures/{{case}}.png",
             caption="../report/validation_figure.rst",
             category="Validation",
-            labels={"case": "{case}"},
+            labels={"shows": "case {case}"},
         ),
         pdf=f"{VALIDATION}/figures/{{case}}.pdf",
     log:
@@ -86,6 +86,7 @@ rule validation_table:
             f"{VALIDATION}/validation.csv",
             caption="../report/validation.rst",
             category="Validation",
+            labels={"shows": "all cases"},
         ),
     log:
         f"{VALIDATION}/logs/validation.log",

@@ -1,0 +1,158 @@
+"""The runs as the page holds them: positions of the soil over time, quantised, and the motion of the probe.
+
+Positions are whole numbers of a quantum (``QUANTA`` to a spacing) from the middle of the picture, 16 bit, of which each frame holds the
+difference from the one before; this and the weight of the solid state, 8 bit, are compressed (zlib) and written in base64.  What is not a
+number or lies outside the range is ``LOST``.  Frames begin at the end of the gravity stage, from which displacements count.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+import zlib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from matplotlib.colors import to_hex
+
+from sph import trajectory
+from sph.analysis.fields import gravity_frame, probe_history
+from sph.analysis.figures.profile import frame_limits, surface_line
+from sph.analysis.figures.style import colour_map
+from sph.particles import SOIL
+from sph.scene import NoMotion
+
+QUANTA = 200
+"""Quanta to a spacing."""
+LOST = -(2**15)
+"""Stands for a position that is not a number or outside the range."""
+RANGE = 2**15 - 1
+SAMPLES = 150
+"""Intervals of the curve of the probe."""
+COLOURS = 64
+"""Colours of the scale."""
+
+
+class Quanta(NamedTuple):
+    """The grid of positions."""
+
+    middle: np.ndarray  # (2,) m
+    size: float  # m
+
+
+class Detail(NamedTuple):
+    """How much of a run is kept."""
+
+    frames: int | None  # every so many, counted back from the last; None: the first and the last
+    particles: int  # every so many
+
+    def words(self) -> str:
+        """The rule in words."""
+        frames = {1: "every stored frame", None: "the first and the last frame"}.get(self.frames, f"one of {self.frames} stored frames")
+        return f"{frames}, {'every particle' if self.particles == 1 else f'one of {self.particles} particles'}"
+
+
+DETAILS = tuple(Detail(frames, 1) for frames in (1, 2, 4, 8, None)) + tuple(Detail(None, 2**n) for n in range(1, 8))
+"""From all to little: the first with which the runs fit into the page is taken."""
+
+
+def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, Any]:
+    """What the page needs to draw the runs of a study, as JSON in at most ``room`` characters.
+
+    ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is no run and a probe that it lacks.
+    """
+    first = trajectory.read_run(paths[0])
+    scene = trajectory.scene_of(first)
+    limits = np.array(frame_limits(first, 0))
+    low, high = limits[::2], limits[1::2]
+    quanta = Quanta(0.5 * (low + high), max(scene.numerics.spacing / QUANTA, float(np.max(high - low)) / RANGE))
+    box = first["kind"].values != SOIL
+    shared = {
+        "probe": probe,
+        "spacing": scene.numerics.spacing,
+        "quantum": quanta.size,
+        "middle": quanta.middle.tolist(),
+        "surface": [corners.tolist() for corners in surface_line(scene)],
+        "box": [np.round(first[name].values[box], 3).tolist() for name in ("x0", "y0")],
+        "shaking": None if isinstance(scene.motion, NoMotion) else [scene.motion.start, scene.motion.end],
+        "colours": [to_hex(colour) for colour in colour_map()(np.linspace(0.0, 1.0, COLOURS))],
+    }
+    room -= _size(shared)
+    for detail in DETAILS:
+        runs = list(_within(room, (run_data(trajectory.read_run(path), probe, detail, quanta) for path in paths)))
+        if len(runs) == len(paths):
+            break
+    else:
+        runs = []
+    seen = np.array([limits, *(run["limits"] for run in runs if run["limits"])])
+    return shared | {
+        "detail": detail.words() if runs else "no drawing",
+        "stride": detail.particles,
+        "left": seen[:, 0].min(),
+        "right": seen[:, 1].max(),
+        "lower": seen[:, 2].min(),
+        "upper": seen[:, 3].max(),
+        "start": min((run["times"][0] for run in runs), default=0.0),
+        "end": max((run["times"][-1] for run in runs), default=0.0),
+        "largest": max((run["largest"] for run in runs), default=0.0),
+        "runs": runs,
+    }
+
+
+def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dict[str, Any]:
+    """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
+    (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
+    picture and ``largest`` displacement (m) of a particle, none for a diverged run;
+    ``reason`` of its status."""
+    history = probe_history(run, probe)
+    start, last = gravity_frame(run), run.sizes["frame"] - 1
+    frames = np.array(sorted({start, last, *range(last, start, -(detail.frames or max(last, 1)))}))
+    at = int(run["probe_particle"].values[list(run["probe"].values).index(probe)])
+    soil = np.flatnonzero(run["kind"].values == SOIL)
+    shown = np.concatenate([[at], soil[soil != at][:: detail.particles]])
+    positions = np.stack([run[name].values[np.ix_(frames, shown)].astype(float) for name in ("x", "y")], axis=1)
+    beta = np.nan_to_num(run["beta"].values[np.ix_(frames, shown)], nan=0.0)
+    every = slice(None, None, -max(1, (history.time.size - 1) // SAMPLES))
+    curve = np.stack([values[every][::-1] for values in (history.time, history.horizontal, history.vertical)])
+    diverged = run.attrs["status"] == "diverged"
+    moved = np.hypot(*(positions - positions[0]).transpose(1, 0, 2))
+    return {
+        "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),
+        "largest": 0.0 if diverged else float(np.nanmax(moved)),
+        "reason": str(run.attrs["status_reason"]),
+        "times": np.round(run["time"].values[frames], 6).tolist(),
+        "particles": int(shown.size),
+        "positions": packed(quantised(positions, quanta)),
+        "beta": packed(np.round(255 * np.clip(beta, 0.0, 1.0)).astype(np.uint8)),
+        "curve": base64.b64encode(zlib.compress(curve.astype("<f4").tobytes(), 9)).decode(),
+    }
+
+
+def quantised(positions: np.ndarray, quanta: Quanta) -> np.ndarray:
+    """Positions (frames, 2, particles) in m as whole numbers of quanta from the middle; ``LOST`` in both directions where one is lost."""
+    with np.errstate(invalid="ignore"):
+        numbers = np.round((positions - quanta.middle[:, None]) / quanta.size)
+        inside = (np.abs(numbers) <= RANGE).all(axis=1, keepdims=True)  # false for NaN
+    return np.where(inside, numbers, LOST).astype(np.int16)
+
+
+def packed(values: np.ndarray) -> str:
+    """Integers (frames, ...) as differences from frame to frame, wrapping around, compressed."""
+    steps = np.diff(values, axis=0, prepend=np.zeros_like(values[:1]))
+    return base64.b64encode(zlib.compress(steps.astype(values.dtype.newbyteorder("<")).tobytes(), 9)).decode()
+
+
+def _within(room: int, runs: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any]]:
+    """Runs as long as they together stay within a number of characters."""
+    for run in runs:
+        room -= _size(run)
+        if room < 0:
+            return
+        yield run
+
+
+def _size(data: Any) -> int:
+    return len(json.dumps(data))

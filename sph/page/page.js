@@ -1,0 +1,299 @@
+"use strict";
+// The run that the reader chooses: profile, motion of the probe, numbers. All data are in the page.
+(() => {
+  const study = JSON.parse(document.getElementById("data").textContent);
+  const byId = (id) => document.getElementById(id);
+  const form = byId("choice"), slider = byId("time"), play = byId("play");
+  const INK = "#1b1d21", SOFT = "#5c636e", LINE = "#c9ced6", BAND = "#eef0f3", VERTICAL = "#011959", HORIZONTAL = "#c4622d";
+  const FONT = "12px system-ui, sans-serif";
+  const LOST = -32768; // a position that is not a number or outside the range
+  let chosen = null; // point, its run unpacked, time as text
+  let timer = 0;
+
+  // ---------------------------------------------------------------- data
+
+  async function unpacked(text) {
+    const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+    return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"))).arrayBuffer();
+  }
+
+  // Frames from their differences; typed arrays wrap around as the packing did.
+  function summed(values, width) {
+    for (let i = width; i < values.length; i += 1) values[i] += values[i - width];
+    return values;
+  }
+
+  async function loaded(run) {
+    const [positions, beta, curve] = await Promise.all([run.positions, run.beta, run.curve].map(unpacked));
+    const n = run.particles, frames = run.times.length;
+    const places = summed(new Int16Array(positions), 2 * n), samples = new Float32Array(curve);
+    const count = samples.length / 3;
+    const moved = new Float32Array(frames * n).fill(NaN); // displacement since the first frame kept, the end of the gravity stage
+    for (let f = 0; f < frames; f += 1) {
+      for (let i = 0; i < n; i += 1) {
+        const x = places[2 * n * f + i], y = places[2 * n * f + n + i];
+        if (x !== LOST && places[i] !== LOST) moved[n * f + i] = study.quantum * Math.hypot(x - places[i], y - places[n + i]);
+      }
+    }
+    return {
+      n, times: run.times, places, moved, beta: summed(new Uint8Array(beta), n),
+      t: samples.subarray(0, count), u: samples.subarray(count, 2 * count), v: samples.subarray(2 * count),
+    };
+  }
+
+  const largest = (values) => values.reduce((most, value) => (value > most ? value : most), 0);
+
+  // ---------------------------------------------------------------- drawing
+
+  // Canvas of a height in CSS pixels, cleared, at twice the resolution at least: it is printed, too.
+  function pen(canvas, height) {
+    const width = canvas.parentElement.clientWidth, scale = Math.max(2, window.devicePixelRatio);
+    canvas.width = Math.round(width * scale);
+    canvas.height = Math.round(height * scale);
+    const ink = canvas.getContext("2d");
+    ink.scale(scale, scale);
+    ink.fillStyle = "#fff";
+    ink.fillRect(0, 0, width, height);
+    ink.font = FONT;
+    return ink;
+  }
+
+  // Round numbers from low to high, some `count` of them.
+  function ticks(low, high, count) {
+    const rough = (high - low) / count, power = 10 ** Math.floor(Math.log10(rough));
+    const step = power * [1, 2, 5, 10].find((part) => part * power >= rough * 0.999);
+    const found = [];
+    for (let i = Math.ceil(low / step - 1e-9); i * step <= high + 1e-9 * step; i += 1) found.push(Number((i * step).toPrecision(12)));
+    return found;
+  }
+
+  const label = (value) => String(value).replace("-", "−");
+
+  function write(ink, text, x, y, align = "center", baseline = "alphabetic", colour = INK) {
+    Object.assign(ink, { textAlign: align, textBaseline: baseline, fillStyle: colour });
+    ink.fillText(text, x, y);
+  }
+
+  // Axes around a box in pixels; returns the mappings from data to pixels.
+  function axes(ink, box, [left, right], [low, high], names, grid) {
+    const X = (x) => box.x + ((x - left) / (right - left)) * box.w;
+    const Y = (y) => box.y + box.h - ((y - low) / (high - low)) * box.h;
+    ink.lineWidth = 1;
+    ink.strokeStyle = LINE;
+    ink.beginPath();
+    for (const x of ticks(left, right, box.w / 75)) {
+      ink.moveTo(X(x), box.y + box.h);
+      ink.lineTo(X(x), box.y + box.h + 4);
+      write(ink, label(x), X(x), box.y + box.h + 7, "center", "top", SOFT);
+    }
+    for (const y of ticks(low, high, Math.max(2, box.h / 45))) {
+      ink.moveTo(box.x - 4, Y(y));
+      ink.lineTo(grid ? box.x + box.w : box.x, Y(y));
+      write(ink, label(y), box.x - 7, Y(y), "right", "middle", SOFT);
+    }
+    ink.moveTo(box.x, box.y);
+    ink.lineTo(box.x, box.y + box.h);
+    ink.lineTo(box.x + box.w, box.y + box.h);
+    ink.stroke();
+    write(ink, names[0], box.x + box.w / 2, box.y + box.h + 24, "center", "top");
+    ink.save();
+    ink.translate(13, box.y + box.h / 2);
+    ink.rotate(-Math.PI / 2);
+    write(ink, names[1], 0, 0, "center", "middle");
+    ink.restore();
+    return [X, Y];
+  }
+
+  // What colours the soil: value of a particle in the frame, end of the scale, its name.
+  function colouring(frame) {
+    const { n, moved, beta } = chosen.run;
+    if (form.elements.colour.value === "beta") {
+      return { of: (i) => beta[n * frame + i] / 255, end: 1, name: "weight of the solid state β (1: solid, 0: fluid)" };
+    }
+    const own = largest(moved), end = form.elements.colour.value === "common" ? study.largest : own;
+    return { of: (i) => moved[n * frame + i], end: Math.max(end, 0.1), name: "displacement (m)" };
+  }
+
+  function circles(ink, centres, radius, stroke, fill) {
+    ink.beginPath();
+    for (const [x, y] of centres) {
+      ink.moveTo(x + radius, y);
+      ink.arc(x, y, radius, 0, 2 * Math.PI);
+    }
+    if (fill) {
+      ink.fillStyle = fill;
+      ink.fill();
+    }
+    ink.strokeStyle = stroke;
+    ink.stroke();
+  }
+
+  function drawProfile(frame) {
+    const canvas = byId("profile"), width = canvas.parentElement.clientWidth;
+    const box = { x: 46, y: 8, w: width - 58, h: 0 };
+    box.h = (box.w * (study.upper - study.lower)) / (study.right - study.left); // equal aspect
+    const ink = pen(canvas, box.h + 108);
+    const [X, Y] = axes(ink, box, [study.left, study.right], [study.lower, study.upper], ["horizontal position (m)", "height (m)"], false);
+    const radius = (0.5 * study.spacing * box.w) / (study.right - study.left), scale = colouring(frame);
+    const { n, places } = chosen.run, bins = study.colours.map(() => []);
+    let lost = 0;
+    for (let i = 0; i < n; i += 1) {
+      const x = places[2 * n * frame + i], y = places[2 * n * frame + n + i], value = scale.of(i);
+      if (x === LOST || Number.isNaN(value)) lost += 1;
+      else {
+        const bin = Math.min(bins.length - 1, Math.floor((value / scale.end) * bins.length));
+        bins[bin].push([X(study.middle[0] + study.quantum * x), Y(study.middle[1] + study.quantum * y)]);
+      }
+    }
+    ink.save();
+    ink.beginPath();
+    ink.rect(box.x, 0, box.w, box.y + box.h);
+    ink.clip();
+    ink.lineWidth = 0.6;
+    circles(ink, study.box[0].map((x, i) => [X(x), Y(study.box[1][i])]), radius, SOFT, "#fff");
+    ink.lineWidth = 0.25;
+    bins.forEach((centres, bin) => circles(ink, centres, radius * Math.sqrt(study.stride), INK, study.colours[bin]));
+    ink.lineWidth = 1.2;
+    ink.strokeStyle = INK;
+    ink.beginPath();
+    study.surface[0].forEach((x, i) => ink.lineTo(X(x), Y(study.surface[1][i])));
+    ink.stroke();
+    const [x, y] = [places[2 * n * frame], places[2 * n * frame + n]];
+    if (x !== LOST) {
+      const at = [X(study.middle[0] + study.quantum * x), Y(study.middle[1] + study.quantum * y)];
+      ink.lineWidth = 1.6;
+      circles(ink, [at], 4.5, INK, "#fff");
+      ink.font = `bold ${FONT}`;
+      ink.lineWidth = 3;
+      ink.strokeStyle = "#fff";
+      Object.assign(ink, { textAlign: "right", textBaseline: "bottom" });
+      ink.strokeText(study.probe, at[0] - 5, at[1] - 4);
+      write(ink, study.probe, at[0] - 5, at[1] - 4, "right", "bottom");
+    }
+    ink.restore();
+    drawBar(ink, { x: box.x, y: box.y + box.h + 52, w: Math.min(box.w, 420), h: 10 }, scale);
+    canvas.setAttribute("aria-label", `Profile at ${chosen.run.times[frame]} s, ${chosen.title}, colour: ${scale.name} from 0 to ${scale.end.toPrecision(3)}`);
+    byId("frame-note").textContent = lost ? `${lost} of ${n} particles are not drawn: their position is not a number or far outside.` : "";
+  }
+
+  function drawBar(ink, bar, scale) {
+    study.colours.forEach((colour, i) => {
+      ink.fillStyle = colour;
+      ink.fillRect(bar.x + (i * bar.w) / study.colours.length, bar.y, bar.w / study.colours.length + 0.5, bar.h);
+    });
+    for (const value of ticks(0, scale.end, 5)) write(ink, label(value), bar.x + (value / scale.end) * bar.w, bar.y + bar.h + 4, "center", "top", SOFT);
+    write(ink, scale.name, bar.x, bar.y + bar.h + 20, "left", "top");
+  }
+
+  function drawCurve(frame) {
+    const canvas = byId("curve"), { t, u, v, times } = chosen.run;
+    const box = { x: 58, y: 26, w: canvas.parentElement.clientWidth - 70, h: 190 };
+    const ink = pen(canvas, box.y + box.h + 44);
+    const finite = [0, ...u, ...v].filter(Number.isFinite);
+    let [low, high] = [Math.min(...finite), Math.max(...finite)];
+    const pad = Math.max(0.06 * (high - low), 0.01);
+    [low, high] = [low - pad, high + pad];
+    const X = (x) => box.x + ((x - study.start) / (study.end - study.start)) * box.w;
+    if (study.shaking) {
+      ink.fillStyle = BAND;
+      ink.fillRect(X(study.shaking[0]), box.y, X(study.shaking[1]) - X(study.shaking[0]), box.h);
+      write(ink, "shaking", (X(study.shaking[0]) + X(study.shaking[1])) / 2, box.y + box.h - 6, "center", "bottom", SOFT);
+    }
+    const [, Y] = axes(ink, box, [study.start, study.end], [low, high], ["time (s)", `displacement of ${study.probe} (m)`], true);
+    ink.strokeStyle = SOFT;
+    ink.beginPath();
+    ink.moveTo(X(times[frame]), box.y);
+    ink.lineTo(X(times[frame]), box.y + box.h);
+    ink.stroke();
+    ink.lineWidth = 2;
+    [["vertical", v, VERTICAL, []], ["horizontal", u, HORIZONTAL, [7, 4]]].forEach(([name, values, colour, dashes], number) => {
+      ink.setLineDash(dashes);
+      ink.strokeStyle = colour;
+      ink.beginPath();
+      for (let i = 0; i < t.length; i += 1) if (Number.isFinite(values[i])) ink.lineTo(X(t[i]), Y(values[i]));
+      ink.moveTo(box.x + 110 * number, 11);
+      ink.lineTo(box.x + 110 * number + 28, 11);
+      ink.stroke();
+      write(ink, name, box.x + 110 * number + 34, 11, "left", "middle");
+    });
+    ink.setLineDash([]);
+    const last = (values) => values[values.length - 1].toFixed(2);
+    canvas.setAttribute("aria-label", `Displacement of ${study.probe} over time, ${chosen.title}: at the end ${last(v)} m vertical, ${last(u)} m horizontal`);
+  }
+
+  // ---------------------------------------------------------------- the reader's choice
+
+  function draw() {
+    const frame = Number(slider.value);
+    if (!chosen || !chosen.run) return;
+    const { times } = chosen.run;
+    byId("now").textContent = `${times[frame].toFixed(2)} of ${times[times.length - 1].toFixed(2)} s`;
+    slider.setAttribute("aria-valuetext", byId("now").textContent);
+    drawProfile(frame);
+    drawCurve(frame);
+  }
+
+  function list(id, rows, tag) {
+    byId(id).replaceChildren(...rows.map(([name, value]) => {
+      const row = document.createElement("div");
+      row.appendChild(document.createElement("dt")).textContent = name;
+      row.appendChild(document.createElement("dd")).appendChild(document.createElement(tag)).textContent = value;
+      return row;
+    }));
+  }
+
+  function describe({ facts, file, run }, title) {
+    const named = Object.fromEntries(study.columns.map((column, i) => [column, facts[i]]));
+    const diverged = named.status === "diverged", path = `${study.folder}/${file}`;
+    const numbers = Object.entries(named).filter(([name]) => / \(m\)$|error/.test(name));
+    byId("title").textContent = title;
+    byId("class").textContent = named.class;
+    byId("result").className = diverged ? "bad" : "";
+    list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
+    list("facts", [["status", named.status], ["file", path], ["repeat it", `sph run ${path} --out again.nc`]], "code");
+  }
+
+  async function choose() {
+    const values = ["S_R", "gamma", "amplitude"].map((name) => form.elements[name].value);
+    const point = study.points[values.join("|")];
+    if (chosen && chosen.point === point) return draw();
+    const before = chosen && chosen.run ? chosen.run.times[Number(slider.value)] : Infinity;
+    const next = { point, run: null, title: `S_R ${values[0]}, γ ${values[1]} 1/s, amplitude ${values[2]} m/s²` };
+    chosen = next;
+    describe(point, next.title);
+    byId("drawings").hidden = !point.run;
+    const run = point.run && (await loaded(point.run));
+    if (chosen !== next || !run) return undefined; // another one was chosen meanwhile, or the page holds no drawings
+    chosen.run = run;
+    slider.max = run.times.length - 1;
+    const wasAtEnd = before === Infinity || Number(slider.dataset.end) <= before;
+    slider.dataset.end = run.times[run.times.length - 1];
+    slider.value = wasAtEnd ? slider.max : run.times.filter((time) => time <= before).length - 1;
+    return draw();
+  }
+
+  function stop() {
+    clearInterval(timer);
+    timer = 0;
+    play.textContent = "▶";
+    play.setAttribute("aria-label", "Play");
+  }
+
+  play.addEventListener("click", () => {
+    if (timer) return stop();
+    if (slider.value === slider.max) slider.value = 0;
+    play.textContent = "⏸";
+    play.setAttribute("aria-label", "Pause");
+    timer = setInterval(() => {
+      slider.value = Number(slider.value) + 1;
+      draw();
+      if (slider.value === slider.max) stop();
+    }, 120);
+    return undefined;
+  });
+  slider.addEventListener("input", () => { stop(); draw(); });
+  form.addEventListener("change", () => { stop(); choose(); });
+  byId("detail").textContent = `This page holds ${study.detail} of every run, positions to ${(1000 * study.quantum).toPrecision(2)} mm; the run's file holds the rest.`;
+  new ResizeObserver(() => draw()).observe(byId("profile").parentElement);
+  choose();
+})();

@@ -1,0 +1,136 @@
+"""What the page shows besides the runs: sections of tables and figures, found at paths below ``results/<study>``.
+
+A section whose files do not exist names the command that makes them.  To add one, add a row to ``SECTIONS``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path, PurePath
+from typing import NamedTuple
+
+from sph.analysis.figures import FIGURES
+from sph.analysis.figures import caption as caption_of
+from sph.trajectory import Variable
+
+
+class Section(NamedTuple):
+    """A part of the page; patterns are those of ``Path.glob`` without ``**``, relative to ``results/<study>``, where ``{fidelity}`` is
+    that of the page: a target that runs at a fidelity of its own is found by ``*``, and its path says at which."""
+
+    title: str
+    text: str
+    command: str  # makes its files
+    tables: Mapping[str, str] = {}  # caption by pattern of CSV files
+    figures: Mapping[str, str] = {}  # caption by pattern of PNG files
+    variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
+    measured: Mapping[str, str] = {}  # caption by name in sph.command.reference.TABLES: what the release holds
+    always: bool = False  # made with every study
+
+
+SECTIONS: tuple[Section, ...] = (
+    Section(
+        "The paper's claims",
+        "Each claim is turned into a test on numbers; a claim that fails is shown as such.",
+        "snakemake --cores 2",
+        tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
+        always=True,
+    ),
+    Section(
+        "Figures",
+        "Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
+        "snakemake --cores 2",
+        figures={f"{{fidelity}}/figures/fig{number}.png": caption_of(draw) for number, draw in FIGURES.items()},
+        always=True,
+    ),
+    Section(
+        "Trigger",
+        "The amplitude of shaking at which the slope begins to fail, bracketed by a run that stands and one that fails.",
+        "snakemake --cores 2 trigger",
+        tables={
+            "*/trigger/claim.csv": "What the search says of the paper's claim",
+            "*/trigger/trigger.csv": "Critical amplitudes",
+            "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
+        },
+        figures={"*/trigger/figures/trigger.png": "Critical amplitude of shaking against strength ratio."},
+    ),
+    Section(
+        "Maps",
+        "Displacement and class over strength ratio, rate of the loss of strength and amplitude.",
+        "snakemake --cores 2 maps",
+        tables={"*/trigger/shares.csv": "Shares of strength ratio and rate that reach each class"},
+        figures={
+            "*/trigger/figures/shares.png": "Shares of strength ratio and rate that reach each class.",
+            "*/trigger/figures/map-*.png": "Map over strength ratio and amplitude.",
+        },
+    ),
+    Section(
+        "Sensitivity",
+        "Which parameters decide the answers.",
+        "snakemake --cores 2 sensitivity",
+        tables={
+            "*/sensitivity/morris.csv": "Screening (Morris)",
+            "*/sensitivity/tornado.csv": "One parameter at a time",
+            "*/sensitivity/sobol.csv": "Shares of the variance (Sobol)",
+            "*/sensitivity/cross_validation.csv": "How well the model of the answers predicts runs that it has not seen",
+            "*/sensitivity/confirm.csv": "Points run again at another fidelity",
+        },
+        figures={
+            "*/sensitivity/figures/morris.png": "Screening (Morris).",
+            "*/sensitivity/figures/tornado.png": "One parameter at a time.",
+            "*/sensitivity/figures/sobol.png": "Shares of the variance (Sobol).",
+            "*/sensitivity/figures/cross_validation.png": "Predicted against computed answers of runs left out.",
+        },
+    ),
+    Section(
+        "Speed and accuracy",
+        "Displacement and run-out depend on the particle spacing and do not converge with it: read the errors against the finest run as "
+        "the least that a fidelity leaves open. Measured for this release on the paper's slope.",
+        "snakemake --cores 2 trade",
+        measured={"presets": "The fidelities against the finest run of the ladder", "trade": "Every rung of the ladder"},
+    ),
+    Section(
+        "Validation",
+        "Problems with known answers, run with the same solver. Tolerances were written before the runs; what is missed stays in the "
+        "table. Measured for this release.",
+        "snakemake --cores 2 validation",
+        measured={"validation": "Every quantity beside its reference"},
+    ),
+    Section(
+        "Limits",
+        "The model is two-dimensional, has no pore pressure, no dilation and no length scale: soil that softens fails in bands as thin "
+        "as the kernel, so displacement and run-out depend on the resolution. The box is rigid and reflects waves; near the threshold its "
+        "fixed walls decide. The table says what one choice changed alone does to the answers (in brackets, against the scene as it is).",
+        "snakemake --cores 2 limits",
+        measured={"limits": "One choice changed at a time"},
+    ),
+)
+"""The sections in their order on the page."""
+
+
+def existing(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:
+    """Files of all sections that exist, for the page of a folder ``results/<study>/<fidelity>``; sorted within each pattern."""
+    folder = Path(folder)
+    return [
+        str(path)
+        for section in sections
+        for pattern in (*section.tables, *section.figures)
+        for path in sorted(folder.parent.glob(pattern.format(fidelity=folder.name)))
+        if not path.name.startswith(".")
+    ]
+
+
+def certain(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:
+    """Files that every study makes, of sections with ``always``."""
+    folder = Path(folder)
+    patterns = [pattern for section in sections if section.always for pattern in (*section.tables, *section.figures)]
+    return [str(folder.parent / pattern.format(fidelity=folder.name)) for pattern in patterns]
+
+
+def of(patterns: Mapping[str, str], files: Iterable[str], folder: Path | str) -> Iterator[tuple[str, str]]:
+    """Those of ``files`` that patterns match for the page of a folder, with their captions, in the order of the patterns."""
+    study, fidelity = Path(folder).parent, Path(folder).name
+    paths = {file: PurePath(file).relative_to(study) for file in files}
+    for pattern, caption in patterns.items():
+        wanted = PurePath(pattern.format(fidelity=fidelity))
+        yield from ((file, caption) for file, path in paths.items() if len(path.parts) == len(wanted.parts) and path.match(str(wanted)))

@@ -1,0 +1,77 @@
+"""A finished study of four hand-made runs, one of which diverged."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from PIL import Image
+from synthetic import Displacement, study_row, synthetic
+
+from sph import trajectory
+from sph.analysis.claims import write_claims
+from sph.analysis.metrics import METRIC_BY_NAME, measure
+from sph.analysis.tables import read_study, study_table, write_study
+from sph.page.build import StudyFiles
+from sph.page.sections import certain, existing
+from sph.scene import Scene
+
+FOLDER = "results/made/up"
+SLIPS = {("0.10", "4.0"): -3.0, ("0.10", "6.0"): -8.0, ("0.50", "4.0"): 0.0, ("0.50", "6.0"): -1.0}
+"""Horizontal motion (m) of the soil above the toe, give or take a third, by S_R and amplitude; the last run diverges."""
+TITLE = "A slope <b>& more</b>"
+
+
+def uneven(slip: float) -> Displacement:
+    """Displacement that is not the same for all, so that it does not pack to nothing."""
+
+    def field(scene: Scene, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        ux = np.where(y > scene.geometry.toe[1], slip * (1.0 + np.sin(13.0 * x + 7.0 * y) / 3.0), 0.0)
+        return ux, -0.5 * np.abs(ux)
+
+    return field
+
+
+def run_of(S_R: str, amplitude: str) -> xr.Dataset:
+    """A run of 400 particles; that of S_R 0.50 and 6.0 m/s2 is stopped after 9 s with a particle lost."""
+    scene = {
+        "title": TITLE,
+        "numerics": {"spacing": 2.5},
+        "coupling": {"S_R": float(S_R)},
+        "motion": {"kind": "tapered_sine", "amplitude": float(amplitude)},
+    }
+    run = synthetic(uneven(SLIPS[S_R, amplitude]), overrides=scene)
+    run.attrs["particle_steps"] = 6_000_000
+    if (S_R, amplitude) == ("0.50", "6.0"):
+        run = run.isel(frame=slice(0, 19), sample=slice(0, 181))
+        run["x"][-1, 7] = np.nan
+        run.attrs |= {"status": "diverged", "status_reason": "a particle was too fast"}
+    return run
+
+
+def made_study() -> StudyFiles:
+    """Write the study below the working folder."""
+    points = [{"S_R": S_R, "gamma": "100", "amplitude": amplitude} for S_R, amplitude in SLIPS]
+    runs, rows = [], []
+    for point in points:
+        run = run_of(point["S_R"], point["amplitude"])
+        runs.append(f"{FOLDER}/runs/" + "_".join(f"{name}-{value}" for name, value in point.items()) + ".nc")
+        trajectory.write(runs[-1], run)
+        measured = {name: value for name, value in measure(run).items() if name in METRIC_BY_NAME}
+        rows.append(study_row(*point.values(), **measured | {"expected_displacement_error": 0.31}))
+    write_study(study_table(rows), f"{FOLDER}/study.nc", f"{FOLDER}/study.csv")
+    write_claims(read_study(f"{FOLDER}/study.nc"), f"{FOLDER}/claims.csv")
+    gravity = synthetic()
+    for name, seconds in {"gravity": 0.5, "amplitude-4.0": 0.75, "amplitude-6.0": 1.0}.items():
+        gravity.attrs["wall_time_s"] = seconds
+        trajectory.write(f"{FOLDER}/stages/{name}.nc", gravity)
+    for path in certain(FOLDER):
+        if path.endswith(".png"):
+            Path(path).parent.mkdir(exist_ok=True)
+            Image.linear_gradient("L").save(path)
+    trunks = {amplitude: f"{FOLDER}/stages/amplitude-{amplitude}.nc" for amplitude in ("4.0", "6.0")}
+    shown = {"fig4": runs[1:3]}
+    return StudyFiles(
+        "made", "up", FOLDER, f"{FOLDER}/study.csv", points, runs, f"{FOLDER}/stages/gravity.nc", trunks, existing(FOLDER), shown
+    )

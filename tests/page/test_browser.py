@@ -1,0 +1,206 @@
+"""The page in a browser: another run is chosen, shown and printed, on a desk and on a phone, without a network."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+from collections.abc import Iterator
+from contextlib import chdir
+from pathlib import Path
+from typing import Any
+
+import pytest
+from made import FOLDER, made_study
+
+from sph.analysis.tables import read_table
+from sph.page.build import StudyFiles, write_page
+from sph.page.tables import metres
+
+webdriver = pytest.importorskip("selenium.webdriver", reason="no browser test: selenium is missing (pip install -e '.[test]')")
+wait = pytest.importorskip("selenium.webdriver.support.wait")
+BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+pytestmark = pytest.mark.skipif(
+    not (BROWSER and DRIVER), reason="no browser test: chromium or chromedriver is missing (apt-get install chromium chromium-driver)"
+)
+LABEL = "return document.getElementById(arguments[0]).ariaLabel"
+DESK, PHONE = (1200, 900), (360, 740)
+
+
+class Browser:
+    """A page open in chromium."""
+
+    def __init__(self, path: Path) -> None:
+        options = webdriver.ChromeOptions()
+        options.binary_location = BROWSER
+        for argument in ("--headless=new", "--no-sandbox", "--disable-dev-shm-usage", "--disable-gpu"):
+            options.add_argument(argument)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(executable_path=DRIVER))
+        self.url = path.resolve().as_uri()
+
+    def open(self, width: int, height: int, **features: str) -> None:
+        """Load the page in a window of a size in CSS pixels, with media features such as ``prefers_color_scheme``."""
+        size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+        self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+        wanted = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
+        self.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": wanted})
+        self.driver.get(self.url)
+        self.shown("S_R")
+
+    def run(self, script: str, *arguments: Any) -> Any:
+        return self.driver.execute_script(script, *arguments)
+
+    def text(self, name: str) -> str:
+        return str(self.run("return document.getElementById(arguments[0]).textContent", name))
+
+    def shown(self, words: str, canvas: str = "profile") -> str:
+        """Pixels of a canvas, once what it says of itself holds some words."""
+
+        def ready(_: Any) -> str | None:
+            label = self.run(LABEL, canvas)
+            return str(self.run("return document.getElementById(arguments[0]).toDataURL()", canvas)) if words in label else None
+
+        return str(wait.WebDriverWait(self.driver, 60, 0.05).until(ready, f"{canvas}: {words}"))
+
+    def choose(self, name: str, value: str) -> None:
+        """Click on a radio button, as a reader does: where it lies on the screen."""
+        radio = self.driver.find_element("css selector", f"input[name='{name}'][value='{value}']")
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center', behavior: 'instant'})", radio)
+        webdriver.ActionChains(self.driver).move_to_element(radio).click().perform()
+
+    def press(self, key: str) -> None:
+        webdriver.ActionChains(self.driver).send_keys(key).perform()
+
+    def requests(self) -> list[str]:
+        """Addresses that the page has asked for since the last look, those inside itself left out."""
+        entries = [json.loads(entry["message"])["message"] for entry in self.driver.get_log("performance")]
+        urls = [entry["params"]["request"]["url"] for entry in entries if entry["method"] == "Network.requestWillBeSent"]
+        return [url for url in urls if not url.startswith(("data:", "blob:"))]
+
+
+@pytest.fixture(scope="module")
+def opened(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[Browser, StudyFiles]]:
+    """A browser with the page of the made study, and its files, in the working folder."""
+    with chdir(tmp_path_factory.mktemp("page")):
+        study = made_study()
+        write_page(f"{FOLDER}/report.html", study)
+        browser = Browser(Path(FOLDER, "report.html"))
+        yield browser, study
+        browser.driver.quit()
+
+
+@pytest.fixture
+def study(opened: tuple[Browser, StudyFiles]) -> StudyFiles:
+    """The files behind the page."""
+    return opened[1]
+
+
+@pytest.fixture
+def browser(opened: tuple[Browser, StudyFiles]) -> Iterator[Browser]:
+    """The browser; what a test has done with the page must not have led to an error or to a request."""
+    browser = opened[0]
+    yield browser
+    assert not [entry for entry in browser.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+    assert set(browser.requests()) == {browser.url}
+
+
+def told(study: StudyFiles, S_R: str, amplitude: str) -> Any:
+    table = read_table(study.table)
+    return table[(table["S_R"] == S_R) & (table["amplitude"] == amplitude)].iloc[0]
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_another_run_is_chosen_with_mouse_and_keyboard(study: StudyFiles, browser: Browser, size: tuple[int, int]) -> None:
+    browser.open(*size)
+    pictures = [(browser.shown("S_R 0.10, γ 100 1/s, amplitude 6.0"), browser.shown("amplitude 6.0", "curve"))]
+    assert browser.text("class") == told(study, "0.10", "6.0")["collapse_class"]
+    browser.choose("amplitude", "4.0")
+    pictures.append((browser.shown("S_R 0.10, γ 100 1/s, amplitude 4.0"), browser.shown("amplitude 4.0", "curve")))
+    row = told(study, "0.10", "4.0")
+    assert browser.text("class") == row["collapse_class"] and metres(row["displacement_magnitude"]) in browser.text("numbers")
+    browser.choose("S_R", "0.10")
+    browser.press("\ue014")  # right arrow
+    pictures.append((browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0"), browser.shown("S_R 0.50", "curve")))
+    assert browser.text("class") == told(study, "0.50", "4.0")["collapse_class"] == "stable"
+    assert "S_R-0.50_gamma-100_amplitude-4.0.nc" in browser.text("facts")
+    assert browser.run("return document.activeElement.value") == "0.50"
+    assert all(len({pair[canvas] for pair in pictures}) == 3 for canvas in (0, 1))
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_page_is_as_wide_as_the_window(browser: Browser, size: tuple[int, int]) -> None:
+    browser.open(*size)
+    assert browser.run("return document.documentElement.scrollWidth <= innerWidth")
+    browser.run("for (const part of document.querySelectorAll('details')) part.open = true")
+    assert browser.run("return document.documentElement.scrollWidth <= innerWidth")
+
+
+def test_a_diverged_run_says_so(browser: Browser) -> None:
+    browser.open(*DESK)
+    browser.choose("S_R", "0.50")
+    browser.shown("S_R 0.50")
+    assert browser.text("class") == "undetermined" and "a particle was too fast" in browser.text("numbers")
+    assert browser.text("frame-note").startswith("1 of ")  # lost in the last frame
+    assert "9.00" in browser.text("now")
+
+
+def test_the_time_slider_goes_back_to_the_undeformed_slope(browser: Browser) -> None:
+    browser.open(*DESK)
+    at_end = browser.shown("at 15 s")
+    browser.run("document.getElementById('time').focus()")
+    browser.press("\ue011")  # home
+    assert browser.shown("at 3 s") != at_end and browser.text("now").startswith("3.00")
+    browser.choose("amplitude", "4.0")
+    browser.shown("at 3 s, S_R 0.10, γ 100 1/s, amplitude 4.0")  # another run is shown at the same time
+
+
+def test_colours_follow_the_field(browser: Browser) -> None:
+    browser.open(*DESK)
+    before = browser.shown("displacement (m)")
+    browser.run("document.querySelector('select[name=colour]').focus()")
+    browser.press("w")  # the option that begins so
+    assert browser.shown("weight of the solid state") != before
+
+
+def test_the_chosen_run_is_announced_and_the_focus_is_seen(browser: Browser) -> None:
+    browser.open(*DESK)
+    assert browser.run("return document.getElementById('class').closest('[aria-live]').getAttribute('aria-live')") == "polite"
+    unnamed = "return [...document.querySelectorAll('input, select, button')].filter((e) => !e.labels?.length && !e.ariaLabel).length"
+    assert browser.run(unnamed) == 0
+    browser.run("document.querySelector('input[name=S_R]:checked').focus()")
+    browser.press("\ue014")
+    outline = "return getComputedStyle(document.querySelector('input[name=S_R]:checked + span')).outlineStyle"
+    assert browser.run(outline) == "solid"
+
+
+def test_who_wants_no_motion_gets_none(browser: Browser) -> None:
+    shown = "return getComputedStyle(document.getElementById('play')).display"
+    browser.open(*DESK)
+    assert browser.run(shown) != "none"
+    browser.open(*DESK, prefers_reduced_motion="reduce")
+    assert browser.run(shown) == "none"
+
+
+def test_dark_mode_turns_the_page_and_leaves_the_pictures_white(browser: Browser) -> None:
+    browser.open(*DESK, prefers_color_scheme="dark")
+    backgrounds = [f"return getComputedStyle(document.querySelector('{part}')).backgroundColor" for part in ("body", "canvas", "img")]
+    body, canvas, image = (browser.run(script) for script in backgrounds)
+    assert body != "rgb(255, 255, 255)" and canvas == image == "rgb(255, 255, 255)"
+
+
+def test_print_shows_the_chosen_run_without_controls(browser: Browser) -> None:
+    browser.open(*DESK)
+    browser.choose("S_R", "0.50")
+    browser.choose("amplitude", "4.0")
+    browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0")
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    visible = "return document.getElementById(arguments[0]).checkVisibility()"
+    assert [browser.run(visible, name) for name in ("choice", "play", "time")] == [False, False, False]
+    assert [browser.run(visible, name) for name in ("title", "class", "profile", "curve")] == [True] * 4
+    pdf = base64.b64decode(browser.driver.execute_cdp_cmd("Page.printToPDF", {})["data"])
+    assert pdf.startswith(b"%PDF") and len(pdf) > 50_000
+    widths = [int(width) for width in re.findall(rb"/Subtype /Image\s+/Width (\d+)", pdf)]
+    assert widths.count(browser.run("return document.getElementById('profile').width")) == 2, "profile and curve"

@@ -1,0 +1,227 @@
+"""The page of a study: that it holds what the files hold, escapes it, and stays within its size."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import zlib
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from made import FOLDER, TITLE
+
+from sph import trajectory
+from sph.analysis.fields import displacement
+from sph.analysis.metrics import CLASSES
+from sph.analysis.tables import number_column, read_table
+from sph.command.reference import TABLES
+from sph.page.build import StudyFiles, build_page, write_page
+from sph.page.explorer import DETAILS, LOST
+from sph.page.sections import SECTIONS, existing
+from sph.page.tables import csv_table, metres, reference_table, short
+from sph.particles import SOIL
+
+HOSTILE = "</script><img src=x onerror=alert(1)>"
+
+
+class Words(HTMLParser):
+    """What a reader sees, and the elements that carry it."""
+
+    def __init__(self, page: str) -> None:
+        super().__init__()
+        self.elements: list[tuple[str, dict[str, str | None]]] = []
+        self.text = ""
+        self.data = ""
+        self._inside = ""
+        self.feed(page)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.elements.append((tag, dict(attrs)))
+        if tag in ("script", "style"):
+            self._inside = "data" if dict(attrs).get("id") == "data" else tag
+
+    def handle_endtag(self, tag: str) -> None:
+        self._inside = "" if tag in ("script", "style") else self._inside
+
+    def handle_data(self, data: str) -> None:
+        if self._inside == "data":
+            self.data += data
+        elif not self._inside:
+            self.text += " ".join(data.split()) + " "
+
+    @property
+    def runs(self) -> dict[str, Any]:
+        """The data of the runs."""
+        return json.loads(self.data)
+
+
+def unpacked(text: str, kind: str, width: int) -> np.ndarray:
+    """Frames of a packed array, as the page's script sums them."""
+    steps = np.frombuffer(zlib.decompress(base64.b64decode(text)), kind).reshape(-1, width)
+    return np.add.accumulate(steps, axis=0, dtype=steps.dtype)
+
+
+def test_the_page_tells_every_run_as_the_table_does(study: StudyFiles) -> None:
+    words = Words(build_page(study))
+    for row in read_table(study.table).to_dict("records"):
+        name = f"runs/S_R-{row['S_R']}_gamma-{row['gamma']}_amplitude-{row['amplitude']}.nc"
+        told = words.runs["points"][f"{row['S_R']}|{row['gamma']}|{row['amplitude']}"]
+        named = dict(zip(words.runs["columns"], told["facts"], strict=True))
+        assert name in words.text and told["file"] == name
+        assert named["class"] == row["collapse_class"] and named["displacement of A (m)"] == metres(row["displacement_magnitude"])
+    found = list(read_table(study.table)["collapse_class"])
+    counts = ", ".join(f"{found.count(name)} {name}" for name in CLASSES)
+    assert f"4 runs over strength ratio S_R, rate of the loss of strength γ and amplitude of shaking: {counts}; 1 diverged" in words.text
+
+
+def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
+    words = Words(build_page(study))
+    facts = dict(zip(words.runs["columns"], words.runs["points"]["0.50|100|6.0"]["facts"], strict=True))
+    assert facts["status"] == "diverged" and facts["class"] == "undetermined"
+    assert facts["displacement of A (m)"] == facts["run-out (m)"] == "–"
+    assert sum(tag == "tr" and attrs.get("class") == "bad" for tag, attrs in words.elements) == 1
+    assert "1 diverged" in words.text
+    # Nor does it take part in the common scale of colours.
+    moved = [np.hypot(*displacement(trajectory.read(run))).max() for run in study.runs[:-1]]
+    assert words.runs["largest"] == pytest.approx(max(moved))
+
+
+def test_nothing_that_a_file_holds_becomes_markup(study: StudyFiles) -> None:
+    Path(FOLDER, "trigger").mkdir()
+    Path(FOLDER, "trigger", "claim.csv").write_text(f'name,note\n"{HOSTILE}",**bold**\n')
+    page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER), probe="A"))
+    words = Words(page)
+    assert TITLE in words.text and HOSTILE in words.text
+    assert [tag for tag, _ in words.elements].count("script") == 2 and not any("onerror" in attrs for _, attrs in words.elements)
+    assert words.runs["folder"] == FOLDER
+
+
+def test_the_page_asks_for_nothing_outside(study: StudyFiles) -> None:
+    words = Words(build_page(study))
+    for tag, attrs in words.elements:
+        for name in ("src", "href"):
+            assert (attrs.get(name) or "#").startswith(("#", "data:")), (tag, attrs)
+    policy = next(attrs["content"] for _, attrs in words.elements if attrs.get("http-equiv"))
+    assert policy is not None and policy.startswith("default-src 'none'")
+
+
+def test_every_picture_has_words(study: StudyFiles) -> None:
+    page = build_page(study)
+    pictures = [attrs for tag, attrs in Words(page).elements if tag == "img"]
+    assert len(pictures) == 7 and all(len(attrs["alt"] or "") > 20 for attrs in pictures)
+    assert "drawn from runs/S_R-0.10_gamma-100_amplitude-6.0.nc, runs/S_R-0.50_gamma-100_amplitude-4.0.nc" in Words(page).text
+
+
+def test_a_section_names_its_command_until_its_files_exist(study: StudyFiles) -> None:
+    before = Words(build_page(study)).text
+    assert "snakemake --cores 2 sensitivity" in before
+    for name in ("up", "other"):  # at the page's fidelity and at another one
+        path = Path(FOLDER).with_name(name) / "sensitivity" / "morris.csv"
+        path.parent.mkdir(parents=True)
+        path.write_text(f"parameter,share\n{name},0.123456789\n")
+        assert str(path) in existing(FOLDER)
+    after = Words(build_page(study._replace(files=existing(FOLDER)))).text
+    assert "snakemake --cores 2 sensitivity" not in after and "0.1235" in after
+    assert after.count("results/made/up/sensitivity/morris.csv") == after.count("results/made/other/sensitivity/morris.csv") == 1
+
+
+def test_the_order_of_the_runs_does_not_matter(study: StudyFiles) -> None:
+    turned = study._replace(points=study.points[::-1], runs=study.runs[::-1])
+    assert build_page(turned) == build_page(study)
+
+
+def test_positions_come_back_to_half_a_quantum(study: StudyFiles) -> None:
+    data = Words(build_page(study)).runs
+    held = data["points"]["0.10|100|6.0"]["run"]
+    run = trajectory.read(study.runs[1])
+    soil = np.flatnonzero(run["kind"].values == SOIL)
+    probe = int(run["probe_particle"].values[0])
+    order = [probe, *soil[soil != probe]]
+    frames = [int(np.argmin(np.abs(run["time"].values - time))) for time in held["times"]]
+    assert held["times"][0] == 3.0 and held["times"][-1] == 15.0 and len(frames) == 25
+    numbers = unpacked(held["positions"], "<i2", 2 * len(order)).reshape(-1, 2, len(order))
+    for axis, name in enumerate(("x", "y")):
+        there = data["middle"][axis] + data["quantum"] * numbers[:, axis]
+        np.testing.assert_allclose(there, run[name].values[frames][:, order], atol=0.51 * data["quantum"])
+    assert data["quantum"] == pytest.approx(2.5 / 200)
+    np.testing.assert_array_equal(unpacked(held["beta"], "u1", len(order)), 255)
+    time, horizontal, vertical = np.frombuffer(zlib.decompress(base64.b64decode(held["curve"])), "<f4").reshape(3, -1)
+    end = [run[f"probe_displacement_{axis}"].values[-1, 0] for axis in ("x", "y")]
+    assert (time[-1], horizontal[-1], vertical[-1]) == pytest.approx((15.0, *end)) and end[0] < -5.0
+
+
+def test_a_lost_particle_is_no_number(study: StudyFiles) -> None:
+    data = Words(build_page(study)).runs
+    held = data["points"]["0.50|100|6.0"]["run"]
+    numbers = unpacked(held["positions"], "<i2", 2 * held["particles"]).reshape(-1, 2, held["particles"])
+    assert held["times"][-1] == 9.0
+    assert np.count_nonzero(numbers[-1] == LOST) == 2 and np.count_nonzero(numbers[:-1] == LOST) == 0
+
+
+def test_the_runs_are_kept_in_the_detail_that_fits(study: StudyFiles) -> None:
+    whole = build_page(study)
+    data = Words(whole).runs
+    assert data["detail"] == DETAILS[0].words()
+    packed = sum(len(point["run"][name]) for point in data["points"].values() for name in ("positions", "beta", "curve"))
+    largest = len(whole) - packed // 3
+    tight = build_page(study, largest=largest)
+    assert len(tight) <= largest
+    assert Words(tight).runs["detail"] not in (DETAILS[0].words(), "no drawing")
+    frames = [point["run"]["times"] for point in Words(tight).runs["points"].values()]
+    assert all(times[0] == 3.0 and times[-1] in (9.0, 15.0) for times in frames)
+    least = Words(build_page(study, largest=1)).runs
+    assert least["detail"] == "no drawing" and not any("run" in point for point in least["points"].values())
+
+
+def test_cost_counts_shared_stages_once(study: StudyFiles) -> None:
+    # Each run says 2 s; two each hold trunks of 0.75 and 1 s, and both trunks the gravity stage of 0.5 s.
+    text = Words(build_page(study)).text
+    assert "(5.75 s)" in text and f"{8 / 3600:.3g} core-hours had every run" in text
+
+
+def test_a_table_of_other_runs_is_refused(study: StudyFiles) -> None:
+    with pytest.raises(ValueError, match="study.csv: its rows are not the 3 runs"):
+        build_page(study._replace(points=study.points[1:], runs=study.runs[1:]))
+
+
+@pytest.mark.parametrize("name", ["claims.csv", "figures/fig4.png", "runs/S_R-0.10_gamma-100_amplitude-6.0.nc"])
+def test_a_damaged_file_is_named_and_the_earlier_page_stays(study: StudyFiles, name: str) -> None:
+    size = write_page(f"{FOLDER}/report.html", study)
+    assert size == Path(FOLDER, "report.html").stat().st_size
+    Path(FOLDER, name).write_bytes(b"a,b\n1\n\xff")
+    with pytest.raises(ValueError, match=re.escape(name)):
+        write_page(f"{FOLDER}/report.html", study)
+    assert Path(FOLDER, "report.html").stat().st_size == size
+
+
+@pytest.mark.parametrize("name", [name for section in SECTIONS for name in section.measured])
+def test_tables_of_the_release_are_those_of_the_readme(name: str) -> None:
+    table, lines = reference_table(name, ""), TABLES[name]().splitlines()
+    assert len(table.rows) == sum(line.startswith("|") for line in lines) - 2
+    assert all(len(row) == len(table.head) for row in table.rows)
+    assert all(cell in lines[number + 2].replace("\\|", "|") for number, row in enumerate(table.rows) for cell in row)
+
+
+@pytest.mark.parametrize(
+    ("cell", "shown"), [("NaN", "–"), ("0.10", "0.10"), ("0.123456789", "0.1235"), ("collapse", "collapse"), ("1e-300000", "0"), ("", "")]
+)
+def test_cells_are_read_as_written_or_to_four_digits(cell: str, shown: str) -> None:
+    assert short(cell) == shown
+
+
+def test_headings_have_the_units_that_are_declared(tmp_path: Path) -> None:
+    path = tmp_path / "critical.csv"
+    path.write_text("case,critical_amplitude,share\nslope,2.5,0.5\n")
+    variables = [number_column("critical_amplitude", "m s-2", ""), number_column("share", "1", "")]
+    assert csv_table(path, "", variables).head == ["case", "critical_amplitude (m s-2)", "share"]
+
+
+def test_a_long_table_says_that_it_is_cut(tmp_path: Path) -> None:
+    path = tmp_path / "long.csv"
+    path.write_text("a\n" + "1\n" * 501)
+    table = csv_table(path, "")
+    assert len(table.rows) == 500 and table.note == "The first 500 of 501 rows."
