@@ -8,7 +8,6 @@ gamma and amplitude together (``maps``).  All have their amplitudes on one dyadi
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -95,15 +94,19 @@ class Trigger(Section):
                 f"confirm.collapse_class: {self.confirm.collapse_class!r} is not one of those searched, {', '.join(self.classes)}"
             )
         if self.levels > MOST_LEVELS:
-            width = (self.amplitude.highest - self.amplitude.lowest) / self.amplitude.cells
-            raise ValueError(f"tolerance: {self.tolerance:g} m/s2 must be at least {width / 2**MOST_LEVELS:.2g} m/s2 with this lattice")
+            raise ValueError(f"tolerance: {self.tolerance:g} m/s2 must be at least {self._widest(MOST_LEVELS):.2g} m/s2 with this lattice")
         return self
 
     @property
     def levels(self) -> int:
-        """How often a cell of amplitudes is divided until it is within the tolerance."""
-        width = (self.amplitude.highest - self.amplitude.lowest) / self.amplitude.cells
-        return max(0, math.ceil(math.log2(width / self.tolerance) - 1e-9))
+        """How often a cell of amplitudes is divided until the widest is within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
+        narrow = (level for level in range(MOST_LEVELS + 1) if self._widest(level) <= self.tolerance * (1.0 + 1e-9))
+        return next(narrow, MOST_LEVELS + 1)
+
+    def _widest(self, level: int) -> float:
+        """Width of the last cell, on both scales the widest, divided so often (m/s2)."""
+        span = self.amplitude
+        return span.value(span.cells) - span.value(span.cells - 0.5**level)
 
 
 class Lattice(Section):
@@ -132,7 +135,6 @@ class TriggerPlan:
     def __init__(self, trigger: Trigger, study: Plan, origin: str) -> None:
         self.trigger, self._study, self.origin = trigger, study, origin
         self.fidelity = trigger.fidelity or study.study.fidelity
-        self.folder = study.at(self.fidelity).folder
         self.plans: dict[str, Plan] = {}
         self.folders: dict[tuple[str, str], str] = {}
         """folder of the stages and runs of a fidelity and case"""
@@ -144,6 +146,7 @@ class TriggerPlan:
                 plan = study.at(fidelity, overrides, f"{FOLDER}/{file_name(case)}" if overrides else "", f"{origin}: case {case!r}")
                 self.plans[plan.folder] = plan
                 self.folders[fidelity, case] = plan.folder
+        self.folder = study.at(self.fidelity).folder
         values = {name: tuple(dict.fromkeys(getattr(study.study.grid, name) + getattr(trigger, name))) for name in ("S_R", "gamma")}
         self._written = {**values, "amplitude": study.study.grid.amplitude}
         self._validate()
@@ -237,4 +240,9 @@ def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPla
 
 def plan_of(study: Plan, trigger: Callable[[], TriggerPlan], folder: str) -> Plan:
     """The plan whose stages and runs lie in a folder: that of the study, else one of the trigger's."""
-    return study if folder == study.folder else trigger().plans[folder]
+    if folder == study.folder:
+        return study
+    plans = trigger().plans
+    if folder not in plans:
+        raise ValueError(f"{folder}: nothing is configured to lie there; known are {', '.join(plans)}")
+    return plans[folder]

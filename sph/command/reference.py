@@ -19,13 +19,17 @@ from pydantic.fields import FieldInfo
 from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
+from sph.analysis.critical import CONFIRM, CRITICAL
 from sph.analysis.extremes import EXTREMES, Extremes
 from sph.analysis.limits import LIMITS, Limits, read_limits
 from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
+from sph.analysis.maps import CELLS, SHARES
+from sph.analysis.points import POINTS
 from sph.analysis.study import Study
 from sph.analysis.tables import VALUES
 from sph.analysis.trade import PRESETS, Trade
 from sph.analysis.trade_table import QUANTITIES, TRADE, Summary, summary
+from sph.analysis.trigger import Trigger
 from sph.scene import Scene
 from sph.stability.standing import FailureRule
 from sph.trajectory import VARIABLES, Variable
@@ -149,9 +153,15 @@ TABLES: dict[str, Callable[[], str]] = {
     "validation_keys": lambda: markdown(KEY_HEAD, key_rows(Validation)),
     "limits_keys": lambda: markdown(KEY_HEAD, key_rows(Limits)),
     "extremes_keys": lambda: markdown(KEY_HEAD, key_rows(Extremes)),
+    "trigger_keys": lambda: markdown(KEY_HEAD, key_rows(Trigger)),
     "failure_rule": lambda: markdown(KEY_HEAD, key_rows(FailureRule)),
     "validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(VALIDATION)),
     "extremes_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(EXTREMES)),
+    "trigger_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CRITICAL)),
+    "points_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(POINTS)),
+    "confirm_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CONFIRM)),
+    "cells_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CELLS)),
+    "shares_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SHARES)),
     "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
     "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
     "limits": lambda: _limits_table(read_limits()),

@@ -20,6 +20,7 @@ HOMES = {
     "validation_keys": "config",
     "limits_keys": "config",
     "extremes_keys": "config",
+    "trigger_keys": "config",
     "failure_rule": "config",
     "trajectory": "results",
     "metrics": "results",
@@ -28,6 +29,11 @@ HOMES = {
     "validation_variables": "results",
     "limits_variables": "results",
     "extremes_variables": "results",
+    "trigger_variables": "results",
+    "points_variables": "results",
+    "confirm_variables": "results",
+    "cells_variables": "results",
+    "shares_variables": "results",
 }
 MEASURED = ("presets", "trade", "validation", "limits")
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -88,13 +89,10 @@ def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
     found = rows[rows["outcome"] == BRACKETED]
     error = found["resolution_error"].to_numpy()
     ax.errorbar(found["x"], found["critical_amplitude"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
-    for outcome, end, marker in ((AT_LOWEST, "upper", "v"), (NEVER, "lower", "^")):
-        beyond = rows[rows["outcome"] == outcome]
-        ax.plot(
-            beyond["x"], beyond[end], linestyle="", marker=marker, markersize=7, markerfacecolor="white", color=look["color"], clip_on=False
-        )
-    split = found[(found["changes"] > 1) | (found["diverged_inside"] > 0)]
-    ax.plot(split["x"], split["critical_amplitude"], linestyle="", marker="o", markersize=10, markerfacecolor="none", color=look["color"])
+    marks = [(rows["outcome"] == outcome, end, marker, 7) for outcome, end, marker in ((AT_LOWEST, "upper", "v"), (NEVER, "lower", "^"))]
+    marks.append(((rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0)), "critical_amplitude", "o", 10))
+    for where, column, marker, size in marks:
+        _draw_marks(ax, rows[where], column, marker=marker, markersize=size, markerfacecolor="none", color=look["color"])
 
 
 @styled
@@ -166,8 +164,14 @@ def _draw_ground(ax: Axes, plane: pd.DataFrame, interpolator: Any, values: np.nd
 
 def _draw_points(ax: Axes, plane: pd.DataFrame) -> None:
     diverged = plane["collapse_class"] == UNDETERMINED
-    ax.plot(plane["x"][~diverged], plane["y"][~diverged], clip_on=False, **RUN_LOOK)
-    ax.plot(plane["x"][diverged], plane["y"][diverged], clip_on=False, **DIVERGED_LOOK)
+    _draw_marks(ax, plane[~diverged], "y", **RUN_LOOK)
+    _draw_marks(ax, plane[diverged], "y", **DIVERGED_LOOK)
+
+
+def _draw_marks(ax: Axes, rows: pd.DataFrame, column: str, **look: Any) -> None:
+    """Marks that may lie on the frame; a line without points would upset the layout."""
+    if len(rows):
+        ax.plot(rows["x"], rows[column], clip_on=False, **{"linestyle": "", **look})
 
 
 RUN_LOOK: dict[str, Any] = {
@@ -190,7 +194,7 @@ def _point_handles(points: pd.DataFrame) -> list[Line2D]:
 
 @styled
 def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
-    """Share of the searched values of S_R and gamma with which a class, or a worse one, is reached, against amplitude, a panel a case.
+    """Share of the searched values of S_R and gamma with which a class, or a worse one, is reached, against amplitude, a panel a class.
 
     ``shares`` as from ``read_shares``.  A band lies between the lower and the upper bound that the points leave.  It is a share of values
     of two parameters, not a probability of a ground motion.  Raises ValueError for an empty table.
@@ -198,23 +202,24 @@ def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
     if shares.empty:
         raise ValueError("shares: no row to draw")
     cases = list(dict.fromkeys(shares["case"]))
-    figure = Figure(figsize=(WIDTH, 3.0), layout="constrained")
-    axes = figure.subplots(1, len(cases), sharey=True, squeeze=False)[0]
-    looks = list(zip(CLASSES[1:], curve_colours(len(CLASSES) - 1), LINE_STYLES, strict=False))
-    for ax, case in zip(axes, cases, strict=True):
-        for name, colour, line in looks:
+    looks = list(zip(cases, curve_colours(len(cases)), itertools.cycle(LINE_STYLES)))
+    figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+    axes = figure.subplots(1, len(CLASSES) - 1, sharey=True)
+    for ax, name in zip(axes, CLASSES[1:], strict=True):
+        for case, colour, line in looks:
             rows = shares[(shares["case"] == case) & (shares["collapse_class"] == name)]
             at = np.append(rows["amplitude_lower"], rows["amplitude_upper"].iloc[-1])
             low, high = (np.append(rows[end], rows[end].iloc[-1]) for end in ("share_lower", "share_upper"))
-            ax.fill_between(at, low, high, step="post", color=colour, alpha=0.22, linewidth=0)
+            ax.fill_between(at, low, high, step="post", color=colour, alpha=0.25, linewidth=0)
             for bound in (low, high):
                 ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
         ax.set(xlabel=AMPLITUDE, xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
     axes[0].set_ylabel("share of $S_R$ and γ searched")
-    label_panels(axes, [plain(case) for case in cases])
+    label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
     handles = [
-        Patch(facecolor=(*colour[:3], 0.22), edgecolor=colour, linestyle=line, label=f"at least {name}") for name, colour, line in looks
+        Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between its bounds")
+        for case, colour, line in looks
     ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    figure.legend(handles=handles, loc="outside upper center", ncols=2)
     write_note(figure, note)
     return figure
