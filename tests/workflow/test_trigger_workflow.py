@@ -75,7 +75,9 @@ def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> 
     assert table["case"].tolist() == list(TRIGGER["cases"]) and table["outcome"].tolist() == [BRACKETED] * 2
     assert (table["upper"] - table["lower"] == 4.0).all() and (table["runs"] == 4).all() and len(points) == 8
     assert set(points["round"]) == {0, 1} and set(points["amplitude"]) >= {"0", "8.0", "16"}, "8.0 as in the study's grid"
-    assert (table["yield_acceleration"] > 0).all() and (table["newmark_amplitude"] > table["yield_acceleration"]).all()
+    trials = trajectory.read(searched / "results/small/draft/stages/yield_acceleration.nc")
+    assert "too coarse for the rule" in trials.attrs["reason"], "an estimate that there is not is no number"
+    assert table["yield_acceleration"].isna().all() and table["newmark_amplitude"].isna().all()
     with xr.open_dataset(searched / FOLDER / "trigger.nc") as ds:
         assert list(ds.data_vars) == names(CRITICAL) and ds.attrs["fidelity"] == "draft"
         assert ds["critical_amplitude"].values.tolist() == table["critical_amplitude"].tolist()
