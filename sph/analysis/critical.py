@@ -28,7 +28,7 @@ BRACKETED, AT_LOWEST, NEVER, UNDECIDED = "bracketed", "reached at the lowest", "
 BRACKET: tuple[Variable, ...] = (
     text_column(
         "outcome",
-        f"{BRACKETED}; {AT_LOWEST} or {NEVER} amplitude that was run, then the only end there is; {UNDECIDED}: no run has a class",
+        f"{BRACKETED}; {AT_LOWEST} or {NEVER} amplitude whose run has a class, then the only end; {UNDECIDED}: no run has a class",
     ),
     number_column("critical_amplitude", "m s-2", "middle of the bracket; NaN without one"),
     number_column("resolution_error", "m s-2", "half the width of the bracket; NaN without one"),
