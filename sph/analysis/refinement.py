@@ -41,6 +41,10 @@ class Span(Section):
             return float(self.lowest * (self.highest / self.lowest) ** part)
         return self.lowest + (self.highest - self.lowest) * part
 
+    def widest(self, level: int) -> float:
+        """Width of the last cell, on both scales the widest, divided so often."""
+        return self.value(self.cells) - self.value(self.cells - 0.5**level)
+
 
 class Cell(NamedTuple):
     """A cell: its lowest corner, and how often it has been divided."""

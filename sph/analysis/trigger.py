@@ -8,6 +8,7 @@ gamma and amplitude together (``maps``).  All have their amplitudes on one dyadi
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args
@@ -17,7 +18,7 @@ from pydantic import model_validator
 
 from sph.analysis.metrics import CLASSES, GRID
 from sph.analysis.refinement import Place, Span
-from sph.analysis.study import GRID_KEYS, Axis, Plan
+from sph.analysis.study import GRID_KEYS, MOST_RUNS, Axis, Plan
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, read_yaml, validated
 
@@ -25,6 +26,8 @@ FOLDER = "trigger"
 """Folder of the results, in that of the study at the searching fidelity."""
 MOST_LEVELS = 12
 """Most divisions of a cell."""
+LEAST_STEP = 1e-5
+"""Smallest step of a lattice over its largest value: labels have six digits."""
 SEARCHED = {"points": "trigger", "maps": "maps"}
 """Table of all points of a search, and the search."""
 
@@ -68,7 +71,7 @@ class Trigger(Section):
     classes: Classes = key("classes whose critical amplitudes are searched", default=("collapse",), min_length=1)
     S_R: Axis = key("strength ratios at which they are searched")
     gamma: Axis = key("rates of the loss of strength at which they are searched", "1/s")
-    confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=Confirm())
+    confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=None)
     maps: Maps | None = key("maps over S_R, gamma and amplitude; null: none", default=None)
 
     @model_validator(mode="after")
@@ -94,19 +97,31 @@ class Trigger(Section):
                 f"confirm.collapse_class: {self.confirm.collapse_class!r} is not one of those searched, {', '.join(self.classes)}"
             )
         if self.levels > MOST_LEVELS:
-            raise ValueError(f"tolerance: {self.tolerance:g} m/s2 must be at least {self._widest(MOST_LEVELS):.2g} m/s2 with this lattice")
+            raise ValueError(
+                f"tolerance: {self.tolerance:g} m/s2 must be at least {self.amplitude.widest(MOST_LEVELS):.2g} m/s2 with this lattice"
+            )
+        self._check_extent()
         return self
+
+    def _check_extent(self) -> None:
+        spans = [("amplitude", self.amplitude, self.levels)]
+        points = {"S_R, gamma, amplitude": len(self.cases) * len(self.S_R) * len(self.gamma) * (self.amplitude.cells + 1)}
+        if self.maps:
+            own = (self.maps.S_R, self.maps.gamma, self.amplitude)
+            spans += [(f"maps.{name}", span, self.maps.levels) for name, span in zip(GRID, own, strict=True)]
+            points["maps"] = len(self.maps.cases or self.cases) * math.prod(span.cells + 1 for span in own)
+        for where, span, levels in spans:
+            if span.widest(levels) <= LEAST_STEP * span.highest:
+                raise ValueError(f"{where}: steps of {span.widest(levels):.2g} at {span.highest:g} are too small for labels of six digits")
+        for where, count in points.items():
+            if count > MOST_RUNS:
+                raise ValueError(f"{where}: the undivided lattice has {count:,} points, at most {MOST_RUNS:,}")
 
     @property
     def levels(self) -> int:
         """How often a cell of amplitudes is divided until the widest is within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
-        narrow = (level for level in range(MOST_LEVELS + 1) if self._widest(level) <= self.tolerance * (1.0 + 1e-9))
+        narrow = (level for level in range(MOST_LEVELS + 1) if self.amplitude.widest(level) <= self.tolerance * (1.0 + 1e-9))
         return next(narrow, MOST_LEVELS + 1)
-
-    def _widest(self, level: int) -> float:
-        """Width of the last cell, on both scales the widest, divided so often (m/s2)."""
-        span = self.amplitude
-        return span.value(span.cells) - span.value(span.cells - 0.5**level)
 
 
 class Lattice(Section):

@@ -137,6 +137,8 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"maps": {"cases": ["odd"]}}, ["maps.cases", "odd", "as it is"]),
         ({"maps": {"gamma": {"lowest": 0.0}}}, ["maps.gamma", "logarithmic"]),
         ({"maps": {"S_R": {"highest": 1.5}}}, ["coupling.S_R", "1.5"]),
+        ({"amplitude": {"lowest": 7.9999}, "tolerance": 1e-5}, ["amplitude", "too small for labels of six digits"]),
+        ({"maps": {"S_R": {"cells": 64}, "gamma": {"cells": 64}}}, ["maps", "12,675 points, at most 10,000"]),
         ({"speed": 1}, ["speed", "no such key"]),
     ],
 )

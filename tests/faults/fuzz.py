@@ -41,6 +41,7 @@ from sph.analysis.limits import Limits, load_limits
 from sph.analysis.study import Study, load_study
 from sph.analysis.trade import Trade, load_trade
 from sph.analysis.trade_table import summary
+from sph.analysis.trigger import SEARCHED, Trigger, load_trigger
 from sph.command.cli import app
 from sph.configuration import merge
 from sph.ground_motion import motion_of
@@ -118,6 +119,19 @@ TRADE = {
     },
 }
 LIMITS = {"scene": "tiny.yaml", "cases": {"weak": {}}, "changes": {"as it is": {}, "S_R 0.1": {"coupling": {"S_R": 0.1}}}}
+TRIGGER = {
+    "cases": {"as it is": {}, "slip": {"walls": {"sides": "free_slip", "layers": 8}}},
+    "amplitude": {"lowest": 1.0, "highest": 8.0, "cells": 2},
+    "tolerance": 0.5,
+    "S_R": ["0.1", 0.25],
+    "gamma": [1],
+    "confirm": {"fidelity": "b", "S_R": ["0.1"], "gamma": [1], "cases": ["slip"]},
+    "maps": {
+        "cases": ["slip"],
+        "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
+        "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+    },
+}
 VALIDATION = {
     "cases": {
         "V1": {
@@ -129,7 +143,15 @@ VALIDATION = {
         }
     }
 }
-MODELS = {"scene": Scene, "study": Study, "trade": Trade, "limits": Limits, "validation": Validation, "rule": FailureRule}
+MODELS = {
+    "scene": Scene,
+    "study": Study,
+    "trade": Trade,
+    "limits": Limits,
+    "trigger": Trigger,
+    "validation": Validation,
+    "rule": FailureRule,
+}
 LADDER = shipped_table()
 RUNGS = [] if LADDER is None else summary(LADDER)
 """What every scene is compared with to tell its error, put together once."""
@@ -305,6 +327,22 @@ def limits(data: Any, folder: Path) -> str:
     return "accepted"
 
 
+def trigger(data: Any, folder: Path) -> str:
+    """Load searches; stages and runs of every case stay where they belong, and no two points of a search have one name."""
+    write(folder / "trigger.yaml", data)
+    plan = load_trigger(load_study(STUDY | {"trigger": "trigger.yaml"}, [folder]), [folder])
+    assert len(set(plan.folders.values())) == len(plan.plans)
+    for place in plan.plans:
+        _stays(place, "results")
+    for search in SEARCHED.values() if plan.trigger.maps else ["trigger"]:
+        for lattice in plan.lattices(search):
+            for name, span in lattice.spans.items():
+                steps = range(span.cells * 2 ** plan.levels(search) + 1)
+                labels = {lattice.label(name, span.value(step / 2 ** plan.levels(search))) for step in steps[:: max(1, len(steps) // 50)]}
+                assert len(labels) == len(steps[:: max(1, len(steps) // 50)]), "two points with one name"
+    return "accepted"
+
+
 def validation(data: Any, folder: Path) -> str:
     """Load a suite; every run has a file of its own in its folder."""
     write(folder / "validation.yaml", data)
@@ -417,13 +455,14 @@ def broken(base: Mapping[str, Any]) -> st.SearchStrategy[str]:
 
 EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any]]] = {
     "scene": (
-        55,
+        50,
         scene,
         st.one_of([changed(Scene, base, most) for base in SCENES for most in (1, 2, 4)] + [section(Scene), broken(SCENES[1])]),
     ),
     "study": (8, study, st.one_of(changed(Study, STUDY, 1), changed(Study, STUDY), broken(STUDY))),
     "trade": (6, trade, st.one_of(changed(Trade, TRADE, 1), changed(Trade, TRADE), broken(TRADE))),
     "limits": (6, limits, st.one_of(changed(Limits, LIMITS, 1), changed(Limits, LIMITS), broken(LIMITS))),
+    "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
     "line": (10, line, lines.map(list)),

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from configurations import changed, keys, section
-from fuzz import FEW, LIMITS, MODELS, SCENES, STUDY, TRADE, VALIDATION
+from fuzz import FEW, LIMITS, MODELS, SCENES, STUDY, TRADE, TRIGGER, VALIDATION
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel
@@ -25,6 +25,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "study": [STUDY],
     "trade": [TRADE],
     "limits": [LIMITS],
+    "trigger": [TRIGGER],
     "validation": [VALIDATION],
     "rule": [{}],
 }
@@ -68,7 +69,7 @@ def test_a_scene_that_is_taken_can_be_shown(data: dict[str, Any]) -> None:
         assert re.search(r"[a-z_]+: ", str(error))
 
 
-@pytest.mark.parametrize("name", ["scene", "study", "trade", "limits", "rule"])
+@pytest.mark.parametrize("name", ["scene", "study", "trade", "limits", "trigger", "rule"])
 def test_every_documented_key_is_fuzzed(name: str) -> None:
     model: type[BaseModel] = MODELS[name]
     documented = {re.sub(r" \(\w+\)|\[\]", "", row[0]) for row in key_rows(model)}
