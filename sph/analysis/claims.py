@@ -380,7 +380,7 @@ def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:
         if row[name] > (name == "changes")
     ]
     still = ["lower end still moving"] if row["lower_still_moving"] else []
-    text = f"S_R {S_R:.2f}: {row['critical_amplitude']:.4g} ± {row['resolution_error']:.2g} m/s²"
+    text = f"S_R {S_R:.2f}: {row['critical_amplitude']:.4g} ± {row['resolution_error']:.3g} m/s²"
     return text + (f" ({', '.join(more + still)})" if more + still else "")
 
 

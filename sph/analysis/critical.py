@@ -42,6 +42,9 @@ BRACKET: tuple[Variable, ...] = (
     ),
     number_column("last_not_reached", "m s-2", "largest amplitude at which the class is not reached; above the upper end: not monotone"),
     number_column("lower_still_moving", "1", "1 if the run at the lower end is still moving at its end: it may reach the class later"),
+    number_column(
+        "lower_failed_fraction", "1", "failed part of the soil at the lower end; 0: the class comes with the first failure of all"
+    ),
     count_column("runs", "runs at this S_R and gamma"),
     count_column("diverged", "diverged runs among them"),
     number_column("wall_time", "s", "computing time of these runs, shared trunks included in each"),
@@ -73,6 +76,7 @@ class Bracket(NamedTuple):
     changes: int
     last_not_reached: float
     lower_still_moving: float
+    lower_failed_fraction: float
     runs: int
     diverged: int
     wall_time: float
@@ -81,17 +85,13 @@ class Bracket(NamedTuple):
 def bracket(points: pd.DataFrame, wanted: str) -> Bracket:
     """The bracket of a class from the points at one S_R and gamma."""
     line = points.assign(value=points["amplitude"].astype(float)).sort_values("value")
-    verdicts = [reached(name, wanted) for name in line["collapse_class"]]
-    decided = [
-        (a, verdict, moving)
-        for a, verdict, moving in zip(line["value"], verdicts, line["still_moving"], strict=True)
-        if verdict is not None
-    ]
-    upper = next((a for a, verdict, _ in decided if verdict), math.nan)
-    standing = [(a, moving) for a, verdict, moving in decided if not verdict]
-    below = [(a, moving) for a, moving in standing if not a > upper]
-    lower, moving = below[-1] if below else (math.nan, math.nan)
-    outcome = UNDECIDED if not decided else NEVER if math.isnan(upper) else AT_LOWEST if math.isnan(lower) else BRACKETED
+    line["reached"] = [reached(name, wanted) for name in line["collapse_class"]]
+    decided = line[line["reached"].notna()]
+    above, standing = (decided[decided["reached"] == verdict] for verdict in (True, False))
+    upper = float(above["value"].min())
+    below = standing[~(standing["value"] > upper)].tail(1)
+    lower, moving, failed = (float(below[name].sum(min_count=1)) for name in ("value", "still_moving", "failed_fraction"))
+    outcome = UNDECIDED if decided.empty else NEVER if math.isnan(upper) else AT_LOWEST if math.isnan(lower) else BRACKETED
     inside = line["value"].gt(lower) & line["value"].lt(upper)
     return Bracket(
         outcome,
@@ -100,9 +100,10 @@ def bracket(points: pd.DataFrame, wanted: str) -> Bracket:
         lower=lower,
         upper=upper,
         diverged_inside=int(inside.sum()),
-        changes=sum(one[1] != other[1] for one, other in itertools.pairwise(decided)),
-        last_not_reached=standing[-1][0] if standing else math.nan,
-        lower_still_moving=float(moving),
+        changes=sum(one != other for one, other in itertools.pairwise(decided["reached"])),
+        last_not_reached=float(standing["value"].max()),
+        lower_still_moving=moving,
+        lower_failed_fraction=failed,
         runs=len(line),
         diverged=len(line) - len(decided),
         wall_time=float(line["wall_time"].sum()),

@@ -244,7 +244,8 @@ class TriggerPlan:
     def note(self) -> str:
         """The line on every figure."""
         scene = next(iter(self.plans.values())).built()
-        return f"fidelity {self.fidelity} · scene {scene.name} · spacing {scene.numerics.spacing:.4g} m · {scene.duration:g} s"
+        parts = (f"fidelity {self.fidelity}", f"scene {scene.name}", f"spacing {scene.numerics.spacing:.4g} m", f"{scene.duration:g} s")
+        return " · ".join((*parts, f"brackets to {self.trigger.tolerance:g} m/s²"))
 
 
 def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:

@@ -68,15 +68,17 @@ def figure_critical(table: pd.DataFrame, note: str = "") -> Figure:
         titles.append(f"{name}: {plain(case)}")
     label_panels(axes.flat, titles)
     axes[0, 0].set_ylim(0.0, None)
-    figure.supxlabel("strength ratio $S_R$", fontsize=8.5)
-    figure.supylabel(f"critical {AMPLITUDE}", fontsize=8.5)
+    for ax in axes[-1]:
+        ax.set_xlabel("strength ratio $S_R$")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("critical amplitude (m/s²)")
     handles = [Line2D([], [], markersize=4, label=f"γ = {gamma} s⁻¹", **look) for look, gamma in zip(looks, gammas, strict=True)]
     handles += [
         Line2D([], [], color=GREY, linewidth=1.0, linestyle=style, label=label)
         for (label, style) in zip(ESTIMATES.values(), LINE_STYLES[1:], strict=False)
     ]
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), handlelength=3.0)
-    figure.text(0.995, 0.003, note, ha="right", fontsize=6, color=GREY)
+    write_note(figure, note)
     return figure
 
 
