@@ -1,9 +1,12 @@
 # Slope failure over strength ratio x coupling x amplitude: config/config.yaml -> results/<study>/<fidelity>.
+import functools
+import re
 from pathlib import Path
 
 from snakemake.utils import Paramspace, min_version
 
 from sph.analysis.study import load_study
+from sph.analysis.trigger import load_trigger, plan_of
 
 min_version("9.18")
 
@@ -15,7 +18,10 @@ FOLDERS = [Path.cwd(), Path(workflow.basedir)]
 PLAN = load_study(config, FOLDERS)
 RESULTS = PLAN.folder
 GRID = Paramspace(PLAN.study.points, filename_params="*", param_sep="-")
-RUN = f"{RESULTS}/runs/{GRID.wildcard_pattern}.nc"
+# Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
+RUN = f"{{folder}}/runs/{GRID.wildcard_pattern}.nc"
+TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
+PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
 SOLVER = sorted(str(path) for path in Path(workflow.basedir, "sph").glob("*.py"))
 SEARCHING = SOLVER + sorted(
@@ -46,6 +52,7 @@ wildcard_constraints:
     S_R="[^_/]+",
     gamma="[^_/]+",
     amplitude="[^_/]+",
+    folder=f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+)?",
 
 
 rule all:
@@ -72,3 +79,4 @@ include: "workflow/rules/validation.smk"
 include: "workflow/rules/limits.smk"
 include: "workflow/rules/extremes.smk"
 include: "workflow/rules/sensitivity.smk"
+include: "workflow/rules/trigger.smk"

@@ -1,15 +1,16 @@
 """The paper's twelve claims (its Secs. 4 and 5 and abstract), each decided by a written test on the study.
 
 The verdict is ``holds`` or ``fails``; ``not covered`` if the study lacks a run that the test needs, or that run
-diverged; ``not yet`` for a claim that needs more than a grid of runs.
+diverged; ``not yet`` for a claim that needs more than a grid of runs: the last one, the level of motion that triggers failure, is
+decided by ``decide_trigger`` from the table of critical amplitudes.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -315,7 +316,8 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         11,
         "The method yields the level of motion that triggers failure (abstract, Sec. 5)",
-        "a search for the critical amplitude; until then the bracket from the study, by class collapse at γ 100",
+        "decided by 'snakemake trigger' in trigger/claim.csv, by a search for the critical amplitude; here the bracket from the study, "
+        "by class collapse at γ 100",
         _trigger,
     ),
     Claim(
@@ -339,6 +341,47 @@ def decide_claims(study: xr.Dataset, settings: ClaimSettings | None = None) -> p
         test = f"at {settings.amplitude:g} m/s²: " if claim.decide is not _trigger else ""
         rows.append((claim.number, claim.statement, test + claim.test.format(**settings.model_dump()), measured, verdict))
     return pd.DataFrame(rows, columns=list(COLUMNS))
+
+
+TRIGGER_TEST = (
+    "γ {FAST:g}, S_R {strengths}: the search ends in one bracket of class collapse, not reached below and reached above, "
+    "with no diverged run inside and no second change of class above"
+)
+TRIGGER_COLUMNS = ("claim", "case", *COLUMNS[1:])
+
+
+def decide_trigger(critical: pd.DataFrame) -> pd.DataFrame:
+    """Claim 11, a row a case with the columns ``TRIGGER_COLUMNS``, from the table of critical amplitudes (``sph.analysis.critical``)."""
+    claim = next(claim for claim in CLAIMS if claim.decide is _trigger)
+    test = TRIGGER_TEST.format(FAST=FAST, strengths=", ".join(f"{S_R:.2f}" for S_R in PAPER_S_R))
+    rows = []
+    for case, table in critical[critical["collapse_class"] == "collapse"].groupby("case", sort=False):
+        found = {(float(row["S_R"]), float(row["gamma"])): row for row in table.to_dict("records")}
+        brackets = [found.get((S_R, FAST)) for S_R in PAPER_S_R]
+        clear = [row is not None and _clear(row) for row in brackets]
+        measured = "; ".join(_critical_text(S_R, row) for S_R, row in zip(PAPER_S_R, brackets, strict=True))
+        rows.append((claim.number, case, claim.statement, test, measured, NOT_COVERED if None in brackets else _verdict(all(clear))))
+    return pd.DataFrame(rows, columns=list(TRIGGER_COLUMNS))
+
+
+def _clear(row: Mapping[Hashable, Any]) -> bool:
+    return bool(row["outcome"] == "bracketed" and row["diverged_inside"] == 0 and row["changes"] == 1)
+
+
+def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:
+    if row is None:
+        return f"S_R {S_R:.2f}: not searched"
+    if math.isnan(row["critical_amplitude"]):
+        end = row["lower"] if math.isnan(row["upper"]) else row["upper"]
+        return f"S_R {S_R:.2f}: {row['outcome']} amplitude, {end:g} m/s²"
+    more = [
+        f"{row[name]:g} {text}"
+        for name, text in (("diverged_inside", "diverged inside"), ("changes", "changes of class"))
+        if row[name] > (name == "changes")
+    ]
+    still = ["lower end still moving"] if row["lower_still_moving"] else []
+    text = f"S_R {S_R:.2f}: {row['critical_amplitude']:.4g} ± {row['resolution_error']:.3g} m/s²"
+    return text + (f" ({', '.join(more + still)})" if more + still else "")
 
 
 def write_claims(study: xr.Dataset, path: Path | str, settings: ClaimSettings | None = None) -> pd.DataFrame:

@@ -229,8 +229,16 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
 
 def collapse_class(relative_displacement: float, settings: MetricSettings) -> str:
     """Class of a permanent displacement over the height of the slope."""
-    limits = (settings.stable_limit, settings.minor_limit, settings.damaged_limit)
-    return CLASSES[sum(relative_displacement >= limit for limit in limits)]
+    return CLASSES[sum(relative_displacement >= limit for limit in _limits(settings).values())]
+
+
+def class_displacement(name: str, scene: Scene, settings: MetricSettings) -> float:
+    """Displacement of the probe (m) at which a class but the first begins."""
+    return _limits(settings)[name] * _height(scene)
+
+
+def _limits(settings: MetricSettings) -> dict[str, float]:
+    return dict(zip(CLASSES[1:], (settings.stable_limit, settings.minor_limit, settings.damaged_limit), strict=True))
 
 
 def linked_sets(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:

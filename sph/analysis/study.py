@@ -86,6 +86,7 @@ class Study(Section):
     limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
     extremes: str = key("file of the sweeps that 'snakemake extremes' runs, likewise", default="config/extremes.yaml")
     sensitivity: str = key("file of the factors that 'snakemake sensitivity' varies, likewise", default="config/sensitivity.yaml")
+    trigger: str = key("file of the searches that 'snakemake trigger' and 'snakemake maps' run, likewise", default="config/trigger.yaml")
 
     @model_validator(mode="after")
     def _known(self) -> Study:
@@ -138,19 +139,21 @@ class Study(Section):
 class Plan:
     """A study with its scene file read: the scene of every stage and run, as mappings."""
 
-    def __init__(self, study: Study, base: Mapping[str, Any], origin: str) -> None:
-        self.study, self.origin = study, origin
+    def __init__(
+        self, study: Study, base: Mapping[str, Any], origin: str, overrides: Mapping[str, Any] | None = None, subfolder: str = ""
+    ) -> None:
+        self.study, self.origin, self._subfolder = study, origin, subfolder
         self._scene_file = base
-        self._base = merge(base, study.fidelities[study.fidelity])
+        self._base = merge(merge(base, study.fidelities[study.fidelity]), overrides or {})
 
     @property
     def folder(self) -> str:
         """Where the results go, relative to the working folder."""
-        return f"results/{self.study.study}/{self.study.fidelity}"
+        return "/".join(part for part in ("results", self.study.study, self.study.fidelity, self._subfolder) if part)
 
-    def at(self, fidelity: str) -> Plan:
-        """The same study at another of its fidelities."""
-        return Plan(self.study.model_copy(update={"fidelity": fidelity}), self._scene_file, self.origin)
+    def at(self, fidelity: str, overrides: Mapping[str, Any] | None = None, subfolder: str = "", origin: str = "") -> Plan:
+        """The same study at one of its fidelities, with scene keys laid over it, its results in a folder below."""
+        return Plan(self.study.model_copy(update={"fidelity": fidelity}), self._scene_file, origin or self.origin, overrides, subfolder)
 
     def scene(self, **point: str) -> dict[str, Any]:
         """Scene with some of S_R, gamma and amplitude set, as a mapping."""

@@ -35,6 +35,11 @@ def number_column(name: str, units: str, text: str) -> Variable:
     return Variable(name, ROW, "f8", units, text)
 
 
+def count_column(name: str, text: str) -> Variable:
+    """Column of whole numbers of a flat table."""
+    return Variable(name, ROW, "i4", "1", text)
+
+
 AXES: tuple[Variable, ...] = (
     Variable("S_R", ("S_R",), "f8", "1", "strength ratio of the fluid state, Eqs. 14-15"),
     Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),

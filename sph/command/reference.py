@@ -19,10 +19,13 @@ from pydantic.fields import FieldInfo
 from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
+from sph.analysis.critical import CONFIRM, CRITICAL
 from sph.analysis.elementary_effects import MORRIS
 from sph.analysis.extremes import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
 from sph.analysis.limits import LIMITS, Limits, read_limits
 from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
+from sph.analysis.maps import CELLS, SHARES
+from sph.analysis.points import POINTS
 from sph.analysis.sensitivity import SAMPLE, Sensitivity
 from sph.analysis.sensitivity_tables import CONFIRMED, TORNADO
 from sph.analysis.study import Study
@@ -30,6 +33,7 @@ from sph.analysis.surrogate import CROSS_VALIDATION, SOBOL
 from sph.analysis.tables import VALUES
 from sph.analysis.trade import PRESETS, Trade
 from sph.analysis.trade_table import QUANTITIES, TRADE, Summary, summary
+from sph.analysis.trigger import Trigger
 from sph.scene import Scene
 from sph.stability.standing import FailureRule
 from sph.trajectory import VARIABLES, Variable
@@ -196,6 +200,12 @@ TABLES: dict[str, Callable[[], str]] = {
     "sobol_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SOBOL)),
     "cross_validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CROSS_VALIDATION)),
     "confirmation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CONFIRMED)),
+    "trigger_keys": lambda: markdown(KEY_HEAD, key_rows(Trigger)),
+    "trigger_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CRITICAL)),
+    "points_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(POINTS)),
+    "confirm_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CONFIRM)),
+    "cells_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CELLS)),
+    "shares_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SHARES)),
     "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
     "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
     "limits": lambda: _limits_table(read_limits()),

@@ -42,6 +42,7 @@ from sph.analysis.sensitivity import Sensitivity, load_sensitivity
 from sph.analysis.study import Study, load_study
 from sph.analysis.trade import Trade, load_trade
 from sph.analysis.trade_table import summary
+from sph.analysis.trigger import SEARCHED, Trigger, load_trigger
 from sph.command.cli import app
 from sph.configuration import merge
 from sph.ground_motion import motion_of
@@ -129,6 +130,19 @@ SENSITIVITY = {
     "sobol": {"samples": 8},
     "confirm": {"fidelity": "b", "points": 2},
 }
+TRIGGER = {
+    "cases": {"as it is": {}, "slip": {"walls": {"sides": "free_slip", "layers": 8}}},
+    "amplitude": {"lowest": 1.0, "highest": 8.0, "cells": 2},
+    "tolerance": 0.5,
+    "S_R": ["0.1", 0.25],
+    "gamma": [1],
+    "confirm": {"fidelity": "b", "S_R": ["0.1"], "gamma": [1], "cases": ["slip"]},
+    "maps": {
+        "cases": ["slip"],
+        "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
+        "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+    },
+}
 VALIDATION = {
     "cases": {
         "V1": {
@@ -146,6 +160,7 @@ MODELS = {
     "trade": Trade,
     "limits": Limits,
     "sensitivity": Sensitivity,
+    "trigger": Trigger,
     "validation": Validation,
     "rule": FailureRule,
 }
@@ -336,6 +351,22 @@ def sensitivity(data: Any, folder: Path) -> str:
     return "accepted"
 
 
+def trigger(data: Any, folder: Path) -> str:
+    """Load searches; stages and runs of every case stay where they belong, and no two points of a search have one name."""
+    write(folder / "trigger.yaml", data)
+    plan = load_trigger(load_study(STUDY | {"trigger": "trigger.yaml"}, [folder]), [folder])
+    assert len(set(plan.folders.values())) == len(plan.plans)
+    for place in plan.plans:
+        _stays(place, "results")
+    for search in SEARCHED.values() if plan.trigger.maps else ["trigger"]:
+        for lattice in plan.lattices(search):
+            for name, span in lattice.spans.items():
+                steps = range(span.cells * 2 ** plan.levels(search) + 1)
+                labels = {lattice.label(name, span.value(step / 2 ** plan.levels(search))) for step in steps[:: max(1, len(steps) // 50)]}
+                assert len(labels) == len(steps[:: max(1, len(steps) // 50)]), "two points with one name"
+    return "accepted"
+
+
 def validation(data: Any, folder: Path) -> str:
     """Load a suite; every run has a file of its own in its folder."""
     write(folder / "validation.yaml", data)
@@ -460,6 +491,7 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
         sensitivity,
         st.one_of(changed(Sensitivity, SENSITIVITY, 1), changed(Sensitivity, SENSITIVITY), broken(SENSITIVITY)),
     ),
+    "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
     "line": (10, line, lines.map(list)),

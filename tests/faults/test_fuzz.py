@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from configurations import changed, keys, section
-from fuzz import FEW, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, VALIDATION
+from fuzz import FEW, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER, VALIDATION
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel
@@ -26,6 +26,7 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "trade": [TRADE],
     "limits": [LIMITS],
     "sensitivity": [SENSITIVITY],
+    "trigger": [TRIGGER],
     "validation": [VALIDATION],
     "rule": [{}],
 }
@@ -69,7 +70,7 @@ def test_a_scene_that_is_taken_can_be_shown(data: dict[str, Any]) -> None:
         assert re.search(r"[a-z_]+: ", str(error))
 
 
-@pytest.mark.parametrize("name", ["scene", "study", "trade", "limits", "sensitivity", "rule"])
+@pytest.mark.parametrize("name", ["scene", "study", "trade", "limits", "sensitivity", "trigger", "rule"])
 def test_every_documented_key_is_fuzzed(name: str) -> None:
     model: type[BaseModel] = MODELS[name]
     documented = {re.sub(r" \(\w+\)|\[\]", "", row[0]) for row in key_rows(model)}

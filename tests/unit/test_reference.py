@@ -21,6 +21,7 @@ HOMES = {
     "limits_keys": "config",
     "extremes_keys": "config",
     "sensitivity_keys": "config",
+    "trigger_keys": "config",
     "failure_rule": "config",
     "trajectory": "results",
     "metrics": "results",
@@ -35,6 +36,11 @@ HOMES = {
     "sobol_variables": "results",
     "cross_validation_variables": "results",
     "confirmation_variables": "results",
+    "trigger_variables": "results",
+    "points_variables": "results",
+    "confirm_variables": "results",
+    "cells_variables": "results",
+    "shares_variables": "results",
 }
 MEASURED = ("presets", "trade", "validation", "limits", "extremes")
 

@@ -8,7 +8,7 @@ rule figure:
     input:
         sources=SOLVER + DRAWING,
         runs=lambda wildcards: [
-            RUN.format(**point)
+            RUN.format(folder=RESULTS, **point)
             for _, point in PLAN.study.figure_runs(int(wildcards.number))
         ],
     output:

@@ -1,6 +1,6 @@
 # Purpose: simulate every point of the grid, work that points share done once.
 # Inputs:  the scene; the solver's sources.
-# Outputs: stages/gravity.nc, stages/amplitude-*.nc, runs/*.nc
+# Outputs: stages/gravity.nc, stages/amplitude-*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
 
 
 rule gravity:
@@ -8,13 +8,13 @@ rule gravity:
     input:
         sources=SOLVER,
     output:
-        f"{RESULTS}/stages/gravity.nc",
+        "{folder}/stages/gravity.nc",
     log:
-        f"{RESULTS}/logs/gravity.log",
+        "{folder}/logs/gravity.log",
     benchmark:
-        f"{RESULTS}/benchmarks/gravity.tsv"
+        "{folder}/benchmarks/gravity.tsv"
     params:
-        scene=PLAN.scene(),
+        scene=lambda wildcards: PLANS(wildcards.folder).scene(),
         until="gravity",
     script:
         "../scripts/simulate.py"
@@ -24,16 +24,18 @@ rule trunk:
     """Shake at one amplitude until the first failure; shared by all S_R and gamma."""
     input:
         sources=SOLVER,
-        restart=f"{RESULTS}/stages/gravity.nc",
+        restart="{folder}/stages/gravity.nc",
     output:
-        f"{RESULTS}/stages/amplitude-{{amplitude}}.nc",
+        "{folder}/stages/amplitude-{amplitude}.nc",
     log:
-        f"{RESULTS}/logs/amplitude-{{amplitude}}.log",
+        "{folder}/logs/amplitude-{amplitude}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/amplitude-{{amplitude}}.tsv"
+        "{folder}/benchmarks/amplitude-{amplitude}.tsv"
     priority: 10
     params:
-        scene=lambda wildcards: PLAN.scene(amplitude=wildcards.amplitude),
+        scene=lambda wildcards: PLANS(wildcards.folder).scene(
+            amplitude=wildcards.amplitude
+        ),
         until="first_failure",
     script:
         "../scripts/simulate.py"
@@ -43,15 +45,17 @@ rule simulate:
     """Run one point of the grid from its trunk to the end; a trunk in which nothing failed is taken over as it is."""
     input:
         sources=SOLVER,
-        restart=f"{RESULTS}/stages/amplitude-{{amplitude}}.nc",
+        restart="{folder}/stages/amplitude-{amplitude}.nc",
     output:
         RUN,
     log:
-        f"{RESULTS}/logs/{GRID.wildcard_pattern}.log",
+        f"{{folder}}/logs/{GRID.wildcard_pattern}.log",
     benchmark:
-        f"{RESULTS}/benchmarks/{GRID.wildcard_pattern}.tsv"
+        f"{{folder}}/benchmarks/{GRID.wildcard_pattern}.tsv"
     params:
-        scene=lambda wildcards: PLAN.scene(**wildcards),
+        scene=lambda wildcards: PLANS(wildcards.folder).scene(
+            **{name: wildcards[name] for name in PLAN.study.points}
+        ),
         until="end",
     script:
         "../scripts/simulate.py"

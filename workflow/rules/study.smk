@@ -8,13 +8,13 @@ rule yield_acceleration:
     input:
         sources=SEARCHING,
     output:
-        f"{RESULTS}/stages/yield_acceleration.nc",
+        "{folder}/stages/yield_acceleration.nc",
     log:
-        f"{RESULTS}/logs/yield_acceleration.log",
+        "{folder}/logs/yield_acceleration.log",
     benchmark:
-        f"{RESULTS}/benchmarks/yield_acceleration.tsv"
+        "{folder}/benchmarks/yield_acceleration.tsv"
     params:
-        scene=PLAN.scene(),
+        scene=lambda wildcards: PLANS(wildcards.folder).scene(),
         by="yield_acceleration",
     script:
         "../scripts/simulate.py"

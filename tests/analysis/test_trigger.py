@@ -1,0 +1,341 @@
+"""Critical amplitudes: what is searched, what is refused, and brackets from hand-made points."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+
+from sph.analysis.baseline import newmark_amplitude
+from sph.analysis.claims import decide_trigger
+from sph.analysis.critical import (
+    AT_LOWEST,
+    BRACKETED,
+    CRITICAL,
+    NEVER,
+    UNDECIDED,
+    bracket,
+    bracket_ends,
+    confirm_table,
+    critical_table,
+    read_confirm,
+    read_critical,
+)
+from sph.analysis.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
+from sph.analysis.maps import class_shares, map_cells, read_cells, read_shares
+from sph.analysis.metrics import MetricSettings, class_displacement
+from sph.analysis.points import MEASURED, POINTS, measured_points, names, no_points, read_points, wanted_points
+from sph.analysis.study import load_study
+from sph.analysis.tables import write_csv
+from sph.analysis.trigger import TriggerPlan, load_trigger, plan_of
+from sph.configuration import merge
+from sph.ground_motion import motion_of
+from sph.scene import make_scene
+from sph.stability.newmark import sliding_block
+
+ROOT = Path(__file__).resolve().parents[2]
+STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
+TRIGGER: dict[str, Any] = {
+    "fidelity": "draft",
+    "cases": {"as it is": {}, "slip: sides": {"walls": {"sides": "free_slip", "layers": 4}}},
+    "amplitude": {"lowest": 0.0, "highest": 8.0, "cells": 2},
+    "tolerance": 0.5,
+    "classes": ["collapse", "damaged"],
+    "S_R": ["0.1", "0.3"],
+    "gamma": ["100"],
+    "confirm": {"S_R": ["0.10"]},
+    "maps": {
+        "cases": ["as it is"],
+        "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
+        "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+        "levels": 2,
+    },
+}
+
+
+def planned(folder: Path, changes: dict[str, Any] | None = None) -> TriggerPlan:
+    (folder / "trigger.yaml").write_text(yaml.safe_dump(merge(TRIGGER, changes or {}), sort_keys=False))
+    return load_trigger(load_study(STUDY | {"trigger": "trigger.yaml"}, [folder, ROOT]), [folder])
+
+
+def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = "100", moving: int = 0) -> pd.DataFrame:
+    """Points at amplitudes 0, 1, 2, ... of one S_R and gamma."""
+    rows = [
+        {"case": case, "S_R": S_R, "gamma": gamma, "amplitude": str(at), "round": 0}
+        | dict.fromkeys(MEASURED, 1.0)
+        | {"collapse_class": name, "status": "diverged" if name == "undetermined" else "complete", "still_moving": moving}
+        for at, name in enumerate(classes)
+    ]
+    return pd.DataFrame(rows, columns=names(POINTS))
+
+
+# ---------------------------------------------------------------- what is searched
+
+
+def test_the_shipped_searches_are_valid() -> None:
+    trigger = load_trigger(load_study(STUDY, [ROOT]), [ROOT])
+    assert trigger.folder == "results/paper/draft" and len(trigger.scenes) == 2
+    assert {"0.10", "0.25", "0.50"} <= set(trigger.trigger.S_R) and "100" in trigger.trigger.gamma, "what claim 11 needs"
+
+
+def test_a_case_that_changes_nothing_shares_the_studys_stages(tmp_path: Path) -> None:
+    trigger = planned(tmp_path)
+    assert trigger.searched == {"as it is": "results/paper/draft", "slip: sides": "results/paper/draft/trigger/slip-sides"}
+    study = load_study(STUDY | {"fidelity": "draft"}, [ROOT])
+    own, slip = (trigger.plans[folder] for folder in trigger.searched.values())
+    assert own.scene() == study.scene() and own.scene(amplitude="4.0") == study.scene(amplitude="4.0")
+    assert slip.built().walls.sides == "free_slip" and slip.built().numerics == own.built().numerics
+    assert plan_of(study, lambda: trigger, study.folder) is study
+    assert plan_of(study, lambda: trigger, slip.folder) is slip
+    with pytest.raises(ValueError, match="results/paper/fine: nothing is configured"):
+        plan_of(study, lambda: trigger, "results/paper/fine")
+
+
+def test_numbers_are_written_as_the_study_writes_them(tmp_path: Path) -> None:
+    first, second, *_ = planned(tmp_path).lattices("trigger")
+    assert first.labels((0.0,)) == ("0.10", "100", "0") and first.labels((1.0,)) == ("0.10", "100", "4.0")
+    assert first.labels((0.125,))[2] == "0.5" and second.labels((0.0,))[0] == "0.3"
+    (mapped,) = planned(tmp_path).lattices("maps")
+    assert mapped.labels((0.0, 0.5, 1.0)) == ("0.10", "10", "4.0") and mapped.labels((0.5, 0.25, 0.0))[:2] == ("0.3", "3.16228")
+
+
+@pytest.mark.parametrize(("tolerance", "levels"), [(4.0, 0), (3.9, 1), (1.0, 2), (0.25, 4), (100.0, 0)])
+def test_the_number_of_rounds_follows_from_the_tolerance(tmp_path: Path, tolerance: float, levels: int) -> None:
+    assert planned(tmp_path, {"tolerance": tolerance}).levels("trigger") == levels
+
+
+def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
+    ratios = {"lowest": 2.0, "highest": 8.0, "cells": 2, "scale": "logarithmic"}
+    assert [planned(tmp_path, {"amplitude": ratios, "tolerance": tolerance}).levels("trigger") for tolerance in (4.0, 2.4, 2.3)] == [
+        0,
+        1,
+        2,
+    ]
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"classes": ["collapsed"]}, ["classes.0", "collapsed", "'collapse'"]),
+        ({"classes": ["stable"]}, ["classes.0", "stable"]),
+        ({"tolerance": 0.0}, ["tolerance", "greater than 0"]),
+        ({"tolerance": 1e-5}, ["tolerance", "1e-05", "0.00098"]),
+        ({"amplitude": {"lowest": 8.0}}, ["amplitude", "lowest (8) < highest (8)"]),
+        ({"amplitude": {"highest": 101.0}}, ["motion.amplitude", "101", "case 'as it is'"]),
+        ({"cases": {"wet": {"soil": {"water": 1.0}}}}, ["trigger.yaml", "case 'wet'", "soil.water", "no such key"]),
+        ({"cases": {"wet": {"coupling": {"S_R": 0.2}}}}, ["cases.wet", "coupling.S_R", "searched"]),
+        ({"cases": {"as-it-is": {}}}, ["cases", "same file name"]),
+        ({"cases": {"thin": {"walls": {"sides": "free_slip", "layers": 1}}}}, ["case 'thin'", "walls.layers"]),
+        ({"fidelity": "best"}, ["fidelity", "best", "draft"]),
+        ({"confirm": {"fidelity": "best"}}, ["confirm.fidelity", "best"]),
+        ({"confirm": {"S_R": ["0.2"]}}, ["confirm.S_R", "0.2", "0.1, 0.3"]),
+        ({"confirm": {"collapse_class": "minor"}}, ["confirm.collapse_class", "minor", "collapse, damaged"]),
+        ({"maps": {"cases": ["odd"]}}, ["maps.cases", "odd", "as it is"]),
+        ({"maps": {"gamma": {"lowest": 0.0}}}, ["maps.gamma", "logarithmic"]),
+        ({"maps": {"S_R": {"highest": 1.5}}}, ["coupling.S_R", "1.5"]),
+        ({"amplitude": {"lowest": 7.9999}, "tolerance": 1e-5}, ["amplitude", "too small for labels of six digits"]),
+        ({"maps": {"S_R": {"cells": 64}, "gamma": {"cells": 64}}}, ["maps", "12,675 points, at most 10,000"]),
+        ({"speed": 1}, ["speed", "no such key"]),
+    ],
+)
+def test_refusals_name_key_and_value(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
+    with pytest.raises(ValueError) as raised:
+        planned(tmp_path, changes)
+    assert all(word in str(raised.value) for word in words), str(raised.value)
+
+
+def test_what_is_not_configured_is_refused_when_asked_for(tmp_path: Path) -> None:
+    trigger = planned(tmp_path, {"maps": None, "confirm": None})
+    for name in ("maps", "confirm"):
+        with pytest.raises(ValueError, match=f"{name}: null"):
+            getattr(trigger, name)
+
+
+# ---------------------------------------------------------------- rounds
+
+
+def searched(plan: TriggerPlan, search: str, found: Any) -> pd.DataFrame:
+    """Points of a search whose class is a function of S_R, gamma and amplitude."""
+    points = no_points()
+    for number in range(plan.levels(search) + 1):
+        wanted = wanted_points(plan.lattices(search), points, plan.classes(search), number)
+        assert not wanted.duplicated().any()
+        metrics = [
+            dict.fromkeys(MEASURED, 0.5) | {"status": "complete", "still_moving": 0, "collapse_class": found(*map(float, point[1:4]))}
+            for point in wanted.itertuples(index=False, name=None)
+        ]
+        points = measured_points(points, wanted, metrics)
+    return points
+
+
+def test_the_search_closes_in_on_two_classes_within_the_tolerance(tmp_path: Path) -> None:
+    plan = planned(tmp_path)
+
+    def found(S_R: float, gamma: float, amplitude: float) -> str:
+        return "collapse" if amplitude > 10 * S_R + 1.1 else "damaged" if amplitude > 10 * S_R else "stable"
+
+    points = searched(plan, "trigger", found)
+    assert list(points["case"].unique()) == list(TRIGGER["cases"])
+    for (_, S_R), own in points.groupby(["case", "S_R"]):
+        assert len(own) < 17, "fewer than all points of the lattice"
+        for name, limit in (("collapse", 10 * float(S_R) + 1.1), ("damaged", 10 * float(S_R))):
+            at = bracket(own, name)
+            assert at.outcome == BRACKETED and at.lower <= limit < at.upper and at.upper - at.lower <= 0.5
+    write_csv(points, tmp_path / "points.csv")
+    pd.testing.assert_frame_equal(read_points(tmp_path / "points.csv"), points, check_dtype=False)
+    finer = planned(tmp_path, {"tolerance": 0.25})
+    more = wanted_points(finer.lattices("trigger"), points, finer.classes("trigger"), 4)
+    assert 0 < len(more) <= 8, "a finer tolerance asks for the new halves only"
+
+
+def test_a_diverged_run_is_closed_in_on_from_both_sides(tmp_path: Path) -> None:
+    plan = planned(tmp_path)
+    points = searched(plan, "trigger", lambda S_R, gamma, a: "undetermined" if 3.2 < a < 4.3 else "collapse" if a > 4 else "stable")
+    at = bracket(points[(points["case"] == "as it is") & (points["S_R"] == "0.10")], "collapse")
+    assert (at.outcome, at.lower, at.upper, at.diverged_inside) == (BRACKETED, 3.0, 4.5, 2) and at.diverged == at.diverged_inside
+
+
+# ---------------------------------------------------------------- brackets
+
+
+@pytest.mark.parametrize(
+    ("classes", "outcome", "lower", "upper", "changes", "inside"),
+    [
+        (("stable", "minor", "damaged", "collapse"), BRACKETED, 2.0, 3.0, 1, 0),
+        (("collapse", "collapse"), AT_LOWEST, math.nan, 0.0, 0, 0),
+        (("stable", "damaged"), NEVER, 1.0, math.nan, 0, 0),
+        (("stable", "undetermined", "undetermined", "collapse"), BRACKETED, 0.0, 3.0, 1, 2),
+        (("stable", "collapse", "damaged", "collapse"), BRACKETED, 0.0, 1.0, 3, 0),
+        (("undetermined", "collapse"), AT_LOWEST, math.nan, 1.0, 0, 0),
+        (("undetermined",), UNDECIDED, math.nan, math.nan, 0, 0),
+    ],
+)
+def test_brackets(classes: tuple[str, ...], outcome: str, lower: float, upper: float, changes: int, inside: int) -> None:
+    found = bracket(line(*classes), "collapse")
+    assert (found.outcome, found.changes, found.diverged_inside) == (outcome, changes, inside)
+    assert (found.lower, found.upper) == pytest.approx((lower, upper), nan_ok=True)
+    assert found.critical_amplitude == pytest.approx(0.5 * (lower + upper), nan_ok=True)
+    assert found.resolution_error == pytest.approx(0.5 * (upper - lower), nan_ok=True)
+    assert found.runs == len(classes) and found.diverged == classes.count("undetermined")
+
+
+def test_a_class_that_is_left_again_shows_the_last_amplitude_without_it() -> None:
+    assert bracket(line("stable", "collapse", "minor", "collapse"), "collapse").last_not_reached == 2.0
+    assert bracket(line("stable", "collapse", moving=1), "collapse").lower_still_moving == 1.0
+
+
+ESTIMATES = {case: {"collapse": {"yield_acceleration": 3.0, "newmark_amplitude": 9.0}} for case in TRIGGER["cases"]}
+
+
+def papers(*lines: pd.DataFrame) -> pd.DataFrame:
+    return critical_table(pd.concat(lines, ignore_index=True), ["collapse"], ESTIMATES)
+
+
+CLEAR = [line("stable", "damaged", "collapse", S_R=S_R) for S_R in ("0.10", "0.25", "0.50")]
+
+
+@pytest.mark.parametrize(
+    ("last", "verdict", "measured"),
+    [
+        (CLEAR[2], "holds", "S_R 0.50: 1.5 ± 0.5 m/s²"),
+        (line("stable", "stable", S_R="0.50"), "fails", "not reached at the highest amplitude, 1 m/s²"),
+        (line("collapse", "collapse", S_R="0.50"), "fails", "reached at the lowest amplitude, 0 m/s²"),
+        (line("stable", "undetermined", "collapse", S_R="0.50"), "fails", "1 diverged inside"),
+        (line("stable", "collapse", "stable", S_R="0.50"), "fails", "2 changes of class"),
+        (line("stable", "collapse", S_R="0.40"), "not covered", "S_R 0.50: not searched"),
+    ],
+)
+def test_claim_11_is_decided_by_the_brackets(last: pd.DataFrame, verdict: str, measured: str) -> None:
+    claim = decide_trigger(papers(*CLEAR[:2], last)).iloc[0]
+    assert claim["claim"] == 11 and claim["verdict"] == verdict and measured in claim["measured"]
+
+
+def test_ends_are_confirmed_at_another_fidelity(tmp_path: Path) -> None:
+    points = pd.concat([CLEAR[0], line("stable", "stable", S_R="0.25"), CLEAR[2]], ignore_index=True)
+    table = critical_table(points, ["collapse"], ESTIMATES)
+    ends = bracket_ends(table, points, "collapse", ["as it is"], ["0.1", "0.25"], ["100"])
+    assert list(zip(ends["S_R"], ends["end"], ends["amplitude"], strict=True)) == [
+        ("0.10", "lower", "1"),
+        ("0.10", "upper", "2"),
+        ("0.25", "lower", "1"),
+    ]
+    other = {"status": "complete", "displacement_magnitude": 1.5, "runout": 0.5}
+    found = confirm_table(ends, points, [other | {"collapse_class": name} for name in ("collapse", "collapse", "undetermined")])
+    assert found["verdict"].tolist() == ["fails", "holds", "undetermined"]
+    assert found["displacement_magnitude_difference"].tolist() == [0.5] * 3 and found["runout_difference"].tolist() == [-0.5] * 3
+    write_csv(found, tmp_path / "confirm.csv")
+    pd.testing.assert_frame_equal(read_confirm(tmp_path / "confirm.csv"), found)
+
+
+def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
+    scene = make_scene(
+        {"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "numerics": {"time_step": 1e-2}}
+    )
+    assert class_displacement("collapse", scene, MetricSettings()) == pytest.approx(2.5)
+    amplitude = newmark_amplitude(scene, 3.0, 2.5)
+    motion = motion_of(scene).scaled(amplitude)
+    assert amplitude > 3.0 and sliding_block(motion.time, motion.acceleration, 3.0).permanent == pytest.approx(2.5, rel=1e-3)
+    assert newmark_amplitude(scene, 0.0, 2.5) == 0.0 and math.isnan(newmark_amplitude(scene, math.nan, 2.5))
+    with pytest.raises(ValueError, match="not shaken"):
+        newmark_amplitude(make_scene({"name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
+
+
+# ---------------------------------------------------------------- maps
+
+
+def test_shares_bound_the_truth_and_close_in(tmp_path: Path) -> None:
+    def found(S_R: float, gamma: float, amplitude: float) -> str:
+        return "collapse" if amplitude > 12 * S_R + 1.5 - 0.5 * math.log10(gamma) else "stable"
+
+    gaps = []
+    for levels in (0, 1, 2, 3):
+        plan = planned(tmp_path, {"maps": {"levels": levels}})
+        points = searched(plan, "maps", found)
+        cells = map_cells(plan.lattices("maps"), points, ["collapse"], levels)
+        assert cells.groupby("amplitude_lower")["share"].sum().max() <= 1.0 and (cells["points"] >= 8).all()
+        shares = class_shares(cells)
+        own = shares[shares["collapse_class"] == "collapse"]
+        for row in own.to_dict("records"):
+            grid = [(0.1 + 0.4 * (i + 0.5) / 40, 10 ** (2 * (j + 0.5) / 40)) for i in range(40) for j in range(40)]
+            middle = 0.5 * (row["amplitude_lower"] + row["amplitude_upper"])
+            truth = sum(found(S_R, gamma, middle) == "collapse" for S_R, gamma in grid) / len(grid)
+            assert row["share_lower"] - 1e-9 <= truth <= row["share_upper"] + 1e-9
+        widths = own["amplitude_upper"] - own["amplitude_lower"]
+        gaps.append(float(((own["share_upper"] - own["share_lower"]) * widths).sum()))
+    assert gaps == sorted(gaps, reverse=True) and gaps[-1] < 0.25 * gaps[0]
+    write_csv(cells, tmp_path / "cells.csv")
+    write_csv(shares, tmp_path / "shares.csv")
+    pd.testing.assert_frame_equal(read_cells(tmp_path / "cells.csv"), cells, check_dtype=False)
+    pd.testing.assert_frame_equal(read_shares(tmp_path / "shares.csv"), shares)
+
+
+def test_a_diverged_point_leaves_its_cells_open(tmp_path: Path) -> None:
+    plan = planned(tmp_path, {"maps": {"levels": 0}})
+    points = searched(plan, "maps", lambda S_R, gamma, a: "undetermined" if (S_R, gamma, a) == (0.1, 1.0, 0.0) else "stable")
+    shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 0))
+    assert shares.groupby("amplitude_lower")["share_upper"].max().tolist() == [1.0, 0.0] and (shares["share_lower"] == 0).all()
+
+
+def test_figures(tmp_path: Path) -> None:
+    plan = planned(tmp_path)
+    points = searched(
+        plan, "maps", lambda S_R, gamma, a: "undetermined" if a == 8 and S_R == 0.5 else "collapse" if a > 10 * S_R else "minor"
+    )
+    for figure in (figure_class_map(points), figure_map(points, MAPPED["runout"])):
+        assert len([ax for ax in figure.axes if ax.images]) == 2
+        assert "diverged" in {text.get_text() for text in figure.legends[0].get_texts()}
+    shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 2))
+    assert len(figure_shares(shares).axes) == 3
+    table = papers(*CLEAR, line("collapse", S_R="0.05"), line("stable", S_R="0.9"), line("stable", "collapse", case="slip: sides"))
+    write_csv(table, tmp_path / "table.csv")
+    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
+    assert list(table.columns) == names(CRITICAL)
+    axes = figure_critical(table).axes
+    assert len(axes) == 2 and {line.get_marker() for line in axes[0].lines} >= {"v", "^"}
+    for draw, empty in ((figure_critical, table), (figure_class_map, points), (figure_shares, shares)):
+        with pytest.raises(ValueError, match="no "):
+            draw(empty.iloc[:0])

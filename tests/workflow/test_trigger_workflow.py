@@ -1,0 +1,140 @@
+"""Critical amplitudes and maps from end to end, as a user runs them, with scenes of 163 particles."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import xarray as xr
+import yaml
+from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
+
+from sph import trajectory
+from sph.analysis.critical import BRACKETED, CRITICAL, read_confirm, read_critical
+from sph.analysis.maps import read_shares
+from sph.analysis.points import names, read_points
+from sph.configuration import merge
+from sph.scene import Scene
+
+TRIGGER: dict[str, Any] = {
+    "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "sticky"}}},
+    "amplitude": {"lowest": 0.0, "highest": 16.0, "cells": 2},
+    "tolerance": 4.0,
+    "S_R": ["0.1"],
+    "gamma": ["100"],
+    "confirm": {"S_R": ["0.1"], "cases": ["as it is"]},
+    "maps": {
+        "cases": ["as it is"],
+        "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
+        "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+        "levels": 0,
+    },
+}
+CHANGES: dict[str, Any] = {
+    "trigger": "trigger.yaml",
+    "fidelities": {"draft": {}, "standard": {"numerics": {"time_step": 5e-4}}},
+    "metrics": {"stable_limit": 0.001, "minor_limit": 0.004, "damaged_limit": 0.02},
+}
+"""Limits within which the coarse slope moves in three seconds."""
+FOLDER = "results/small/draft/trigger"
+TARGETS = ("trigger", "confirm", "maps")
+
+
+def write(folder: Path, **changes: Any) -> tuple[str, ...]:
+    (folder / "trigger.yaml").write_text(yaml.safe_dump(merge(TRIGGER, changes), sort_keys=False))
+    return (*write_config(folder, **CHANGES), "--")
+
+
+def runs(folder: Path) -> dict[Path, int]:
+    """Every stage and run, and when it was written."""
+    return {path: path.stat().st_mtime_ns for name in ("runs", "stages") for path in folder.rglob(f"{name}/*.nc")}
+
+
+@pytest.fixture(scope="module")
+def searched(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+    """Folder of a small study of which the trigger has been searched, confirmed and mapped."""
+    folder = tmp_path_factory.mktemp("trigger")
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    result = snakemake(folder, "--cores", "2", *write(folder), *TARGETS)
+    assert result.returncode == 0, result.stderr
+    return folder
+
+
+def test_the_shipped_searches_are_planned() -> None:
+    jobs = planned_jobs(ROOT, "--forceall", "--", *TARGETS)
+    assert jobs["want_points"] == jobs["measure_points"] == 8 and jobs["yield_acceleration"] == 2 and jobs["map_figure"] == 5
+    assert "study" not in jobs
+
+
+def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> None:
+    table, points = read_critical(searched / FOLDER / "trigger.csv"), read_points(searched / FOLDER / "points.csv")
+    assert table["case"].tolist() == list(TRIGGER["cases"]) and table["outcome"].tolist() == [BRACKETED] * 2
+    assert (table["upper"] - table["lower"] == 4.0).all() and (table["runs"] == 4).all() and len(points) == 8
+    assert set(points["round"]) == {0, 1} and set(points["amplitude"]) >= {"0", "8.0", "16"}, "8.0 as in the study's grid"
+    trials = trajectory.read(searched / "results/small/draft/stages/yield_acceleration.nc")
+    assert "too coarse for the rule" in trials.attrs["reason"], "an estimate that there is not is no number"
+    assert table["yield_acceleration"].isna().all() and table["newmark_amplitude"].isna().all()
+    with xr.open_dataset(searched / FOLDER / "trigger.nc") as ds:
+        assert list(ds.data_vars) == names(CRITICAL) and ds.attrs["fidelity"] == "draft"
+        assert ds["critical_amplitude"].values.tolist() == table["critical_amplitude"].tolist()
+    claim = pd.read_csv(searched / FOLDER / "claim.csv")
+    assert claim["verdict"].tolist() == ["not covered"] * 2 and claim["measured"].str.contains("S_R 0.10: ").all()
+
+
+def test_runs_share_trunks_and_those_of_the_study(searched: Path) -> None:
+    own, other = searched / "results/small/draft", searched / FOLDER / "fixed-sides"
+    for folder, sides in ((own, "free_slip"), (other, "sticky")):
+        trunk = trajectory.read(folder / "stages/amplitude-8.0.nc")
+        assert trajectory.scene_of(trunk).walls.sides == sides
+        assert (folder / "runs/S_R-0.10_gamma-100_amplitude-8.0.nc").exists()
+    jobs = planned_jobs(searched, *write(searched), "results/small/draft/study.csv")
+    assert jobs == {"trunk": 1, "simulate": 4, "study": 1}, "0.1 m/s2 alone is new: the maps ran the four corners at 8 m/s2"
+    assert STUDY["grid"]["amplitude"] == ["0.1", "8.0"]
+
+
+def test_the_ends_are_run_again_at_the_other_fidelity(searched: Path) -> None:
+    confirmed = read_confirm(searched / FOLDER / "confirm.csv")
+    assert confirmed["end"].tolist() == ["lower", "upper"] and set(confirmed["verdict"]) <= {"holds", "fails"}
+    fine = trajectory.read(next(searched.glob("results/small/standard/runs/*.nc")))
+    assert trajectory.scene_of(fine).numerics.time_step == 5e-4
+    assert (confirmed["confirming_displacement_magnitude"] != confirmed["displacement_magnitude"]).any()
+
+
+def test_maps_hold_the_corners(searched: Path) -> None:
+    points, shares = read_points(searched / FOLDER / "maps.csv"), read_shares(searched / FOLDER / "shares.csv")
+    assert len(points) == 2 * 2 * 3 and set(points["gamma"]) == {"1", "100"}
+    assert shares["collapse_class"].tolist() == ["minor"] * 2 + ["damaged"] * 2 + ["collapse"] * 2
+
+
+def test_figures_are_drawn(searched: Path) -> None:
+    for name in ("trigger", "shares", "map-class", "map-displacement", "map-runout", "map-failed"):
+        picture = searched / FOLDER / "figures" / f"{name}.png"
+        assert picture.read_bytes().startswith(b"\x89PNG") and picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_a_finished_search_has_nothing_to_do(searched: Path) -> None:
+    assert planned_jobs(searched, *write(searched), *TARGETS) == {}
+
+
+def test_a_bad_search_is_refused_before_any_job(searched: Path) -> None:
+    result = snakemake(searched, "--cores", "1", *write(searched, classes=["collapsed"]), "trigger")
+    assert result.returncode != 0 and "trigger.yaml: classes.0" in result.stdout + result.stderr
+    assert planned_jobs(searched, *write(searched, classes=["collapsed"]), "results/small/draft/stages/gravity.nc") == {}, (
+        "a study needs it not"
+    )
+
+
+def test_a_smaller_tolerance_runs_only_the_new_halves(searched: Path) -> None:
+    """Last: it goes on with the folder of the others."""
+    before = runs(searched)
+    result = snakemake(searched, "--cores", "2", *write(searched, tolerance=2.0), "trigger")
+    assert result.returncode == 0, result.stderr
+    table = read_critical(searched / FOLDER / "trigger.csv")
+    assert (table["upper"] - table["lower"] == 2.0).all() and (table["runs"] == 5).all()
+    after = runs(searched)
+    assert len(after) == len(before) + 4, "a trunk and a run for each of two brackets"
+    assert {path: after[path] for path in before} == before, "no finished run is made again"

@@ -1,0 +1,249 @@
+# Purpose: the shaking that triggers failure: critical amplitudes (`snakemake --cores 2 trigger`), the ends of their brackets at
+#          another fidelity (`snakemake --cores 2 confirm`), maps over S_R, gamma and amplitude (`snakemake --cores 2 maps`).
+# Inputs:  config: trigger; stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
+# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv, confirm.csv, maps.csv, cells.csv, shares.csv,
+#          figures/*; <folder>/trigger/<case>: stages and runs
+from sph.analysis.figures.trigger import MAPPED
+from sph.analysis.trigger import SEARCHED
+
+
+wildcard_constraints:
+    search="trigger|maps",
+    round="[0-9]+",
+
+
+rule trigger:
+    """Critical amplitudes: tables, claim and figure."""
+    input:
+        lambda wildcards: expand(
+            "{folder}/trigger/{file}",
+            folder=TRIGGER().folder,
+            file=["trigger.nc", "trigger.csv", "points.csv", "claim.csv"]
+            + ["figures/trigger.png", "figures/trigger.pdf"],
+        ),
+
+
+rule confirm:
+    """The ends of brackets at another fidelity."""
+    input:
+        lambda wildcards: f"{TRIGGER().folder}/trigger/confirm.csv",
+
+
+rule maps:
+    """Maps over S_R, gamma and amplitude: tables and figures."""
+    input:
+        lambda wildcards: expand(
+            "{folder}/trigger/{file}",
+            folder=TRIGGER().folder,
+            file=["maps.csv", "cells.csv", "shares.csv"],
+        ),
+        lambda wildcards: expand(
+            "{folder}/trigger/figures/{figure}.{kind}",
+            folder=TRIGGER().folder,
+            figure=["shares", "map-class"] + [f"map-{name}" for name in MAPPED],
+            kind=["png", "pdf"],
+        ),
+
+
+checkpoint want_points:
+    """The points that a round of a search wants, from those of the rounds before it."""
+    input:
+        sources=ANALYSIS,
+        points=branch(
+            lambda wildcards: int(wildcards.round) > 0,
+            then=lambda wildcards: TRIGGER().points(
+                wildcards.search, int(wildcards.round) - 1
+            ),
+        ),
+    output:
+        "{folder}/trigger/rounds/{search}-{round}-wanted.csv",
+    log:
+        "{folder}/trigger/logs/{search}-{round}-wanted.log",
+    params:
+        lattices=lambda wildcards: [
+            lattice.model_dump() for lattice in TRIGGER().lattices(wildcards.search)
+        ],
+        classes=lambda wildcards: TRIGGER().classes(wildcards.search),
+    script:
+        "../scripts/want_points.py"
+
+
+rule measure_points:
+    """Measure the runs of a round and add them to those of the rounds before it."""
+    input:
+        sources=ANALYSIS,
+        earlier=branch(
+            lambda wildcards: int(wildcards.round) > 0,
+            then=lambda wildcards: TRIGGER().points(
+                wildcards.search, int(wildcards.round) - 1
+            ),
+        ),
+        wanted="{folder}/trigger/rounds/{search}-{round}-wanted.csv",
+        runs=lambda wildcards: TRIGGER().runs(
+            checkpoints.want_points.get(**wildcards).output[0], RUN
+        ),
+    output:
+        "{folder}/trigger/rounds/{search}-{round}-points.csv",
+    log:
+        "{folder}/trigger/logs/{search}-{round}-points.log",
+    params:
+        settings=PLAN.study.metrics.model_dump(),
+    script:
+        "../scripts/measure_points.py"
+
+
+rule searched_points:
+    """All points of a search: those of its last round."""
+    input:
+        lambda wildcards: TRIGGER().points(SEARCHED[wildcards.table]),
+    output:
+        "{folder}/trigger/{table}.csv",
+    log:
+        "{folder}/trigger/logs/{table}.log",
+    wildcard_constraints:
+        table="|".join(SEARCHED),
+    shell:
+        "cp {input} {output} > {log} 2>&1"
+
+
+rule trigger_table:
+    """Bracket the critical amplitudes, with the pseudo-static estimate and the sliding block's; decide the paper's claim."""
+    input:
+        sources=SEARCHING + ANALYSIS,
+        points="{folder}/trigger/points.csv",
+        yields=lambda wildcards: [
+            f"{folder}/stages/yield_acceleration.nc"
+            for folder in TRIGGER().searched.values()
+        ],
+    output:
+        nc="{folder}/trigger/trigger.nc",
+        csv=report(
+            "{folder}/trigger/trigger.csv",
+            caption="../report/trigger.rst",
+            category="Trigger",
+        ),
+        claim=report(
+            "{folder}/trigger/claim.csv",
+            caption="../report/trigger_claim.rst",
+            category="Trigger",
+        ),
+    log:
+        "{folder}/trigger/logs/trigger.log",
+    params:
+        scenes=lambda wildcards: TRIGGER().scenes,
+        classes=lambda wildcards: TRIGGER().classes("trigger"),
+        settings=PLAN.study.metrics.model_dump(),
+        attrs=lambda wildcards: TRIGGER().facts,
+    script:
+        "../scripts/measure_trigger.py"
+
+
+checkpoint want_confirmation:
+    """The ends of brackets that are run again at another fidelity."""
+    input:
+        sources=ANALYSIS,
+        critical="{folder}/trigger/trigger.csv",
+        points="{folder}/trigger/points.csv",
+    output:
+        "{folder}/trigger/rounds/confirm-wanted.csv",
+    log:
+        "{folder}/trigger/logs/confirm-wanted.log",
+    params:
+        confirm=lambda wildcards: TRIGGER().confirm,
+    script:
+        "../scripts/want_confirmation.py"
+
+
+rule confirm_table:
+    """Compare the ends of brackets at both fidelities."""
+    input:
+        sources=ANALYSIS,
+        points="{folder}/trigger/points.csv",
+        ends="{folder}/trigger/rounds/confirm-wanted.csv",
+        runs=lambda wildcards: TRIGGER().runs(
+            checkpoints.want_confirmation.get(**wildcards).output[0],
+            RUN,
+            TRIGGER().confirm["fidelity"],
+        ),
+    output:
+        report(
+            "{folder}/trigger/confirm.csv",
+            caption="../report/trigger_confirm.rst",
+            category="Trigger",
+        ),
+    log:
+        "{folder}/trigger/logs/confirm.log",
+    params:
+        settings=PLAN.study.metrics.model_dump(),
+    script:
+        "../scripts/confirm_trigger.py"
+
+
+rule map_tables:
+    """The cells of the maps, and the shares of S_R and gamma that reach each class."""
+    input:
+        sources=ANALYSIS,
+        points="{folder}/trigger/maps.csv",
+    output:
+        cells="{folder}/trigger/cells.csv",
+        shares=report(
+            "{folder}/trigger/shares.csv",
+            caption="../report/map_shares.rst",
+            category="Maps",
+        ),
+    log:
+        "{folder}/trigger/logs/cells.log",
+    params:
+        lattices=lambda wildcards: [
+            lattice.model_dump() for lattice in TRIGGER().lattices("maps")
+        ],
+        classes=lambda wildcards: TRIGGER().classes("maps"),
+        levels=lambda wildcards: TRIGGER().levels("maps"),
+    script:
+        "../scripts/measure_maps.py"
+
+
+rule trigger_figure:
+    """Draw the critical amplitudes against S_R."""
+    input:
+        sources=DRAWING,
+        critical="{folder}/trigger/trigger.csv",
+    output:
+        png=report(
+            "{folder}/trigger/figures/trigger.png",
+            caption="../report/trigger_figure.rst",
+            category="Trigger",
+        ),
+        pdf="{folder}/trigger/figures/trigger.pdf",
+    log:
+        "{folder}/trigger/logs/figure-trigger.log",
+    params:
+        figure="trigger",
+        note=lambda wildcards: TRIGGER().note,
+    script:
+        "../scripts/draw_trigger.py"
+
+
+rule map_figure:
+    """Draw a map, or the shares."""
+    input:
+        sources=DRAWING,
+        points="{folder}/trigger/maps.csv",
+        shares="{folder}/trigger/shares.csv",
+    output:
+        png=report(
+            "{folder}/trigger/figures/{figure}.png",
+            caption="../report/map_figure.rst",
+            category="Maps",
+            labels={"figure": "{figure}"},
+        ),
+        pdf="{folder}/trigger/figures/{figure}.pdf",
+    log:
+        "{folder}/trigger/logs/figure-{figure}.log",
+    wildcard_constraints:
+        figure="shares|map-[a-z]+",
+    params:
+        figure=lambda wildcards: wildcards.figure,
+        note=lambda wildcards: TRIGGER().note,
+    script:
+        "../scripts/draw_trigger.py"

@@ -1,0 +1,30 @@
+"""Compare the ends of brackets with the same points at another fidelity."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph import trajectory
+from sph.analysis.critical import confirm_table, read_ends
+from sph.analysis.metrics import MetricSettings, measure
+from sph.analysis.points import read_points
+from sph.analysis.tables import write_csv
+from sph.command.job import job_log
+
+
+def confirm_trigger(
+    path_to_ends: str, path_to_points: str, paths_to_runs: Sequence[str], settings: Mapping[str, Any], path_to_csv: str
+) -> None:
+    """One row an end; the paths in the ends' order."""
+    metrics = [measure(trajectory.read(path), MetricSettings(**settings)) for path in paths_to_runs]
+    write_csv(confirm_table(read_ends(path_to_ends), read_points(path_to_points), metrics), path_to_csv)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        confirm_trigger(
+            snakemake.input.ends,  # type: ignore[name-defined]
+            snakemake.input.points,  # type: ignore[name-defined]
+            snakemake.input.get("runs", []),  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )

@@ -1,0 +1,31 @@
+"""Write the cells of the maps, and the shares of S_R and gamma that reach each class."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph.analysis.maps import class_shares, map_cells
+from sph.analysis.points import read_points
+from sph.analysis.tables import write_csv
+from sph.analysis.trigger import Lattice
+from sph.command.job import job_log
+
+
+def measure_maps(
+    path_to_points: str, lattices: Sequence[Mapping[str, Any]], classes: Sequence[str], levels: int, path_to_cells: str, path_to_shares: str
+) -> None:
+    """One row a cell that is not divided; one a class and interval of amplitudes."""
+    cells = map_cells([Lattice(**data) for data in lattices], read_points(path_to_points), classes, levels)
+    write_csv(cells, path_to_cells)
+    write_csv(class_shares(cells), path_to_shares)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_maps(
+            snakemake.input.points,  # type: ignore[name-defined]
+            snakemake.params.lattices,  # type: ignore[name-defined]
+            snakemake.params.classes,  # type: ignore[name-defined]
+            snakemake.params.levels,  # type: ignore[name-defined]
+            snakemake.output.cells,  # type: ignore[name-defined]
+            snakemake.output.shares,  # type: ignore[name-defined]
+        )

@@ -1,0 +1,55 @@
+"""Bracket the critical amplitudes, with the pseudo-static estimate and the sliding block's beside them, and decide the paper's claim."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph import trajectory
+from sph.analysis.baseline import newmark_amplitude
+from sph.analysis.claims import decide_trigger
+from sph.analysis.critical import CRITICAL, critical_table
+from sph.analysis.metrics import MetricSettings, class_displacement
+from sph.analysis.points import read_points
+from sph.analysis.tables import flat_dataset, write_csv
+from sph.command.job import job_log
+from sph.scene import make_scene
+
+
+def measure_trigger(
+    path_to_points: str,
+    path_to_yields: Mapping[str, str],
+    scenes: Mapping[str, Mapping[str, Any]],
+    classes: Sequence[str],
+    settings: Mapping[str, Any],
+    attrs: Mapping[str, Any],
+    paths_to_tables: Sequence[str],
+    path_to_claim: str,
+) -> None:
+    """One row a case, S_R, gamma and class; yield acceleration and scene by case; ``attrs`` go into the netCDF, the first of the tables."""
+    chosen, estimates = MetricSettings(**settings), {}
+    for case, path in path_to_yields.items():
+        scene, yields = make_scene(scenes[case]), float(trajectory.read(path).attrs["value"])
+        estimates[case] = {
+            name: {
+                "yield_acceleration": yields,
+                "newmark_amplitude": newmark_amplitude(scene, yields, class_displacement(name, scene, chosen)),
+            }
+            for name in classes
+        }
+    table = critical_table(read_points(path_to_points), classes, estimates)
+    trajectory.write(paths_to_tables[0], flat_dataset(table, CRITICAL, attrs))
+    write_csv(table, paths_to_tables[1])
+    write_csv(decide_trigger(table), path_to_claim)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        measure_trigger(
+            snakemake.input.points,  # type: ignore[name-defined]
+            dict(zip(snakemake.params.scenes, snakemake.input.yields, strict=True)),  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
+            snakemake.params.classes,  # type: ignore[name-defined]
+            snakemake.params.settings,  # type: ignore[name-defined]
+            snakemake.params.attrs,  # type: ignore[name-defined]
+            [snakemake.output.nc, snakemake.output.csv],  # type: ignore[name-defined]
+            snakemake.output.claim,  # type: ignore[name-defined]
+        )

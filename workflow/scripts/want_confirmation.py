@@ -1,0 +1,25 @@
+"""Write the ends of brackets that are run again at another fidelity."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from sph.analysis.critical import bracket_ends, read_critical
+from sph.analysis.points import read_points
+from sph.analysis.tables import write_csv
+from sph.command.job import job_log
+
+
+def want_confirmation(path_to_critical: str, path_to_points: str, confirm: Mapping[str, Any], path_to_ends: str) -> None:
+    """The ends that exist of the brackets of a class, for chosen cases and numbers."""
+    chosen = (confirm["collapse_class"], confirm["cases"], confirm["S_R"], confirm["gamma"])
+    write_csv(bracket_ends(read_critical(path_to_critical), read_points(path_to_points), *chosen), path_to_ends)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        want_confirmation(
+            snakemake.input.critical,  # type: ignore[name-defined]
+            snakemake.input.points,  # type: ignore[name-defined]
+            snakemake.params.confirm,  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )

@@ -1,0 +1,28 @@
+"""Write the points that a round of a search wants."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from sph.analysis.points import no_points, read_points, wanted_points
+from sph.analysis.tables import write_csv
+from sph.analysis.trigger import Lattice
+from sph.command.job import job_log
+
+
+def want_points(
+    path_to_points: str | None, lattices: Sequence[Mapping[str, Any]], classes: Sequence[str], number: int, path_to_wanted: str
+) -> None:
+    """Corners of the cells divided ``number`` times that are not among the points of earlier rounds."""
+    points = read_points(path_to_points) if path_to_points else no_points()
+    write_csv(wanted_points([Lattice(**data) for data in lattices], points, classes, number), path_to_wanted)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        want_points(
+            snakemake.input.get("points"),  # type: ignore[name-defined]
+            snakemake.params.lattices,  # type: ignore[name-defined]
+            snakemake.params.classes,  # type: ignore[name-defined]
+            int(snakemake.wildcards.round),  # type: ignore[name-defined]
+            snakemake.output[0],  # type: ignore[name-defined]
+        )
