@@ -10,7 +10,10 @@ rule page:
     input:
         sources=SOLVER + PAGE,
         study=f"{RESULTS}/study.csv",
-        runs=[RUN.format(**point) for point in PLAN.study.points.to_dict("records")],
+        runs=[
+            RUN.format(folder=RESULTS, **point)
+            for point in PLAN.study.points.to_dict("records")
+        ],
         gravity=f"{RESULTS}/stages/gravity.nc",
         trunks=expand(
             "{results}/stages/amplitude-{amplitude}.nc",
@@ -35,7 +38,8 @@ rule page:
         probe=PLAN.study.metrics.probe,
         shown={
             f"fig{number}": [
-                RUN.format(**point) for _, point in PLAN.study.figure_runs(number)
+                RUN.format(folder=RESULTS, **point)
+                for _, point in PLAN.study.figure_runs(number)
             ]
             for number in range(1, 8)
         },
