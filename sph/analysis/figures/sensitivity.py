@@ -17,7 +17,7 @@ from sph.analysis.surrogate import KINDS, TRUSTED
 
 MARKERS = "osD^v<>phXP*"
 """Factors differ by these as well as by colour."""
-WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "failed_fraction": "failed fraction"}
+WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "area_moved_50cm": "area moved by 0.5 m"}
 GUIDES = {1.0: "σ = μ*", 0.1: "σ = 0.1 μ*"}
 """Slopes of the lines in the screening: above the first a factor acts unevenly or together with others, below the last evenly."""
 UNTRUSTED_COLOUR = "firebrick"
