@@ -37,7 +37,7 @@ def _panels(table: pd.DataFrame, height: float) -> tuple[Figure, dict[str, Axes]
 
 
 def _unit(unit: str) -> str:
-    return "" if unit in ("1", "-") else f" ({unit})"
+    return f" ({_bare(unit).strip()})" if _bare(unit) else ""
 
 
 def _intervals(rows: pd.DataFrame, name: str) -> np.ndarray:
@@ -122,7 +122,7 @@ def _short(value: float) -> str:
 
 
 def _bare(unit: str) -> str:
-    return {"-": "", "1": "", "degree": "°", "m/s2": " m/s²"}.get(unit, f" {unit}")
+    return {"-": "", "1": "", "degree": "°", "m/s2": " m/s²", "m2": " m²"}.get(unit, f" {unit}")
 
 
 @styled
