@@ -103,6 +103,8 @@ def test_sobol_moves_the_chosen_factors_alone_and_confirms_the_first_points(tmp_
         ({"factors": {"S_R": {"bounds": [0.3, 0.5]}}}, ["factors.S_R", "0.25"]),
         ({"factors": {"cohesion": {"keys": {"soil.cohesin": 1}}}}, ["factors.cohesion", "soil.cohesin"]),
         ({"factors": {"status": {"keys": {"soil.density": 1}, "bounds": [1900, 2000]}}}, ["factors", "status", "column"]),
+        ({"factors": {"height": {"keys": {"geometry.apron_length": 2.0}}}}, ["factors.height", "25, 55, 34", "proportion"]),
+        ({"factors": {"gamma": {"keys": {"coupling.S_R": 1}}}}, ["factors", "two", "coupling.S_R"]),
         ({"metrics": {"run_out": {}}}, ["metrics", "run_out", "runout"]),
         ({"sobol": {"factors": ["S_R", "depth"]}}, ["sobol.factors", "depth"]),
         ({"sobol": {"points": 1000}}, ["sobol", "1000", "power of 2"]),
