@@ -181,10 +181,10 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
                     color=colour_map()(0.15), ecolor="0.75", elinewidth=0.6)  # fmt: skip
         ends = [float(rows["computed"].min()), float(rows["computed"].max())]
         ax.plot(ends, ends, color="black", linewidth=0.8)
-        quantity, unit = facts["quantity"], _unit(facts["units"]) if facts["quantity"] == metric else ""
-        short = quantity.replace(metric, "u") if quantity != metric else _words(metric)
-        ax.set(xlabel=f"{short}{unit}, computed", ylabel=f"{short}{unit}, predicted")
-        text = f"Q² = {facts['q2']:.2f}, RMSE {facts['rmse']:.2g}{_bare(facts['units'])}"
+        logarithmic = facts["quantity"] != metric
+        scale = f", {facts['quantity'].replace(metric, 'u')}" if logarithmic else _unit(facts["units"])
+        ax.set(xlabel=f"computed{scale}", ylabel=f"predicted{scale}")
+        text = f"Q² = {facts['q2']:.2f}, RMSE {_short(facts['rmse'])}{_bare(facts['units'])}"
         _state(ax, text, facts["verdict"], "bottom")
     label_panels(axes.values(), [_words(metric) for metric in axes])
     write_note(figure, note)
