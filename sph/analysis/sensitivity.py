@@ -49,7 +49,8 @@ class Factor(Section):
     """A number of the scene, or several in proportion, and its range."""
 
     keys: dict[SceneKey, Annotated[float, Field(gt=0)]] = key(
-        "scene keys, dotted, and by what the factor's value is multiplied for each; unit and base value are those of the first",
+        "scene keys, dotted, and by what the factor's value is multiplied for each, in the proportion of the scene's own values; "
+        "unit and base value are those of the first",
         min_length=1,
     )
     bounds: tuple[float, float] = key("smallest and largest value, in the unit of the first key; the scene's own value lies between")
@@ -131,6 +132,9 @@ class Sensitivity(Section):
         for name in self.factors:
             if name in taken:
                 raise ValueError(f"factors: {name!r} is a column of the sample already, choose another name")
+        paths = [path for factor in self.factors.values() for path in factor.keys]
+        if len(set(paths)) < len(paths):
+            raise ValueError(f"factors: two of them set the key {next(path for path in paths if paths.count(path) > 1)}")
         if self.confirm and self.confirm.points > self.sobol.samples:
             raise ValueError(f"confirm.points: {self.confirm.points} is more than sobol.samples: {self.sobol.samples}")
         return self
@@ -259,8 +263,13 @@ class SensitivityPlan:
                 raise ValueError(
                     f"{where}: changes the geometry, which probes.{probe}: {scene.probes[probe]} does not follow; use crest_edge"
                 )
-            (value, unit), *_ = [number_of(scene, path, where) for path in factor.keys]
-            base = value / next(iter(factor.keys.values()))
+            values, units = zip(*(number_of(scene, path, where) for path in factor.keys), strict=True)
+            bases = np.divide(values, list(factor.keys.values()))
+            if not np.allclose(bases, bases[0]):
+                raise ValueError(
+                    f"{where}: keys: the scene's own values, {', '.join(f'{v:g}' for v in values)}, are not in this proportion"
+                )
+            unit, base = units[0], float(bases[0])
             axis = Axis(name, factor.label or name, unit, *factor.bounds, factor.scale == "log", base)
             if not axis.low <= axis.base <= axis.high:
                 raise ValueError(f"{where}: bounds: [{axis.low:g}, {axis.high:g}] do not hold the scene's own value, {axis.base:g} {unit}")

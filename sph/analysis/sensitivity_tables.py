@@ -67,7 +67,8 @@ def read_sample(path: Path | str, axes: Sequence[Axis], quantities: Sequence[Qua
 def described(path: Path | str) -> str:
     """Runs of a sample, from its CSV, and how many of them diverged, in words for a caption."""
     sample = pd.read_csv(path, usecols=["run", "status"])
-    return f"{len(sample)} runs, {diverged_runs(sample)} of them diverged and left out"
+    lost = diverged_runs(sample)
+    return f"{len(sample)} runs, " + (f"{lost} of which diverged and are left out" if lost else "none of which diverged")
 
 
 def diverged_runs(sample: pd.DataFrame) -> int:

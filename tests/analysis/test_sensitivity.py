@@ -22,6 +22,7 @@ from sph.analysis.sensitivity_tables import (
     CONFIRMED,
     TORNADO,
     confirmation_table,
+    described,
     read_sample,
     sample_columns,
     sample_row,
@@ -102,6 +103,8 @@ def test_sobol_moves_the_chosen_factors_alone_and_confirms_the_first_points(tmp_
         ({"factors": {"S_R": {"bounds": [0.3, 0.5]}}}, ["factors.S_R", "0.25"]),
         ({"factors": {"cohesion": {"keys": {"soil.cohesin": 1}}}}, ["factors.cohesion", "soil.cohesin"]),
         ({"factors": {"status": {"keys": {"soil.density": 1}, "bounds": [1900, 2000]}}}, ["factors", "status", "column"]),
+        ({"factors": {"height": {"keys": {"geometry.apron_length": 2.0}}}}, ["factors.height", "25, 55, 34", "proportion"]),
+        ({"factors": {"gamma": {"keys": {"coupling.S_R": 1}}}}, ["factors", "two", "coupling.S_R"]),
         ({"metrics": {"run_out": {}}}, ["metrics", "run_out", "runout"]),
         ({"sobol": {"factors": ["S_R", "depth"]}}, ["sobol.factors", "depth"]),
         ({"sobol": {"points": 1000}}, ["sobol", "1000", "power of 2"]),
@@ -282,6 +285,7 @@ def test_a_sample_reads_back_with_its_diverged_runs(tmp_path: Path) -> None:
     frame = pd.DataFrame(rows)
     write_csv(frame, tmp_path / "sample.csv")
     pd.testing.assert_frame_equal(read_sample(tmp_path / "sample.csv", axes, quantities), frame)
+    assert described(tmp_path / "sample.csv") == "2 runs, 1 of which diverged and are left out"
     assert frame["status"].tolist() == ["complete", "diverged"] and frame["runout"].tolist()[0] == pytest.approx(3.0)
     assert np.isnan(frame["runout"].iloc[1]) and frame[["x0", "x1"]].to_numpy().tolist() == [[0.1, 0.2]] * 2
     assert [column.name for column in columns][: len(SAMPLE)] == [column.name for column in SAMPLE]
@@ -312,8 +316,8 @@ def test_confirmation_pairs_the_first_points() -> None:
 def test_figures_show_every_factor(tmp_path: Path) -> None:
     shares = trajectories(tmp_path, 4)
     table = morris_table(sample_of(shares.reshape(-1, 11), (shares @ np.arange(11.0)).ravel()), unit_axes(11), [METRIC], 200, 1)
-    figure = figure_morris(table, unit_axes(11), ["x10"], "48 runs, 0 of them diverged")
-    assert len(figure.legends[0].get_texts()) == 11 and "0 of them diverged" in figure.get_supxlabel()
+    figure = figure_morris(table, unit_axes(11), ["x10"], "48 runs, none of which diverged")
+    assert len(figure.legends[0].get_texts()) == 11 and "none of which diverged" in figure.get_supxlabel()
     full = [line for line in figure.axes[0].lines if line.get_marker() not in ("None", "") and line.get_markerfacecolor() != "white"]
     assert len(full) == 1
     values = ishigami(space_filling(3, 64))

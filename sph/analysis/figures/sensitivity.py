@@ -17,7 +17,7 @@ from sph.analysis.surrogate import KINDS, TRUSTED
 
 MARKERS = "osD^v<>phXP*"
 """Factors differ by these as well as by colour."""
-WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "failed_fraction": "failed fraction"}
+WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "area_moved_50cm": "area moved by 0.5 m"}
 GUIDES = {1.0: "σ = μ*", 0.1: "σ = 0.1 μ*"}
 """Slopes of the lines in the screening: above the first a factor acts unevenly or together with others, below the last evenly."""
 UNTRUSTED_COLOUR = "firebrick"
@@ -37,7 +37,7 @@ def _panels(table: pd.DataFrame, height: float) -> tuple[Figure, dict[str, Axes]
 
 
 def _unit(unit: str) -> str:
-    return "" if unit in ("1", "-") else f" ({unit})"
+    return f" ({_bare(unit).strip()})" if _bare(unit) else ""
 
 
 def _intervals(rows: pd.DataFrame, name: str) -> np.ndarray:
@@ -122,7 +122,7 @@ def _short(value: float) -> str:
 
 
 def _bare(unit: str) -> str:
-    return {"-": "", "1": "", "degree": "°", "m/s2": " m/s²"}.get(unit, f" {unit}")
+    return {"-": "", "1": "", "degree": "°", "m/s2": " m/s²", "m2": " m²"}.get(unit, f" {unit}")
 
 
 @styled
@@ -181,10 +181,10 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
                     color=colour_map()(0.15), ecolor="0.75", elinewidth=0.6)  # fmt: skip
         ends = [float(rows["computed"].min()), float(rows["computed"].max())]
         ax.plot(ends, ends, color="black", linewidth=0.8)
-        quantity, unit = facts["quantity"], _unit(facts["units"]) if facts["quantity"] == metric else ""
-        short = quantity.replace(metric, "u") if quantity != metric else _words(metric)
-        ax.set(xlabel=f"{short}{unit}, computed", ylabel=f"{short}{unit}, predicted")
-        text = f"Q² = {facts['q2']:.2f}, RMSE {facts['rmse']:.2g}{_bare(facts['units'])}"
+        logarithmic = facts["quantity"] != metric
+        scale = f", {facts['quantity'].replace(metric, 'u')}" if logarithmic else _unit(facts["units"])
+        ax.set(xlabel=f"computed{scale}", ylabel=f"predicted{scale}")
+        text = f"Q² = {facts['q2']:.2f}, RMSE {_short(facts['rmse'])}{_bare(facts['units'])}"
         _state(ax, text, facts["verdict"], "bottom")
     label_panels(axes.values(), [_words(metric) for metric in axes])
     write_note(figure, note)
