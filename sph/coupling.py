@@ -160,7 +160,7 @@ def _advance_chunk(solid, fluid, state, pairs, terms, mass, gradient, reached, f
         d_xy = 0.5 * (l_xy + l_yx)
         angle = 0.5 * (l_xy - l_yx) * dt
         rate_d, rate_q, rate_z = elastic_increment(shear, l_xx, l_yy, d_xy)
-        new_density = density * (1.0 - trace * dt)
+        new_density = max(density * (1.0 - trace * dt), terms.least_density)
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
         beta = _update_beta(fluid, state, i, terms.beta_decay)

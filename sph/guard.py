@@ -25,6 +25,7 @@ MAX_ENERGY_GAP = 0.25
 Soil that settles between free-slip walls gains up to a tenth of its small energies from them; what diverges gains more than all."""
 SMALL_SPEED = 1e-3
 """Energies below that of the soil at this part of V_p are not judged: a run begins with none."""
+LEFT_THE_BOX = "has left the box"
 PARTS = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy")
 
 
@@ -46,7 +47,7 @@ def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[st
         return _at(particles, int(np.argmax(speed)), f"is faster than V_p, {scene.soil.p_wave_speed:.0f} m/s")
     outside = _behind_walls(scene, particles, state.x[soil], state.y[soil])
     if outside.any():
-        return _at(particles, int(np.argmax(outside)), "has passed through a wall of the box")
+        return _at(particles, int(np.argmax(outside)), LEFT_THE_BOX)
     smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * scene.soil.p_wave_speed) ** 2
     return _energy_made(series, smallest)
 
@@ -56,14 +57,11 @@ def _at(particles: Particles, i: int, what: str) -> str:
 
 
 def _behind_walls(scene: Scene, particles: Particles, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Which of the places (n,) lie behind the last layer of a wall; walls are as high as their particles."""
+    """Which of the places (n,) lie behind the last layer of a wall (sides are as high as theirs) or below the base past its end."""
     reach = 0.5 * scene.numerics.spacing
     walls, behind = scene.walls, np.zeros(x.size, bool)
     if walls.base != "none":
-        over_base = np.ones(x.size, bool)
-        if walls.sides != "periodic":
-            over_base = (particles.x.min() - reach <= x) & (x <= particles.x.max() + reach)
-        behind |= over_base & (y < particles.y.min() - reach)
+        behind |= y < particles.y.min() - reach
     if walls.top != "none":
         behind |= y > particles.y.max() + reach
     if walls.sides in ("sticky", "free_slip"):
@@ -87,12 +85,14 @@ def _energy_made(series: Mapping[str, Sequence[Any]], smallest: float) -> str:
     return ""
 
 
-def likely_cause(scene: Scene, ratio: float) -> str:
-    """What to look at first, from the largest time step over its measured limit so far and from the scene."""
+def likely_cause(scene: Scene, ratio: float, wrong: str) -> str:
+    """What to look at first, from the largest time step over its measured limit so far, the scene, and what is wrong."""
     if ratio > 1.0:
         return f"the time step was {ratio:.2f} times its measured limit: choose a smaller numerics.time_step, or numerics.adaptive_step"
+    if LEFT_THE_BOX in wrong:
+        return (
+            "soil ran off an open end of the base or was thrown over the walls: widen the box (geometry), close its sides, or shake it less"
+        )
     if scene.numerics.artificial_viscosity is None or scene.numerics.artificial_viscosity.alpha < 0.1:
         return "little or no artificial viscosity: particles that meet fast pass between each other (numerics.artificial_viscosity)"
-    if "free_slip" in (scene.walls.base, scene.walls.top, scene.walls.sides):
-        return "loose soil at a free-slip wall passes between its particles: use a sticky wall there"
     return "particles that meet fast pass between each other: try a smaller time step, more artificial viscosity, or a finer spacing"

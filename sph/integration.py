@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from sph.contact import add_contact
 from sph.coupling import update_stress
 from sph.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
 from sph.jit import jit, rows
@@ -177,6 +178,7 @@ TERM_NAMES = (
     "gradient_correction",
     "short_range_repulsion",
     "free_slip",
+    "wall_faces",
     "wall_friction",
     "periodic",
     "artificial_stress",
@@ -200,6 +202,7 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
         _present(terms.correction),
         _present(terms.repulsion),
         _present(terms.slip),
+        _present(terms.faces),
         _present(terms.friction),
         _present(terms.period),
         _present(terms.tension),
@@ -268,6 +271,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
             sums[block, WALLS] += terms.dt * (rubbed + taken)
             add_artificial_stress(terms.tension, state, pairs, first, min(last, n_soil))
             sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_soil, first, min(last, n_soil))
+            sums[block, REPULSION] += add_contact(terms.faces, terms.friction, state, mass, first, min(last, n_soil))
         wait(team)
         if team.rank == 0:
             failed += _add_up(sums, state.work)

@@ -249,6 +249,11 @@ class Walls(Section):
         default=2,
     )
 
+    @property
+    def hold(self) -> bool:
+        """Whether there is a wall at all."""
+        return any(how in ("sticky", "free_slip") for how in (self.base, self.sides, self.top))
+
 
 # ---------------------------------------------------------------- material
 

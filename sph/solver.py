@@ -220,7 +220,7 @@ class Run:
                 status, reason = self.ended
             wrong = trouble(scene, self.particles, self.state, self._series, jumped=done < block)
             if wrong:
-                status, reason = "diverged", f"{wrong}, at {self.time:.4f} s; {likely_cause(scene, self._largest_ratio())}"
+                status, reason = "diverged", f"{wrong}, at {self.time:.4f} s; {likely_cause(scene, self._largest_ratio(), wrong)}"
                 break
             if report is not None:
                 steps = (self.steps_made - first_steps_made) * self.state.x.size
@@ -415,6 +415,7 @@ def wanted_terms(scene: Scene) -> tuple[bool, ...]:
         numerics.gradient_correction is not None,
         numerics.short_range_repulsion is not None,
         "free_slip" in (scene.walls.base, scene.walls.top, scene.walls.sides),
+        scene.walls.hold,
         scene.walls.friction is not None,
         scene.walls.sides == "periodic",
         numerics.artificial_stress is not None,

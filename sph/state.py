@@ -24,9 +24,15 @@ UNARMED, ARMED, FAILED = 0, 1, 2
 SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
 """Rows of ``State.work`` (J/m): work of the shaking (or of a prescribed motion) and of gravity on the soil, of strain on
 the stress, and energy taken by mass-proportional damping, by artificial viscosity and stress, and by free-slip
-walls and their friction; energy stored in the short-range repulsion (the last is a level, not a sum)."""
+walls and their friction; energy stored in the short-range repulsion and in the contact with walls (a level, not a sum)."""
 FAILURES = REPULSION + 1
 """Column of ``Team.sums`` after those of the works: particles that failed in the step."""
+
+
+CONTACT = {"free_slip": 0.4, "sticky": 0.0}
+"""Distance to a wall's face, over the spacing, below which the face pushes, by the kind of wall; the lattice begins at 0.5."""
+CONTACT_STIFFNESS = 0.2
+"""Stiffness of that push over the constrained modulus of the soil: it adds a fortieth to the square of the stiffest mode's frequency."""
 
 
 class State(NamedTuple):
@@ -109,6 +115,30 @@ class SlipTerm(NamedTuple):
     """first of those that belong to a side wall; they come last"""
 
 
+class FacesTerm(NamedTuple):
+    """Faces of the walls, which push soil back that comes too near."""
+
+    bottom: float
+    """y of the faces, m; infinite where there is no wall"""
+    top: float
+    left: float
+    """x of the faces, m"""
+    right: float
+    begin: float
+    """base and top reach from this x, m"""
+    end: float
+    height: float
+    """sides reach up to this y, m"""
+    bottom_contact: float
+    """distance to the face below which it pushes, m"""
+    top_contact: float
+    side_contact: float
+    thickness: float
+    """distance behind a face from which on it no longer pushes, m: what is further has come from outside"""
+    stiffness: float
+    """N/m for a metre of thickness"""
+
+
 class FrictionTerm(NamedTuple):
     """Coulomb friction on free-slip walls."""
 
@@ -157,6 +187,7 @@ class Terms(NamedTuple):
     reach: float  # support and skin, m
     close_range: float  # range of short-range forces and the tolerance, m
     reference_density: float
+    least_density: float  # of a particle without neighbours, m W(0): scattered soil is not thinner
     bulk_modulus: float
     shear_modulus: float
     solid: MohrCoulomb
@@ -169,6 +200,7 @@ class Terms(NamedTuple):
     correction: CorrectionTerm | None
     repulsion: RepulsionTerm | None
     slip: SlipTerm | None
+    faces: FacesTerm | None
     friction: FrictionTerm | None
     period: PeriodTerm | None
     tension: TensionTerm | None
@@ -206,6 +238,30 @@ def initial_state(particles: Particles, scene: Scene) -> State:
     return state
 
 
+def _faces(scene: Scene) -> FacesTerm | None:
+    walls, dx = scene.walls, scene.numerics.spacing
+    if not walls.hold:
+        return None
+    columns, rows = scene.lattice
+    sides = walls.sides in ("sticky", "free_slip")
+    overhang = math.inf if walls.sides == "periodic" else walls.layers * dx if sides else 0.0
+    base, top, side = (CONTACT.get(how, 0.0) * dx for how in (walls.base, walls.top, walls.sides))
+    return FacesTerm(
+        bottom=-math.inf if walls.base == "none" else 0.0,
+        top=math.inf if walls.top == "none" else rows * dx,
+        left=0.0 if sides else -math.inf,
+        right=columns * dx if sides else math.inf,
+        begin=-overhang,
+        end=columns * dx + overhang,
+        height=rows * dx,
+        bottom_contact=base,
+        top_contact=top,
+        side_contact=side,
+        thickness=dx,
+        stiffness=CONTACT_STIFFNESS * scene.soil.density * scene.soil.p_wave_speed**2,
+    )
+
+
 def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
     """Coefficients of a scene whose time step is divided by ``substeps``; all floats, so that one scene compiles one variant."""
     soil, coupling, numerics = scene.soil, scene.coupling, scene.numerics
@@ -233,6 +289,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         reach=float(2.0 * numerics.smoothing_length + skin),
         close_range=0.0 if repulsion is None else float(repulsion.range * dx + 2.0 * pairs_tolerance),
         reference_density=float(soil.density),
+        least_density=float(soil.density * dx * dx * evaluate(kernel, 0.0)[0]),
         bulk_modulus=float(soil.bulk_modulus_si),
         shear_modulus=float(soil.shear_modulus_si),
         solid=make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),
@@ -247,6 +304,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         if repulsion is None
         else RepulsionTerm(float(repulsion.range * dx), float(1e3 * repulsion.pressure / repulsion.range)),
         slip=slip,
+        faces=_faces(scene),
         friction=None if walls.friction is None else FrictionTerm(walls.friction.base, walls.friction.sides),
         period=PeriodTerm(round(scene.geometry.width / dx) * dx) if walls.sides == "periodic" else None,
         tension=None if tension is None else TensionTerm(tension.factor, tension.exponent, 1.0 / evaluate(kernel, dx)[0]),

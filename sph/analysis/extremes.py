@@ -32,6 +32,8 @@ TIME_STEP = "time step over limit"
 """Name of the sweep over fixed time steps."""
 TIME_STEP_FOLDER = f"{file_name(TIME_STEP)}/"
 """Folder of its runs, whose steps may lie above the limit."""
+SHIPPED = Path(__file__).with_name("measured") / "extremes.csv"
+"""Table measured for this release."""
 REFUSED = "refused"
 FRAME = 0.5
 """Interval of the frames of a run with a fixed step, about, s."""
@@ -66,7 +68,7 @@ class Sweep(Section):
     """One key and its values."""
 
     scene_key: str = key("scene key, dotted", pattern=r"^[A-Za-z_][A-Za-z0-9_.]*$")
-    values: tuple[Any, ...] = key("its values", min_length=1)
+    values: Annotated[tuple[Any, ...] | dict[Label, Any], Field(min_length=1)] = key("its values, by label where they are sections")
     cases: tuple[str, ...] | None = key("cases that are run; null: all", default=None)
     repeats: int | None = key("runs of every value; null: as for all sweeps", ge=1, le=10, default=None)
     scene: str | None = key("another scene file; null: that of all sweeps, with its overrides", default=None)
@@ -104,11 +106,9 @@ class Row(NamedTuple):
     """file names of its repeats, without suffix"""
 
 
-def value_text(value: Any) -> str:
-    """A value as a label: sections as their keys and values."""
-    if isinstance(value, Mapping):
-        return ", ".join(f"{name} {part}" for name, part in value.items())
-    return "null" if value is None else str(value)
+def labelled(values: tuple[Any, ...] | Mapping[str, Any]) -> dict[str, Any]:
+    """Values of a sweep by their labels."""
+    return dict(values) if isinstance(values, Mapping) else {"null" if value is None else str(value): value for value in values}
 
 
 class ExtremeRuns:
@@ -125,10 +125,8 @@ class ExtremeRuns:
                 start = merge(base, extremes.cases[case])
                 make_scene(start, f"{origin}: sweeps.{label}, case {case!r}")
                 repeats = sweep.repeats or extremes.repeats
-                for value in sweep.values:
-                    self._add(
-                        label, value_text(value), case, merge(start, dotted({sweep.scene_key: value})), repeats, sweep.symmetry == "mirror"
-                    )
+                for text, value in labelled(sweep.values).items():
+                    self._add(label, text, case, merge(start, dotted({sweep.scene_key: value})), repeats, sweep.symmetry == "mirror")
         start = merge(merge(scenes[extremes.scene], extremes.overrides), next(iter(extremes.cases.values())))
         for scheme, overrides in extremes.time_steps.schemes.items():
             for factor in extremes.time_steps.factors:
@@ -251,6 +249,6 @@ def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd
     return pd.DataFrame(table, columns=[column.name for column in EXTREMES])
 
 
-def read_extremes(path: Path | str) -> pd.DataFrame:
+def read_extremes(path: Path | str = SHIPPED) -> pd.DataFrame:
     """Table from its CSV; ValueError names a file that is none."""
     return read_csv(path, EXTREMES, "the extremes")

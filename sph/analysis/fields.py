@@ -16,6 +16,13 @@ from sph.scene import Scene
 from sph.trajectory import scene_of
 
 
+def with_end(name: str, trajectory: xr.Dataset) -> str:
+    """A name for figures; that of a run which the guard stopped says so and when."""
+    if trajectory.attrs["status"] != "diverged":
+        return name
+    return f"{name}, diverged at {float(trajectory['sample_time'][-1]):.3g} s".removeprefix(", ")
+
+
 class ProbeHistory(NamedTuple):
     """Motion of one probe since the end of the gravity stage, relative to the box."""
 
@@ -55,8 +62,8 @@ def gravity_frame(trajectory: xr.Dataset) -> int:
 def displacement(trajectory: xr.Dataset, frame: int = -1) -> tuple[np.ndarray, np.ndarray]:
     """Horizontal and vertical displacement of every particle since the end of the gravity stage, each (particles,), m."""
     start = gravity_frame(trajectory)
-    horizontal, vertical = (trajectory[name].values.astype(float) for name in ("displacement_x", "displacement_y"))
-    return horizontal[frame] - horizontal[start], vertical[frame] - vertical[start]
+    (x, x_start), (y, y_start) = (trajectory[f"displacement_{axis}"].values[[frame, start]].astype(float) for axis in "xy")
+    return x - x_start, y - y_start
 
 
 def probe_history(trajectory: xr.Dataset, probe: str) -> ProbeHistory:
@@ -100,3 +107,9 @@ FIELDS: dict[str, Field] = {
     "beta": Field("weight of the solid state β", "-", _beta),
     "pressure": Field("mean pressure", "kPa", _mean_pressure),
 }
+
+
+def check_field(name: str) -> None:
+    """ValueError for a name that ``FIELDS`` lacks."""
+    if name not in FIELDS:
+        raise ValueError(f"field: {name!r} is unknown, allowed are {', '.join(FIELDS)}")

@@ -98,6 +98,11 @@ class Study(Section):
         """Table of all grid points, labels as written."""
         return pd.DataFrame(list(itertools.product(*(getattr(self.grid, name) for name in GRID))), columns=list(GRID))
 
+    @staticmethod
+    def point_name(point: Mapping[str, str]) -> str:
+        """Name of a grid point in file names, as the Snakefile's ``Paramspace`` writes it."""
+        return "_".join(f"{name}-{point[name]}" for name in GRID)
+
     @property
     def reference_amplitude(self) -> str:
         """Label of the amplitude at which claims are tested and figures drawn; ValueError if the grid lacks it."""
@@ -163,9 +168,15 @@ class Plan:
             list(self.study.figure_runs(figure))
 
     def built(self, **point: str) -> Scene:
-        """The validated scene of a point."""
+        """The validated scene of a point; ValueError for one that cannot share its gravity stage."""
         at = ", ".join(f"{name} = {value}" for name, value in point.items())
-        return make_scene(self.scene(**point), f"{self.origin} at {at}")
+        scene = make_scene(self.scene(**point), f"{self.origin} at {at}")
+        if scene.coupling.initial_state == "fluid":
+            raise ValueError(
+                f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "
+                "allowed in a study: 'solid' (a fluid scene runs by 'sph run')"
+            )
+        return scene
 
 
 def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),)) -> Plan:

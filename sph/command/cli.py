@@ -32,7 +32,7 @@ app = typer.Typer(
     rich_markup_mode=None,
 )
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML)")]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which holds its scene")]
 Settings = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one key, e.g. coupling.S_R=0.10; may be repeated")
 ]
@@ -112,14 +112,17 @@ def parse_acceleration(text: str, option: str) -> float:
 
 @app.command(
     epilog="Examples:  sph run config/scenes/paper.yaml  |  sph run config/scenes/paper.yaml --set coupling.S_R=0.10 "
-    "--set numerics.smoothing_ratio=1.3 --out slide.nc  |  sph run config/scenes/paper.yaml --until gravity --out gravity.nc"
+    "--set numerics.smoothing_ratio=1.3 --out slide.nc  |  sph run config/scenes/paper.yaml --until gravity --out gravity.nc  |  "
+    "sph run slide.nc --out again.nc"
 )
 def run(
     scene: SceneFile,
     set_: Settings = None,
     out: Annotated[Path | None, typer.Option(help="trajectory to write; NAME.nc in this folder by default")] = None,
     restart: Annotated[Path | None, typer.Option(help="go on from this trajectory instead of from the start")] = None,
-    until: Annotated[str, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure")] = "end",
+    until: Annotated[
+        str | None, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure; end, or as the trajectory, by default")
+    ] = None,
     threads: Annotated[
         int, typer.Option(min=1, max=256, help="for a large scene; below some 10,000 particles a thread a run is faster")
     ] = 1,
@@ -128,19 +131,28 @@ def run(
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
     ] = None,
 ) -> None:
-    """Simulate a scene and write its trajectory; after a kill the same command goes on from the last checkpoint."""
+    """Simulate a scene and write its trajectory; after a kill the same command goes on from the last checkpoint.
+
+    A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
+    """
     with refusals():
         from sph.checkpoint import run_to_file
         from sph.command.progress import reporter
-        from sph.scene import load_scene
+        from sph.command.repeat import compare, earlier_run, given_scene, stopped_at
 
-        if until not in ("end", "gravity", "first_failure"):
+        if until not in (None, "end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
-        loaded = load_scene(scene, parse_settings(set_))
+        earlier = earlier_run(scene)
+        loaded = given_scene(scene, parse_settings(set_), earlier)
         path = out or Path(f"{loaded.name}.nc")
         check_writable(path)
+        if path.exists() and path.samefile(scene):
+            raise ValueError(f"--out {path}: is the run to repeat; name another file")
+        repeats = earlier is not None and not set_ and until is None
         with reporter(loaded.name) as report:
-            result = run_to_file(loaded, path, until, restart, report, threads, checkpoint, say)  # type: ignore[arg-type]
+            # What was allowed to run with a step above its limit may be repeated.
+            stage = until or stopped_at(earlier)
+            result = run_to_file(loaded, path, stage, restart, report, threads, checkpoint, say, enforce_limit=not repeats)  # type: ignore[arg-type]
     attrs = result.trajectory.attrs
     reason = f" ({attrs['status_reason']})" if attrs["status_reason"] else ""
     print(
@@ -152,6 +164,8 @@ def run(
             f"numerics.time_step was {ratio:.2f} times the limit measured on the particles as they lay; "
             "choose a smaller one, or numerics.adaptive_step"
         )
+    if earlier is not None and repeats:
+        say(compare(earlier, result.trajectory, scene))
     if result.status == "diverged":
         raise typer.Exit(DIVERGED)
 
@@ -160,10 +174,10 @@ def run(
 def info(scene: SceneFile, set_: Settings = None) -> None:
     """Show what a scene amounts to: particles, wave speeds, time-step limits, terms, cost."""
     from sph.command.info import describe
-    from sph.scene import load_scene
+    from sph.command.repeat import given_scene
 
     with refusals():
-        rows = describe(load_scene(scene, parse_settings(set_)))
+        rows = describe(given_scene(scene, parse_settings(set_)))
     width = max(len(label) for label, _ in rows)
     for label, text in rows:
         print(f"{label:<{width}}  {text}")
@@ -189,6 +203,55 @@ def plot(
     print(path)
 
 
+@app.command(
+    epilog="Examples:  sph animate slide.nc --out slide.gif  |  sph animate slide.nc --out slide.mp4 --field beta --motion --speed 2  |  "
+    "sph animate slide.nc --out slide.gif --every 2 --fps 5 --dpi 80"
+)
+def animate(
+    file: Trajectory,
+    out: Annotated[
+        Path | None, typer.Option(help="film to write (.gif, or .mp4 with ffmpeg); a GIF beside the trajectory by default")
+    ] = None,
+    field: Annotated[str, typer.Option(help="colour of the profile: displacement, speed, beta, initial_height, pressure")] = "displacement",
+    every: Annotated[int, typer.Option(min=1, help="take every so manyth stored frame (outputs.frame_interval)")] = 1,
+    fps: Annotated[float | None, typer.Option(help="pictures a second, 10 by default")] = None,
+    speed: Annotated[float | None, typer.Option(help="instead of --fps: simulated seconds a second, 1 for real time")] = None,
+    motion: Annotated[bool, typer.Option("--motion", help="show the acceleration of the ground below the profile")] = False,
+    dpi: Annotated[int, typer.Option(help="dots per inch; 120 makes a picture of 850 pixels across")] = 120,
+) -> None:
+    """Draw a trajectory through time: the profile, coloured by a field on one scale, as a GIF or an MP4."""
+    from sph import trajectory
+    from sph.analysis.fields import check_field
+    from sph.analysis.figures.film import check_film, rate, save_film
+
+    with refusals():
+        path = out or file.with_suffix(".gif")
+        if fps is not None and speed is not None:
+            raise ValueError(f"--fps {fps:g} and --speed {speed:g}: give one of them")
+        pictures = 10.0 if fps is None else fps
+        check_film(path, pictures, dpi)
+        check_field(field)
+        check_writable(path)
+        run = trajectory.read_run(file)
+        save_film(run, path, field, every, pictures if speed is None else rate(run, every, speed), motion, dpi)
+    print(path)
+
+
+@app.command(epilog="Example:  sph export slide.nc --vtk slide_vtk  (then open slide_vtk/slide.pvd in ParaView)")
+def export(
+    file: Trajectory,
+    vtk: Annotated[Path, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
+) -> None:
+    """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, every number as it is stored."""
+    from sph import trajectory
+    from sph.analysis.paraview import export_paraview
+
+    with refusals():
+        if vtk.exists() and not vtk.is_dir():
+            raise ValueError(f"--vtk {vtk}: is a file; name a folder")
+        print(export_paraview(trajectory.read_run(file), vtk, file.stem))
+
+
 @app.command(epilog="Example:  sph metrics slide.nc --json")
 def metrics(
     file: Trajectory,
@@ -208,6 +271,28 @@ def metrics(
         value = values[row.name]
         table.add_row(row.name, f"{value:.4g}" if isinstance(value, float) else str(value), row.units, row.text)
     Console().print(table)
+
+
+@app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")
+def status(
+    folder: Annotated[
+        Path | None, typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity>; that of the configuration by default")
+    ] = None,
+    configfile: Annotated[
+        Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
+    ] = None,
+    watching: Annotated[bool, typer.Option("--watch", help="look again every 2 s until all simulations are done")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
+) -> None:
+    """Show from a second terminal how far a study is: done, running, failed, waiting, and the time left; it disturbs nothing."""
+    from sph.command.status import jobs, lines, located_plan, look, record, watch
+
+    with refusals():
+        plan, place = located_plan(folder, configfile)
+        if watching and not as_json:
+            return watch(plan, place)
+        states = [look(job, place) for job in jobs(plan)]
+    print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
 
 
 Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]
@@ -230,15 +315,15 @@ def fos(
     out: Trials = None,
 ) -> None:
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands."""
+    from sph.command.repeat import given_scene
     from sph.command.stability import answer
-    from sph.scene import load_scene
 
     with refusals():
         if reduce not in ("strength", "S_R"):
             raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
         if out is not None:
             check_writable(out)
-        answer(reduce, load_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
+        answer(reduce, given_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Example:  sph yield-acceleration slope.yaml --set numerics.spacing=2 --out trials.csv")
@@ -251,13 +336,13 @@ def yield_acceleration(
     out: Trials = None,
 ) -> None:
     """Find the constant horizontal acceleration at which the slope fails (pseudo-static), for Newmark's method."""
+    from sph.command.repeat import given_scene
     from sph.command.stability import answer
-    from sph.scene import load_scene
 
     with refusals():
         if out is not None:
             check_writable(out)
-        answer("acceleration", load_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
+        answer("acceleration", given_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")

@@ -1,7 +1,7 @@
 """Tables of every key and every variable, generated from their declarations, and of what the ladder measured.
 
 ``config/README.md`` holds the tables of keys, ``results/README.md`` those of variables, ``README.md`` what was measured for this
-release: ``presets``, ``trade``, ``validation`` and ``limits``; a test keeps them in step.
+release: ``presets``, ``trade``, ``validation``, ``limits`` and ``extremes``; a test keeps them in step.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
 from sph.analysis.critical import CONFIRM, CRITICAL
-from sph.analysis.extremes import EXTREMES, Extremes
+from sph.analysis.extremes import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
 from sph.analysis.limits import LIMITS, Limits, read_limits
 from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
 from sph.analysis.maps import CELLS, SHARES
@@ -138,6 +138,39 @@ def _limits_table(table: pd.DataFrame) -> str:
     return markdown(("change", *(f"{case}, {what}" for case in cases for what in ("A", "run-out"))), change_lines(table))
 
 
+def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the extremes."""
+    for sweep, rows in table[table["sweep"] != TIME_STEP].groupby("sweep", sort=False):
+        sound = rows[~rows["status"].isin(("diverged", REFUSED))]
+        diverged, refused = (", ".join(dict.fromkeys(rows["value"][rows["status"] == status])) or "-" for status in ("diverged", REFUSED))
+        worst = (
+            f"{100 * sound['energy_gap'].max():.2g} %",
+            f"{100 * sound['area_change'].min():+.2g} to {100 * sound['area_change'].max():+.2g} %",
+            f"{sound['nearest_p05'].min():.2f}",
+            f"{sound['penetration'].max():.2f}",
+            f"{100 * sound['stragglers'].max():.2g} %",
+        )
+        yield str(sweep), ", ".join(dict.fromkeys(rows["value"])), f"{len(sound)} of {len(rows)}", diverged, refused, *worst
+
+
+def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (scheme, largest sound step below the first that diverged, that one) of the time steps, over the limit from theory."""
+    for scheme, rows in table[table["sweep"] == TIME_STEP].groupby("case", sort=False):
+        factors, diverged = rows["value"].astype(float), rows["status"] == "diverged"
+        first = factors[diverged].min()
+        sound = factors[~diverged & ~(factors > first)].max()
+        yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"
+
+
+def _extremes_tables(table: pd.DataFrame) -> str:
+    return markdown(SWEEP_HEAD, sweep_lines(table)) + "\n\n" + markdown(STEP_HEAD, step_lines(table))
+
+
+SWEEP_HEAD = (
+    "key", "values", "sound", "diverged", "refused", "energy gap up to", "area of the deposit",
+    "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
+)  # fmt: skip
+STEP_HEAD = ("scheme", "largest sound step over the limit", "first that diverges")
 RUNG_HEAD = ("rung", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
 PRESET_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
@@ -165,6 +198,7 @@ TABLES: dict[str, Callable[[], str]] = {
     "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
     "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
     "limits": lambda: _limits_table(read_limits()),
+    "extremes": lambda: _extremes_tables(read_extremes()),
     "trajectory": lambda: markdown(VARIABLE_HEAD, variable_rows(VARIABLES)),
     "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(VALUES)),
     "trade_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TRADE)),

@@ -57,6 +57,16 @@ def test_a_value_that_the_schema_refuses_is_a_row_without_runs(tmp_path: Path) -
     assert extremes.runs["nu/weak/0.3_1"]["soil"]["poisson_ratio"] == 0.3
 
 
+def test_sections_are_named_by_their_labels(tmp_path: Path) -> None:
+    values = {"none": None, "strong": {"alpha": 0.3}}
+    extremes = load_extremes(
+        write(tmp_path, sweeps={"alpha": {"scene_key": "numerics.artificial_viscosity", "values": values}}), [tmp_path]
+    )
+    assert [(row.value, row.runs[0]) for row in extremes.rows[:2]] == [("none", "alpha/weak/none_1"), ("strong", "alpha/weak/strong_1")]
+    assert extremes.runs["alpha/weak/none_1"]["numerics"]["artificial_viscosity"] is None
+    assert extremes.runs["alpha/weak/strong_1"]["numerics"]["artificial_viscosity"] == {"alpha": 0.3}
+
+
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
@@ -112,6 +122,6 @@ def test_table_and_figure(tmp_path: Path) -> None:
     write_csv(table, tmp_path / "extremes.csv")
     pd.testing.assert_frame_equal(read_extremes(tmp_path / "extremes.csv"), table)
     axes = figure_extremes(table).axes
-    assert len(axes) == 4 and "R" in {text.get_text() for text in axes[0].texts}
+    assert len(axes) == 5 and "R" in {text.get_text() for text in axes[0].texts}, "four panels and a colour bar"
     with pytest.raises(ValueError, match="no row"):
         figure_extremes(table.iloc[:0])

@@ -239,3 +239,12 @@ def test_drawing_leaves_matplotlibs_settings_alone(slid: xr.Dataset) -> None:
     before = dict(matplotlib.rcParams)
     figure_motion(slid)
     assert dict(matplotlib.rcParams) == before
+
+
+def test_a_diverged_run_says_so_in_its_figures() -> None:
+    runs = {"sound": synthetic(translation(-1.0)), "broken": synthetic(translation(-2.0), status="diverged")}
+    end = f"broken, diverged at {float(runs['broken']['sample_time'][-1]):.3g} s"
+    profiles, histories = figure_profiles(runs), figure_strength_histories(runs)
+    assert end in texts(profiles) and end in texts(histories) and texts(profiles).count("diverged") == 1
+    crosses = [line for line in axes(histories).lines if line.get_marker() == "x"]
+    assert len(crosses) == 1 and crosses[0].get_xdata()[0] == float(runs["broken"]["sample_time"][-1])

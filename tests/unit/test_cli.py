@@ -7,15 +7,23 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
+import xarray as xr
 import yaml
+from comparison import same_variables
+from killing import TIMINGS
+from PIL import Image
 from typer.testing import CliRunner, Result
 
 from sph import trajectory
+from sph.checkpoint import run_to_file
 from sph.command.cli import DIVERGED, REFUSED, app, parse_settings
 from sph.ground_motion import motion_of
 from sph.scene import Scene, load_scene
 from sph.stability.newmark import sliding_block
+from sph.stability.record import search_dataset
+from sph.stability.search import Search
 
 
 @pytest.fixture
@@ -52,6 +60,106 @@ def test_stages_join_on_the_command_line(scene_file: Path, tmp_path: Path) -> No
     assert call("run", scene_file, "--restart", gravity, "--out", rest).exit_code == 0
     assert call("run", scene_file, "--out", whole).exit_code == 0
     assert trajectory.read(rest).equals(trajectory.read(whole))
+
+
+def quick(**changes: Any) -> list[str]:
+    """Options for a run of a second in which soil fails."""
+    settings = {"duration": 2.0, "motion.decay_start": 1.5, "motion.end": 1.75} | changes
+    return [word for name, value in settings.items() for word in ("--set", f"{name}={value}")]
+
+
+def test_a_trajectory_repeats_its_run(scene_file: Path, tmp_path: Path) -> None:
+    """To the last bit, whichever stages it was made in, and to the same stage."""
+    gravity, trunk, branch, again = (tmp_path / f"{name}.nc" for name in ("gravity", "trunk", "branch", "again"))
+    made_by = {
+        gravity: ["--until", "gravity", *quick(**{"coupling.S_R": 0.9})],
+        trunk: ["--until", "first_failure", "--restart", gravity, *quick(**{"coupling.S_R": 0.5})],
+        branch: ["--restart", trunk, *quick(**{"coupling.S_R": 0.1, "coupling.gamma": 10.0, "name": "branch"})],
+    }
+    for path, options in made_by.items():
+        assert call("run", scene_file, *options, "--out", path).exit_code == 0
+    for path in made_by:
+        result = call("run", path, "--out", again)
+        assert result.exit_code == 0, result.output
+        assert f"sph: every variable has the bits of {path}" in result.stderr
+        for group in (trajectory.read, trajectory.read_restart):
+            same_variables(group(again), group(path))
+        assert trajectory.read(again).attrs["scene"] == trajectory.read(path).attrs["scene"]
+    one, other = (json.loads(call("metrics", file, "--json").stdout) for file in (again, branch))
+    assert [name for name in one if json.dumps(one[name]) != json.dumps(other[name]) and name not in TIMINGS] == []
+    assert trajectory.read(branch)["failed"].values.any() and trajectory.read(trunk).attrs["status"] == "paused"
+
+
+def test_a_repeated_run_tells_other_bits(scene_file: Path, tmp_path: Path) -> None:
+    out, again = tmp_path / "out.nc", tmp_path / "again.nc"
+    assert call("run", scene_file, *quick(), "--until", "gravity", "--out", out).exit_code == 0
+    other = trajectory.read(out)
+    other["y"][-1, 0] += 1e-6
+    other.attrs["versions"] = json.dumps(json.loads(other.attrs["versions"]) | {"numba": "0.0"})
+    trajectory.write(out, other)
+    result = call("run", out, "--out", again)
+    assert result.exit_code == 0
+    assert f"sph: not the bits of {out}: y; numba 0.0 there and " in result.stderr
+
+
+def test_a_trajectory_is_a_scene(scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out, changed = tmp_path / "out.nc", tmp_path / "changed.nc"
+    assert call("run", scene_file, *quick(**{"soil.cohesion": 140.0}), "--until", "gravity", "--out", out).exit_code == 0
+    assert call("info", out).stdout == call("info", scene_file, *quick(**{"soil.cohesion": 140.0})).stdout
+    result = call("run", out, "--set", "coupling.S_R=0.2", "--until", "gravity", "--out", changed)
+    assert result.exit_code == 0 and "bits" not in result.stderr
+    scene = trajectory.scene_of(trajectory.read(changed))
+    assert (scene.coupling.S_R, scene.soil.cohesion) == (0.2, 140.0)
+    before = out.read_bytes()
+    refused = call("run", out, "--out", out)
+    assert refused.exit_code == REFUSED and "name another file" in refused.stderr and out.read_bytes() == before
+    refused = call("run", out, "--set", "soil.cohesin=3")
+    assert refused.exit_code == REFUSED and "out.nc: soil.cohesin" in refused.stderr
+
+
+def test_a_run_beyond_its_time_step_is_repeated_but_not_changed(scene_file: Path, tmp_path: Path) -> None:
+    """A sweep of the extremes makes such runs, which the command would refuse to begin."""
+    scene = load_scene(scene_file, {"numerics": {"time_step": 0.05}, "outputs": {"series_interval": 0.25}, "motion": {"kind": "none"}})
+    run_to_file(scene, tmp_path / "fast.nc", enforce_limit=False)
+    result = call("run", tmp_path / "fast.nc", "--out", tmp_path / "again.nc")
+    assert result.exit_code in (0, DIVERGED) and "every variable has the bits" in result.stderr, result.output
+    refused = call("run", tmp_path / "fast.nc", "--set", "coupling.S_R=0.2", "--out", tmp_path / "again.nc")
+    assert refused.exit_code == REFUSED and "numerics.time_step" in refused.stderr
+
+
+def test_other_netcdf_files_are_no_scenes(tmp_path: Path, scene_file: Path) -> None:
+    foreign, search = tmp_path / "foreign.nc", tmp_path / "search.nc"
+    xr.Dataset({"x": ("n", np.zeros(2))}).to_netcdf(foreign)
+    trials = search_dataset(load_scene(scene_file), "yield_acceleration", Search(1.0, 2.0, ()))
+    trajectory.write(search, trials)
+    for path, wanted in ((foreign, "not a trajectory"), (search, "trials of a search (yield_acceleration)")):
+        result = call("run", path, "--out", tmp_path / "out.nc")
+        assert result.exit_code == REFUSED and wanted in result.stderr and path.name in result.stderr
+
+
+def test_films_and_files_for_paraview(scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "out.nc"
+    assert call("run", scene_file, *quick(), "--until", "gravity", "--out", out).exit_code == 0
+    result = call("animate", out, "--field", "beta", "--every", "2", "--speed", "2", "--motion", "--dpi", "50")
+    assert result.exit_code == 0, result.output
+    with Image.open(tmp_path / "out.gif") as film:
+        assert film.info["duration"] == 250, "of frames 0.5 s apart, at twice the real speed"
+    assert call("export", out, "--vtk", tmp_path / "vtk").stdout.strip() == str(tmp_path / "vtk" / "out.pvd")
+    frames = trajectory.read(out).sizes["frame"]
+    assert len(list((tmp_path / "vtk").glob("out_*.vtu"))) == frames == 5
+    refused = call("export", out, "--vtk", scene_file)
+    assert refused.exit_code == REFUSED and "is a file" in refused.stderr
+    monkeypatch.setenv("PATH", str(tmp_path))
+    for options, wanted in (
+        (("--out", "x.mp4"), "apt-get install ffmpeg"),
+        (("--fps", "5", "--speed", "1"), "give one of them"),
+        (("--fps", "0"), "0 pictures a second"),
+        (("--field", "colour"), "'colour' is unknown"),
+        (("--out", tmp_path / "absent" / "x.gif"), "does not exist"),
+    ):
+        # Before any work: the trajectory is not even looked for.
+        refused = call("animate", tmp_path / "absent.nc", *options)
+        assert refused.exit_code == REFUSED and wanted in refused.stderr, refused.output
 
 
 def test_info_warns_of_a_thin_box(scene_file: Path) -> None:
@@ -189,5 +297,5 @@ def test_settings_nest_and_keep_yaml_types() -> None:
 
 
 def test_help_has_examples() -> None:
-    for command in ("run", "info", "plot", "metrics", "newmark"):
+    for command in ("run", "info", "plot", "animate", "export", "status", "metrics", "newmark"):
         assert "Example" in call(command, "--help").stdout

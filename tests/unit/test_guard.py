@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.guard import PARTS, likely_cause, trouble
+from sph.guard import LEFT_THE_BOX, PARTS, likely_cause, trouble
 from sph.particles import locate_probes, place_particles
 from sph.scene import Scene
 from sph.state import State, initial_state
@@ -74,6 +74,15 @@ def test_behind_the_walls(boxed: tuple[Scene, Any, State], place: tuple[float, f
     assert not outside or "particle 7" in trouble(*boxed, AT_REST)
 
 
+def test_soil_that_ran_off_an_open_end(free_block: Builder) -> None:
+    scene = free_block(BOXED | {"walls.sides": "none"})
+    particles, state = parts(scene)
+    state.x[7], state.y[7] = 15.0, -1.9
+    assert trouble(scene, particles, state, AT_REST) == "", "over the edge, not yet below the base"
+    state.y[7] = -2.1
+    assert trouble(scene, particles, state, AT_REST).endswith(LEFT_THE_BOX)
+
+
 def test_without_walls_nothing_is_behind_them(free_block: Builder) -> None:
     scene = free_block({})
     particles, state = parts(scene)
@@ -95,13 +104,13 @@ def test_energy_that_nobody_put_in(boxed: tuple[Scene, Any, State]) -> None:
 
 
 @pytest.mark.parametrize(
-    ("ratio", "keys", "word"),
+    ("ratio", "keys", "wrong", "word"),
     [
-        (1.3, {}, "1.30 times its measured limit"),
-        (0.9, {"numerics.artificial_viscosity": None}, "artificial viscosity"),
-        (0.9, {"walls.sides": "free_slip", "walls.layers": 4}, "free-slip wall"),
-        (0.9, {}, "finer spacing"),
+        (1.3, {}, LEFT_THE_BOX, "1.30 times its measured limit"),
+        (0.9, {"numerics.artificial_viscosity": None}, "is not a number", "artificial viscosity"),
+        (0.9, {"numerics.artificial_viscosity": None}, LEFT_THE_BOX, "widen the box"),
+        (0.9, {}, "is not a number", "finer spacing"),
     ],
 )
-def test_the_likely_cause(free_block: Builder, ratio: float, keys: dict[str, Any], word: str) -> None:
-    assert word in likely_cause(free_block(keys), ratio)
+def test_the_likely_cause(free_block: Builder, ratio: float, keys: dict[str, Any], wrong: str, word: str) -> None:
+    assert word in likely_cause(free_block(keys), ratio, wrong)

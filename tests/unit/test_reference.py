@@ -35,7 +35,7 @@ HOMES = {
     "cells_variables": "results",
     "shares_variables": "results",
 }
-MEASURED = ("presets", "trade", "validation", "limits")
+MEASURED = ("presets", "trade", "validation", "limits", "extremes")
 
 
 def test_every_table_has_a_home() -> None:

@@ -53,6 +53,10 @@ def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
 @pytest.mark.parametrize(
     ("overrides", "wanted"),
     [
+        (
+            {"fidelities": {"draft": {"coupling": {"initial_state": "fluid"}}}, "fidelity": "draft"},
+            ("coupling.initial_state", "fluid", "solid"),
+        ),
         ({"fidelity": "best"}, ("fidelity", "best", "draft, standard, paper, fine")),
         ({"grid": {"S_R": []}}, ("grid.S_R", "at least 1")),
         ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "one number twice")),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -17,9 +18,11 @@ import pytest
 import yaml
 from comparison import same_files, same_variables
 from killing import TIMINGS, killed, start
+from typer.testing import CliRunner
 
 from sph import trajectory
 from sph.analysis.tables import read_study, read_table
+from sph.command.cli import app
 from sph.ground_motion import motion_of
 from sph.scene import Scene
 from sph.stability.newmark import sliding_block
@@ -171,6 +174,48 @@ def test_a_bad_configuration_is_refused_before_any_job(finished: Path) -> None:
     assert result.returncode != 0 and "fidelity: 'best' is not one of draft" in result.stdout + result.stderr
 
 
+def sph(*arguments: object) -> str:
+    """Output of the command, stderr included."""
+    result = CliRunner().invoke(app, [str(argument) for argument in arguments])
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_the_status_counts_what_the_workflow_makes(finished: Path, copied: Path) -> None:
+    write_config(copied)
+    asked = ("status", copied / "results" / "small" / "draft", "--configfile", copied / "study.yaml")
+    shown = sph(*asked)
+    for wanted in (
+        "gravity stage                 1 of 1 done",
+        "shaking to the first failure  2 of 2 done",
+        "runs                          8 of 8 done (4 unfailed, 4 complete)",
+        "yield acceleration            1 of 1 done",
+        "all simulations are done",
+    ):
+        assert wanted in shown
+    assert "time left" not in shown
+    rows = {row["job"]: row for row in json.loads(sph(*asked, "--json"))["jobs"]}
+    files = {path.stem for kind in ("runs", "stages") for path in (finished / "results" / "small" / "draft" / kind).glob("*.nc")}
+    assert set(rows) == files, "every file that the workflow simulates, and no other"
+    assert all(row["took"] > 0 for row in rows.values())
+    (copied / RUN).unlink()
+    assert "7 of 8 done (4 unfailed, 3 complete), 1 waiting" in sph(*asked)
+    write_config(copied, fidelities={"draft": {"soil": {"cohesion": 140.0}}})
+    assert "0 of 8 done, 7 outdated, 1 waiting" in sph(*asked)
+
+
+def test_a_branched_run_is_repeated_from_the_start(finished: Path, tmp_path: Path) -> None:
+    """Bit for bit, without the stages it went on from."""
+    assert f"every variable has the bits of {finished / RUN}" in sph("run", finished / RUN, "--out", tmp_path / "again.nc")
+    for group in (trajectory.read, trajectory.read_restart):
+        same_variables(group(tmp_path / "again.nc"), group(finished / RUN))
+    one, other = (json.loads(sph("metrics", path, "--json")) for path in (tmp_path / "again.nc", finished / RUN))
+    assert {name: value for name, value in one.items() if name not in TIMINGS} == {
+        name: value for name, value in other.items() if name not in TIMINGS
+    }
+    assert one["displacement_magnitude"] > 0.1
+
+
 # ---------------------------------------------------------------- faults
 
 
@@ -213,7 +258,7 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     reason = f"{stage.relative_to(copied)}: cannot be read as a trajectory"
     assert reason in result.stderr + result.stdout
     log = (folder / "logs" / "S_R-0.10_gamma-1_amplitude-8.0.log").read_text()
-    assert log.count("\n") == 1 and reason in log and "delete it and run again" in log
+    assert log.count("\n") == 2 and log.startswith("process ") and reason in log and "delete it and run again" in log
     assert before and all(path.read_bytes() == data for path, data in before.items())
     # The remedy is the one that the line names.
     stage.unlink()

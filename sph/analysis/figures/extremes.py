@@ -7,6 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
@@ -24,13 +26,19 @@ def _logarithm(column: str, good: float, bad: float) -> Callable[[pd.DataFrame],
     return lambda table: np.log10(np.maximum(np.abs(table[column].to_numpy()), good) / good) / np.log10(bad / good)
 
 
+def _linear(column: str, good: float, bad: float) -> Callable[[pd.DataFrame], np.ndarray]:
+    return lambda table: (np.abs(table[column].to_numpy()) - good) / (bad - good)
+
+
 CHECKS = (
-    Check("energy budget: 0.001 % to 10 %", _logarithm("energy_gap", 1e-5, 1e-1)),
-    Check("area of the deposit: 0.1 % to 10 %", _logarithm("area_change", 1e-3, 1e-1)),
-    Check("nearest neighbours: 1 to 0.5 spacings", lambda table: (1.0 - table["nearest_p05"].to_numpy()) / 0.5),
-    Check("depth in walls: 0 to 1 spacing", lambda table: table["penetration"].to_numpy()),
+    Check("energy gap, 0.001 % to 10 %", _logarithm("energy_gap", 1e-5, 1e-1)),
+    Check("change of area, 0 to 10 %", _linear("area_change", 0.0, 0.1)),
+    Check("nearest distance, 1 to 0.5 spacings", _linear("nearest_p05", 1.0, 0.5)),
+    Check("depth in walls, 0 to 1 spacing", _linear("penetration", 0.0, 1.0)),
 )
 """What is shown, from good (light) to bad (dark)."""
+DARKEST = 0.9
+"""Part of the colour map that is used: beyond it text is hard to read."""
 
 
 @styled
@@ -52,7 +60,7 @@ def figure_extremes(table: pd.DataFrame) -> Figure:
             badness = check.badness(rows)
             for place, (bad, status, value) in enumerate(zip(badness, rows["status"], rows["value"], strict=True)):
                 failed = status in ("diverged", "refused")
-                colour = "white" if failed or not np.isfinite(bad) else colours(0.9 * float(np.clip(bad, 0.0, 1.0)))
+                colour = "white" if failed or not np.isfinite(bad) else colours(DARKEST * float(np.clip(bad, 0.0, 1.0)))
                 ax.add_patch(Rectangle((place, height), 1, 1, facecolor=colour, edgecolor=GREY, linewidth=0.3))
                 text = {"diverged": "D", "refused": "R"}.get(status, _short(value))
                 dark = not failed and np.isfinite(bad) and bad > 0.55
@@ -63,12 +71,17 @@ def figure_extremes(table: pd.DataFrame) -> Figure:
         for spine in ax.spines.values():
             spine.set_visible(False)
     label_panels(axes.flat, [check.title for check in CHECKS])
+    used = ListedColormap(colours(np.linspace(0.0, DARKEST, 256)))
+    bar = figure.colorbar(ScalarMappable(cmap=used), ax=axes, orientation="horizontal", aspect=60, shrink=0.6, pad=0.01)
+    bar.set_ticks([0.0, 1.0], labels=["first number of the title", "second or beyond"])
+    bar.set_label("D: diverged, R: refused before any work", fontsize=7)
     return figure
 
 
 def _short(value: str) -> str:
     """A value that fits into a cell."""
     try:
-        return f"{float(value):g}"
+        number = f"{float(value):.3g}"
+        return number if len(number) <= 6 else f"{float(value):.0e}"
     except ValueError:
-        return value.split()[-1][:6]
+        return value.removesuffix("_spline")[:8]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from sph.analysis.fields import probe_history
+from sph.analysis.fields import probe_history, with_end
 from sph.analysis.figures.style import LINE_STYLES, SHAKING, WIDTH, add_note, curve_colours, label_panels, styled
 from sph.scene import NoMotion, Scene
 from sph.trajectory import scene_of
@@ -39,7 +39,9 @@ def draw_vertical_histories(ax: Axes, trajectories: Mapping[str, xr.Dataset], pr
     for number, (name, trajectory) in enumerate(trajectories.items()):
         history = probe_history(trajectory, probe)
         style = LINE_STYLES[number % len(LINE_STYLES)]
-        lines += ax.plot(history.time, history.vertical, color=colours[number], linestyle=style, label=name)
+        lines += ax.plot(history.time, history.vertical, color=colours[number], linestyle=style, label=with_end(name, trajectory))
+        if trajectory.attrs["status"] == "diverged":
+            ax.plot(history.time[-1:], history.vertical[-1:], color=colours[number], marker="x", markersize=7, markeredgewidth=2.0)
     scenes = [scene_of(trajectory) for trajectory in trajectories.values()]
     shade_shaking(ax, scenes[0])
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)

@@ -6,7 +6,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sph.analysis.fields import FIELDS, last_at, probe_history
+from sph.analysis.fields import FIELDS, check_field, last_at, probe_history
 from sph.analysis.figures.history import shade_shaking
 from sph.analysis.figures.profile import draw_profile, field_norm, frame_limits, mark_probes
 from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, styled
@@ -22,8 +22,7 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
     ``time`` (s) picks the last frame not later than it, None the last frame of all; ``field`` is a name of ``FIELDS``.
     Raises ValueError for an unknown field and a time outside the run.
     """
-    if field not in FIELDS:
-        raise ValueError(f"field: {field!r} is unknown, allowed are {', '.join(FIELDS)}")
+    check_field(field)
     scene, frame = scene_of(trajectory), _frame_at(trajectory, time)
     shown = float(trajectory["time"].values[frame])
     left, right, lower, upper = frame_limits(trajectory, frame)

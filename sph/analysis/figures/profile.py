@@ -12,7 +12,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from sph.analysis.fields import FIELDS
+from sph.analysis.fields import FIELDS, with_end
 from sph.analysis.figures.style import WIDTH, add_note, colour_map, label_panels, styled
 from sph.particles import SOIL
 from sph.scene import Scene
@@ -83,9 +83,11 @@ def mark_probes(ax: Axes, trajectory: xr.Dataset, frame: int) -> None:
         )
 
 
-def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, frame: int = -1) -> Normalize:
-    """One scale for the soil of several trajectories; a constant field gets a span of 1, values that are not finite are left out."""
-    values = np.concatenate([FIELDS[field].of(ds, frame)[ds["kind"].values == SOIL] for ds in trajectories.values()])
+def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:
+    """One scale for the soil of several trajectories in some frames, the last one by default; a constant field gets a span of 1,
+    values that are not finite are left out."""
+    soils = [(ds, ds["kind"].values == SOIL) for ds in trajectories.values()]
+    values = np.concatenate([FIELDS[field].of(ds, frame)[soil] for ds, soil in soils for frame in frames or (-1,)])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
     low = 0.0 if low > 0 else low
@@ -108,7 +110,7 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
     for ax in axes:
         ax.set(xlim=(left, right), ylim=(lower, upper))
     axes[-1].set_xlabel("horizontal position (m)")
-    label_panels(axes, trajectories)
+    label_panels(axes, [with_end(title, trajectory) for title, trajectory in trajectories.items()])
     bar = FIELDS[field]
     figure.colorbar(
         circles, ax=list(axes), label=f"{bar.label} ({bar.units})", pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5

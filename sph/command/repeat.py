@@ -1,0 +1,66 @@
+"""A trajectory as the scene of a command: ``sph run FILE.nc`` repeats the run that wrote it.
+
+A run that went on from a stage, as those of a study do, is repeated from the start: what a stage may change (see
+``sph.solver.check_restart``) has no effect on the past it goes on from, so that both give the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sph import trajectory
+from sph.configuration import merge
+from sph.scene import Scene, load_scene, make_scene
+from sph.solver import Until
+
+STOPPED: dict[str, Until] = {"at the end of the gravity stage": "gravity", "before the first failure": "first_failure"}
+"""Where a run was told to stop, by the reason of its status."""
+SIGNATURES = (b"\x89HDF", b"CDF")
+"""What netCDF files begin with."""
+
+
+def earlier_run(path: Path) -> xr.Dataset | None:
+    """The trajectory in a file, None for a scene file; ValueError for another netCDF file, and for the trials of a search."""
+    if not path.is_file():
+        return None
+    with path.open("rb") as file:
+        if not file.read(4).startswith(SIGNATURES):
+            return None
+    ds = trajectory.read(path)
+    if "by" in ds.attrs:
+        raise ValueError(f"{path}: holds the trials of a search ({ds.attrs['by']}), not a run; repeat it by sph fos or yield-acceleration")
+    return ds
+
+
+def given_scene(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> Scene:
+    """The scene in a file, YAML or a trajectory (``earlier``, where it has been read); ValueError with file, key and value."""
+    earlier = earlier_run(path) if earlier is None else earlier
+    if earlier is None:
+        return load_scene(path, overrides)
+    return make_scene(merge(trajectory.scene_of(earlier, str(path)).model_dump(mode="json"), overrides), str(path))
+
+
+def stopped_at(earlier: xr.Dataset | None) -> Until:
+    """The stage up to which a trajectory was to be simulated; ``end`` for a new scene."""
+    return "end" if earlier is None else STOPPED.get(str(earlier.attrs.get("status_reason")), "end")
+
+
+def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:
+    """Whether a repeated run has the bits of the earlier one, in words; if not, what was not the same."""
+    names = [row.name for row in trajectory.VARIABLES]
+    differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
+    if not differ:
+        return f"every variable has the bits of {path}"
+    old, new = (json.loads(ds.attrs.get("versions", "{}")) | {"machine": ds.attrs.get("machine")} for ds in (earlier, again))
+    other = ", ".join(f"{name} {old.get(name)} there and {new[name]} here" for name in new if old.get(name) != new[name])
+    return f"not the bits of {path}: {', '.join(differ)}; {other or 'made by other sources or on another processor'}"
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    return one.shape == other.shape and one.dtype == other.dtype and one.tobytes() == other.tobytes()

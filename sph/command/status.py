@@ -1,0 +1,283 @@
+"""How far a study is, for a second terminal (``sph status``): nothing is written, locked or started.
+
+A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
+Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
+with a reason, *stopped* when it was killed (it goes on from its checkpoint), else *waiting*.  Whether edited sources ask for a
+rerun is for ``snakemake -n`` to say.
+
+The time left is that which finished jobs of the kind took by their benchmarks (runs: those of the same amplitude, which share whether
+anything fails, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
+"""
+
+from __future__ import annotations
+
+import functools
+import json
+import math
+import statistics
+import time as clock
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import netCDF4
+from rich.console import Console
+from rich.live import Live
+from rich.text import Text
+
+import sph
+from sph.analysis.study import Plan, load_study
+from sph.command.job import read_log
+from sph.command.progress import LINE
+from sph.configuration import merge, read_yaml
+from sph.files import beside
+from sph.scene import Scene, make_scene
+
+STATES = ("done", "running", "failed", "stopped", "outdated", "waiting")
+REFRESH = 2.0
+"""Wall time between looks of ``--watch``, s."""
+RUNS, SEARCH = "runs", "yield acceleration"
+LISTED = 10
+"""Most jobs of a state that are named."""
+
+
+class Job(NamedTuple):
+    """A simulation of a study."""
+
+    kind: str  # what it is, in words; its row of the overview
+    group: str  # jobs of one group take about as long
+    name: str  # of its log and benchmark
+    file: str  # relative to the folder of the study
+    scene: Scene
+
+
+class State(NamedTuple):
+    """How a job stands."""
+
+    job: Job
+    state: str  # one of STATES
+    note: str = ""  # the run's own status, or why it failed
+    time: float = 0.0  # simulated, s
+    left: float = math.nan  # wall time by its own account, s
+    took: float = math.nan  # wall time by its benchmark, s
+    computed: float = math.nan  # computing time by its file, without compiling, reading and writing, s
+
+
+def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Path]:
+    """The plan of a study and its folder; by default those of ``config/config.yaml`` in the working folder, as for ``snakemake``.
+
+    ``folder`` is ``.../results/<study>/<fidelity>`` and decides the fidelity.  ValueError names what does not fit.
+    """
+    place = folder.resolve() if folder else None
+    if place and place.parent.parent.name != "results":
+        raise ValueError(f"{folder}: not the folder of a study's results, results/<study>/<fidelity>")
+    base = place.parents[2] if place else Path.cwd()
+    shipped = base / "config" / "config.yaml"
+    if configfile is None and not shipped.is_file():
+        raise ValueError(f"{shipped}: no such file; go where the study was started, or name its folder of results or its --configfile")
+    data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
+    if configfile:
+        data = merge(data, read_yaml(configfile))
+    if place:
+        if data.get("study") != place.parent.name:
+            raise ValueError(f"{folder}: the configuration's study is {data.get('study')!r}; name that of this one by --configfile")
+        data = {**data, "fidelity": place.name}
+    plan = load_study(data, [base, Path(sph.__file__).parents[1]])
+    return plan, base / plan.folder
+
+
+def jobs(plan: Plan) -> list[Job]:
+    """All simulations of a study, as the rules of ``workflow/rules`` make them."""
+    grid, point_name = plan.study.grid, plan.study.point_name
+    found = [Job("gravity stage", "gravity", "gravity", "stages/gravity.nc", plan.built())]
+    for amplitude in grid.amplitude:
+        name = f"amplitude-{amplitude}"
+        found.append(Job("shaking to the first failure", "trunk", name, f"stages/{name}.nc", plan.built(amplitude=amplitude)))
+    for row in plan.study.points.to_dict("records"):
+        point = {str(name): str(value) for name, value in row.items()}
+        name = point_name(point)
+        found.append(Job(RUNS, point["amplitude"], name, f"runs/{name}.nc", plan.built(**point)))
+    found.append(Job(SEARCH, SEARCH, "yield_acceleration", "stages/yield_acceleration.nc", plan.built()))
+    return found
+
+
+def look(job: Job, folder: Path) -> State:
+    """How a job stands."""
+    path = folder / job.file
+    try:
+        scene, note, computed = _facts(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        if not isinstance(error, FileNotFoundError):
+            return State(job, "outdated", f"cannot be read: {error.strerror or error}")
+    else:
+        same = scene == job.scene.model_dump_json() or _scene(scene) == job.scene
+        return State(
+            job, "done" if same else "outdated", note if same else "of another scene", took=_benchmark(folder, job), computed=computed
+        )
+    log = read_log(folder / "logs" / f"{job.name}.log")
+    if log is not None:
+        lines = [found for found in map(LINE.fullmatch, log.lines) if found]
+        time = float(lines[-1][1]) if lines else 0.0
+        left = max(float(lines[-1][3]) - log.age, 0.0) if lines and lines[-1][3] else math.nan
+        if log.process is not None and not log.reason and log.process.alive(log.age):
+            note = f"{len(log.lines)} trials so far" if job.group == SEARCH else "" if lines else "compiling or reading"
+            return State(job, "running", note, time, left)
+        if log.reason:
+            return State(job, "failed", log.reason, time)
+        if any(beside(path, role).exists() for role in ("run", "checkpoint")):
+            return State(job, "stopped", time=time)
+    return State(job, "waiting")
+
+
+@functools.lru_cache(maxsize=20_000)
+def _facts(path: Path, changed: int) -> tuple[str, str, float]:
+    """Scene, status and computing time (s) in a file, which is not read again until it changes."""
+    with netCDF4.Dataset(path) as ds:
+        return str(getattr(ds, "scene", "")), str(getattr(ds, "status", "")), float(getattr(ds, "wall_time_s", math.nan))
+
+
+@functools.lru_cache(maxsize=20_000)
+def _scene(text: str) -> Scene | None:
+    """A scene as an earlier version wrote it, without the keys added since; None for what this version refuses."""
+    try:
+        return make_scene(json.loads(text))
+    except ValueError:
+        return None
+
+
+def _benchmark(folder: Path, job: Job) -> float:
+    """Wall time of a finished job, s; NaN if Snakemake has not (yet) written it."""
+    try:
+        return float((folder / "benchmarks" / f"{job.name}.tsv").read_text().splitlines()[1].split()[0])
+    except (OSError, ValueError, IndexError):
+        return math.nan
+
+
+class Estimate(NamedTuple):
+    """The work left."""
+
+    work: float  # s of computing
+    time: float  # s of wall time with the jobs now at work; NaN with none
+    unknown: int  # jobs left of which nothing is measured, not counted in these
+
+
+def estimate(states: Sequence[State]) -> Estimate:
+    """What the jobs left will take; see above."""
+    groups = {state.job.group for state in states}
+    costs = {group: _mean(state.took for state in states if state.job.group == group) for group in groups}
+    any_run = _mean(state.took for state in states if state.job.kind == RUNS)
+    scene = states[0].job.scene
+    by_gravity = states[0].computed * (scene.duration / scene.gravity.duration - 1.0)
+    lefts, work, unknown = [], 0.0, 0
+    for state in states:
+        if state.state == "done":
+            continue
+        known = (state.left, costs[state.job.group], *((any_run, by_gravity) if state.job.kind == RUNS else ()))
+        left = next((value for value in known if not math.isnan(value)), math.nan)
+        if math.isnan(left):
+            unknown += 1
+            continue
+        work += left
+        if state.state == "running":
+            lefts.append(left)
+    running = sum(state.state == "running" for state in states)
+    return Estimate(work, max(work / running, *lefts, 0.0) if running else math.nan, unknown)
+
+
+def _mean(values: Iterator[float]) -> float:
+    known = [value for value in values if not math.isnan(value)]
+    return statistics.fmean(known) if known else math.nan
+
+
+def lines(plan: Plan, states: Sequence[State]) -> list[str]:
+    """The overview in words."""
+    kinds = dict.fromkeys(state.job.kind for state in states)
+    width = max(map(len, kinds))
+    text = [f"{plan.folder}: study {plan.study.study} at fidelity {plan.study.fidelity}"]
+    for kind in kinds:
+        of_kind = [state for state in states if state.job.kind == kind]
+        count = Counter(state.state for state in of_kind)
+        ended = Counter(state.note for state in of_kind if state.state == "done" and state.note)
+        done = f" ({', '.join(f'{number} {status}' for status, number in ended.items())})" if kind == RUNS and ended else ""
+        others = "".join(f", {count[name]} {name}" for name in STATES[1:] if count[name])
+        text.append(f"  {kind:<{width}}  {count['done']} of {len(of_kind)} done{done}{others}")
+    for name in STATES[1:5]:
+        told = [_line(state) for state in states if state.state == name]
+        text += told[:LISTED] + [f"  and {len(told) - LISTED} more {name}"] * (len(told) > LISTED)
+    return [*text, sentence(states)]
+
+
+def _line(state: State) -> str:
+    told = [state.note] if state.note else []
+    if not math.isnan(state.left):
+        told.insert(0, f"{duration(state.left)} left")
+    if state.time and state.state in ("running", "stopped"):
+        until = state.job.scene.duration
+        told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.kind == RUNS else f"at {state.time:.2f} s")
+    return f"  {state.state}: {state.job.name}{': ' if told else ''}{', '.join(told)}"
+
+
+def sentence(states: Sequence[State]) -> str:
+    """What is left, in a sentence."""
+    left = sum(state.state != "done" for state in states)
+    if not left:
+        return "all simulations are done; snakemake -n says whether tables, claims and figures are"
+    found, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
+    running = sum(state.state == "running" for state in states)
+    if found.unknown == left:
+        return f"{'' if running else 'nothing is running; '}time left: unknown until the first job is done"
+    basis = f"by {_number(measured, 'benchmark')}" if measured else "by what the running jobs say"
+    at_least = f"; {_number(found.unknown, 'job')} of unknown time not counted" if found.unknown else ""
+    if math.isnan(found.time):
+        return f"nothing is running; {duration(found.work)} of computing are left, {basis}{at_least}"
+    return f"time left: about {duration(found.time)} with the {running} now at work, {basis}{at_least}; tables and figures come on top"
+
+
+def _number(count: int, what: str) -> str:
+    return f"{count} {what}{'s' if count > 1 else ''}"
+
+
+def duration(seconds: float) -> str:
+    """A time in words: 45 s, 3 min 20 s, 2 h 5 min."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
+    """The overview for machines; numbers that are not known are null."""
+    found = estimate(states)
+    rows = [state._asdict() | {"job": state.job.name, "kind": state.job.kind, "duration": state.job.scene.duration} for state in states]
+    return {
+        "study": plan.study.study,
+        "fidelity": plan.study.fidelity,
+        "folder": plan.folder,
+        "work_left": found.work,
+        "time_left": _finite(found.time),
+        "not_measured": found.unknown,
+        "jobs": [{name: _finite(value) for name, value in row.items()} for row in rows],
+    }
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def watch(plan: Plan, folder: Path) -> None:
+    """Show the overview until all simulations are done: in place on a terminal, elsewhere whenever it has changed."""
+    listed, shown = jobs(plan), [""]
+    console = Console()
+    with Live(console=console, auto_refresh=False, transient=False) as live:
+        while True:
+            states = [look(job, folder) for job in listed]
+            new = lines(plan, states)
+            if console.is_terminal:
+                live.update(Text("\n".join(new)), refresh=True)
+            elif new != shown:
+                print("\n".join(new), flush=True)
+            shown = new
+            if all(state.state == "done" for state in states):
+                return
+            clock.sleep(REFRESH)

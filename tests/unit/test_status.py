@@ -1,0 +1,255 @@
+"""How far a study is, told from its files alone: every state a job can be in, what is left, and that nothing is touched."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import platform
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import psutil
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from sph.analysis.study import Plan
+from sph.command.cli import REFUSED, app
+from sph.command.job import FRESH, Process, job_log, read_log
+from sph.command.progress import LINE, SECONDS, Lines
+from sph.command.status import State, duration, estimate, jobs, located_plan, look, sentence, watch
+from sph.scene import Scene
+from sph.solver import Progress
+
+POINT = "S_R-0.10_gamma-1_amplitude-8.0"
+HERE = Process(platform.node(), os.getpid(), psutil.Process().create_time() + 0.1)
+GONE = HERE._replace(started=HERE.started - 1000.0)
+"""The same number, given again since."""
+
+
+class Folder:
+    """A study of eight runs and what its jobs leave."""
+
+    def __init__(self, base: Path, plan: Plan, path: Path) -> None:
+        self.base, self.plan, self.path = base, plan, path
+        self.jobs = {job.name: job for job in jobs(plan)}
+
+    def finish(self, name: str, took: float, status: str = "complete", **changes: Any) -> None:
+        path = self.path / self.jobs[name].file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        scene = json.loads(self.jobs[name].scene.model_dump_json())
+        with netCDF4.Dataset(path, "w") as ds:
+            ds.setncatts({"scene": json.dumps(scene | changes), "status": status, "wall_time_s": took})
+        benchmark = self.path / "benchmarks" / f"{name}.tsv"
+        benchmark.parent.mkdir(exist_ok=True)
+        benchmark.write_text(f"s\th:m:s\n{took}\t0:00:00\n")
+
+    def log(self, name: str, process: Process, *lines: str, age: float = 0.0) -> None:
+        path = self.path / "logs" / f"{name}.log"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("\n".join([process.line(), *lines]) + "\n")
+        os.utime(path, (path.stat().st_mtime - age,) * 2)
+
+    def state(self, name: str) -> State:
+        return look(self.jobs[name], self.path)
+
+    def states(self) -> list[State]:
+        return [self.state(name) for name in self.jobs]
+
+
+@pytest.fixture
+def study(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Folder:
+    config = {
+        "study": "small",
+        "scene": "slope.yaml",
+        "fidelity": "draft",
+        "grid": {"S_R": ["0.10", "0.50"], "gamma": ["1", "100"], "amplitude": ["0.1", "8.0"]},
+        "fidelities": {"draft": {}, "coarse": {"numerics": {"smoothing_ratio": 1.3}}},
+        "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
+        "claims": {"amplitude": 8.0},
+    }
+    (tmp_path / "config").mkdir()
+    (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(config))
+    (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
+    return Folder(tmp_path, *located_plan(tmp_path / "results" / "small" / "draft", None))
+
+
+def progress(time: float, elapsed: float) -> Progress:
+    return Progress(time, 3.0, 1000, elapsed, 0.25)
+
+
+def test_a_study_not_begun_waits(study: Folder) -> None:
+    assert [state.state for state in study.states()] == ["waiting"] * 12
+    assert len(study.jobs) == 1 + 2 + 8 + 1
+
+
+def test_done_is_a_file_of_this_configuration(study: Folder) -> None:
+    study.finish(POINT, 5.0)
+    assert study.state(POINT)[1:3] == ("done", "complete") and study.state(POINT).took == 5.0
+    study.finish(POINT, 5.0, duration=4.0)
+    assert study.state(POINT)[1:3] == ("outdated", "of another scene")
+    study.finish(POINT, 5.0, early_stop=None)
+    assert study.state(POINT).state == "done", "an earlier version wrote no key that has been added since"
+    (study.path / study.jobs[POINT].file).write_bytes(b"half a file")
+    assert study.state(POINT)[1:3] == ("outdated", "cannot be read: NetCDF: Unknown file format")
+
+
+def test_a_diverged_run_is_done(study: Folder) -> None:
+    study.finish(POINT, 5.0, "diverged")
+    assert study.state(POINT)[1:3] == ("done", "diverged")
+
+
+def test_running_is_told_by_the_process_in_the_log(study: Folder) -> None:
+    study.log(POINT, HERE)
+    assert study.state(POINT)[1:3] == ("running", "compiling or reading")
+    lines = (f"results/{POINT}.nc: 1.01 of 3 s, 0% failed, 7.20 M particle-steps/s", f"results/{POINT}.nc: 1.80 of 3 s, 4% failed, "
+             "7.20 M particle-steps/s, 90 s left")  # fmt: skip
+    study.log(POINT, HERE, *lines, age=20.0)
+    state = study.state(POINT)
+    assert (state.state, state.time) == ("running", 1.8) and state.left == pytest.approx(70.0, abs=2.0)
+    study.log(POINT, GONE, *lines)
+    assert study.state(POINT).state == "waiting"
+    elsewhere = HERE._replace(machine="another-machine")
+    study.log(POINT, elsewhere, *lines)
+    assert study.state(POINT).state == "running"
+    study.log(POINT, elsewhere, *lines, age=FRESH + 1.0)
+    assert study.state(POINT).state == "waiting"
+
+
+def test_a_killed_job_is_stopped(study: Folder) -> None:
+    study.log(POINT, GONE, f"{POINT}.nc: 1.80 of 3 s, 4% failed, 7.20 M particle-steps/s, 90 s left")
+    (study.path / "runs").mkdir()
+    (study.path / "runs" / f".{POINT}.nc.checkpoint").touch()
+    assert (study.state(POINT).state, study.state(POINT).time) == ("stopped", 1.8)
+
+
+@pytest.mark.parametrize(
+    ("error", "wanted"), [(OSError("stage.nc: cannot be read\nmore"), "stage.nc: cannot be read"), (KeyError("x"), "KeyError: 'x'")]
+)
+def test_a_failed_job_says_why(study: Folder, error: Exception, wanted: str) -> None:
+    with pytest.raises(SystemExit), job_log(study.path / "logs" / f"{POINT}.log") as log:
+        Lines("results/run.nc", log)(progress(1.5, 10.0))
+        raise error
+    state = study.state(POINT)
+    assert state[1:4] == ("failed", wanted, 1.5)
+
+
+def test_the_log_begins_with_its_process(tmp_path: Path) -> None:
+    with job_log(tmp_path / "job.log") as log:
+        print("a line", file=log)
+        read = read_log(tmp_path / "job.log")
+        assert read is not None and read.lines == ["a line"] and read.process is not None
+        assert read.process.number == os.getpid() and read.process.alive(math.inf)
+    assert read_log(tmp_path / "absent.log") is None
+
+
+def test_lines_come_at_every_tenth_and_every_half_minute(tmp_path: Path) -> None:
+    path = tmp_path / "log"
+    with path.open("w") as stream:
+        tell = Lines("run", stream)
+        for step in range(100):
+            tell(progress(0.3 + 0.001 * step, 2.0 * step))
+    lines = [LINE.fullmatch(line) for line in path.read_text().splitlines()]
+    assert all(lines) and len(lines) == 1 + int(198 / SECONDS), "a run as slow as this one passes less than a tenth in 200 s"
+    assert lines[-1] and lines[-1].groups() == ("0.39", "3", "5220")
+
+
+def test_the_time_left_is_that_of_finished_jobs_of_the_kind(study: Folder) -> None:
+    study.finish("gravity", 6.0)  # of 1 s: 12 s for the two after it, as long as nothing better is known
+    assert estimate(study.states())[0::2] == (8 * 12.0, 3) and math.isnan(estimate(study.states()).time)
+    study.finish("amplitude-8.0", 3.0)
+    study.finish("amplitude-0.1", 1.0)
+    assert estimate(study.states())[0::2] == (8 * 12.0, 1)
+    study.finish(POINT, 20.0)
+    study.finish(POINT.replace("8.0", "0.1"), 2.0, "unfailed")
+    study.finish("yield_acceleration", 7.0)
+    assert estimate(study.states())[0::2] == (3 * 20.0 + 3 * 2.0, 0)
+    running = POINT.replace("0.10", "0.50")
+    study.log(running, HERE, f"{running}.nc: 1.80 of 3 s, 4% failed, 7.20 M particle-steps/s, 50 s left")
+    found = estimate(study.states())
+    assert found.work == pytest.approx(2 * 20.0 + 3 * 2.0 + 50.0, abs=2.0) == found.time
+    study.log(running.replace("1_", "100_"), HERE)
+    assert estimate(study.states()).time == pytest.approx(50.0, abs=2.0), "two at work, of which one takes longer than half of all"
+
+
+def test_words_for_what_is_left(study: Folder) -> None:
+    assert sentence(study.states()) == "nothing is running; time left: unknown until the first job is done"
+    study.log("gravity", HERE)
+    assert sentence(study.states()) == "time left: unknown until the first job is done"
+    study.finish("gravity", 6.0)
+    assert (
+        sentence(study.states())
+        == "nothing is running; 1 min 36 s of computing are left, by 1 benchmark; 3 jobs of unknown time not counted"
+    )
+    for name in study.jobs:
+        study.finish(name, 1.0)
+    assert sentence(study.states()).startswith("all simulations are done")
+    assert [duration(seconds) for seconds in (0.4, 59.4, 60, 3599, 7500)] == ["0 s", "59 s", "1 min 0 s", "59 min 59 s", "2 h 5 min"]
+
+
+def call(*arguments: object) -> Any:
+    return CliRunner().invoke(app, ["status", *map(str, arguments)])
+
+
+def test_the_command_touches_nothing_and_works_from_either_end(study: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    study.finish("gravity", 6.0)
+    study.log("amplitude-8.0", HERE, "x.nc: 1.80 of 3 s, 4% failed, 7.20 M particle-steps/s, 50 s left")
+    before = {path: path.stat().st_mtime_ns for path in study.base.rglob("*")}
+    named = call(study.path)
+    assert named.exit_code == 0, named.output
+    for text in (
+        "gravity stage                 1 of 1 done",
+        "0 of 2 done, 1 running, 1 waiting",
+        "running: amplitude-8.0: at 1.80 s",
+        "50 s left",
+    ):
+        assert text in named.stdout or text.replace("50", "49") in named.stdout
+    monkeypatch.chdir(study.base)
+    assert call().stdout.splitlines()[:5] == named.stdout.splitlines()[:5]
+    rows = json.loads(call("--json").stdout)
+    assert [row["state"] for row in rows["jobs"]][:4] == ["done", "waiting", "running", "waiting"] and rows["fidelity"] == "draft"
+    assert {path: path.stat().st_mtime_ns for path in study.base.rglob("*")} == before
+
+
+def test_another_fidelity_is_another_folder(study: Folder) -> None:
+    study.finish("gravity", 6.0)
+    other = call(study.path.with_name("coarse"))
+    assert other.exit_code == 0 and "fidelity coarse" in other.stdout and "0 of 1 done" in other.stdout
+
+
+@pytest.mark.parametrize(
+    ("folder", "wanted"),
+    [
+        ("results/small/best", ("fidelity: 'best' is not one of coarse, draft",)),
+        ("results/other/draft", ("the configuration's study is 'small'", "--configfile")),
+        ("small/draft", ("results/<study>/<fidelity>",)),
+    ],
+)
+def test_a_folder_that_is_no_study_is_refused(study: Folder, folder: str, wanted: tuple[str, ...]) -> None:
+    result = call(study.base / folder)
+    assert result.exit_code == REFUSED
+    for text in wanted:
+        assert text in result.stderr
+
+
+def test_a_configuration_of_another_name(study: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As with Snakemake's option of that name, it lies over ``config/config.yaml``."""
+    (study.base / "mine.yaml").write_text("study: mine\n")
+    assert "results/mine/draft" in call(study.base / "results" / "mine" / "draft", "--configfile", study.base / "mine.yaml").stdout
+    monkeypatch.chdir(study.base)
+    (study.base / "config" / "config.yaml").unlink()
+    assert "config/config.yaml: no such file; " in call().stderr and "--configfile" in call().stderr
+
+
+def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    left = list(study.jobs)
+
+    def one_more(seconds: float) -> None:
+        study.finish(left.pop(), 1.0)
+
+    monkeypatch.setattr("sph.command.status.clock.sleep", one_more)
+    watch(study.plan, study.path)
+    assert capsys.readouterr().out.count("results/small/draft: study small") == 1 + len(study.jobs), "one for every change"
