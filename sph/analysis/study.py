@@ -165,18 +165,19 @@ class Plan:
             make_scene(merge(self._scene_file, overrides), f"{self.origin} at fidelity {name}")
         for point in self.study.points.to_dict("records"):
             self.built(**{str(name): str(value) for name, value in point.items()})
-        if self.built().coupling.initial_state == "fluid":
-            raise ValueError(
-                f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "
-                "allowed in a study: 'solid' (a fluid scene runs by 'sph run')"
-            )
         for figure in range(1, 8):
             list(self.study.figure_runs(figure))
 
     def built(self, **point: str) -> Scene:
-        """The validated scene of a point."""
+        """The validated scene of a point; ValueError for one that cannot share its gravity stage."""
         at = ", ".join(f"{name} = {value}" for name, value in point.items())
-        return make_scene(self.scene(**point), f"{self.origin} at {at}")
+        scene = make_scene(self.scene(**point), f"{self.origin} at {at}")
+        if scene.coupling.initial_state == "fluid":
+            raise ValueError(
+                f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "
+                "allowed in a study: 'solid' (a fluid scene runs by 'sph run')"
+            )
+        return scene
 
 
 def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),)) -> Plan:

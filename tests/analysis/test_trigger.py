@@ -130,6 +130,7 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"cases": {"wet": {"coupling": {"S_R": 0.2}}}}, ["cases.wet", "coupling.S_R", "searched"]),
         ({"cases": {"as-it-is": {}}}, ["cases", "same file name"]),
         ({"cases": {"thin": {"walls": {"sides": "free_slip", "layers": 1}}}}, ["case 'thin'", "walls.layers"]),
+        ({"cases": {"mud": {"coupling": {"initial_state": "fluid"}}}}, ["case 'mud'", "coupling.initial_state", "gravity stage"]),
         ({"fidelity": "best"}, ["fidelity", "best", "draft"]),
         ({"confirm": {"fidelity": "best"}}, ["confirm.fidelity", "best"]),
         ({"confirm": {"S_R": ["0.2"]}}, ["confirm.S_R", "0.2", "0.1, 0.3"]),
