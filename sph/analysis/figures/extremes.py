@@ -52,7 +52,7 @@ def figure_extremes(table: pd.DataFrame) -> Figure:
         raise ValueError("table: no row to draw")
     groups = [(f"{sweep}, {case}", rows) for (sweep, case), rows in table.groupby(["sweep", "case"], sort=False)]
     longest = max(len(rows) for _, rows in groups)
-    figure = Figure(figsize=(WIDTH, 0.3 + 0.155 * len(groups) * 2), layout="constrained")
+    figure = Figure(figsize=(WIDTH, 1.0 + 0.112 * len(groups) * 2), layout="constrained")
     axes = figure.subplots(2, 2, sharex=True, sharey=True)
     colours = colour_map("lajolla_r")
     for ax, check in zip(axes.flat, CHECKS, strict=True):
@@ -64,9 +64,9 @@ def figure_extremes(table: pd.DataFrame) -> Figure:
                 ax.add_patch(Rectangle((place, height), 1, 1, facecolor=colour, edgecolor=GREY, linewidth=0.3))
                 text = {"diverged": "D", "refused": "R"}.get(status, _short(value))
                 dark = not failed and np.isfinite(bad) and bad > 0.55
-                ax.text(place + 0.5, height + 0.5, text, ha="center", va="center", fontsize=4.5, color="white" if dark else "black")
+                ax.text(place + 0.5, height + 0.5, text, ha="center", va="center", fontsize=4.2, color="white" if dark else "black")
         ax.set(xlim=(0, longest), ylim=(len(groups), 0), xticks=[])
-        ax.set_yticks(np.arange(len(groups)) + 0.5, [name for name, _ in groups], fontsize=5.5)
+        ax.set_yticks(np.arange(len(groups)) + 0.5, [name for name, _ in groups], fontsize=5.2)
         ax.tick_params(length=0)
         for spine in ax.spines.values():
             spine.set_visible(False)
