@@ -119,6 +119,7 @@ rule sensitivity_sample:
             f"{SENSITIVITY}/sample.csv",
             caption="../report/sensitivity_sample.rst",
             category="Sensitivity",
+            labels={"shows": "every run"},
         ),
     log:
         f"{SENSITIVITY}/logs/sample.log",
@@ -139,6 +140,7 @@ rule sensitivity_morris:
             f"{SENSITIVITY}/morris.csv",
             caption="../report/sensitivity_morris.rst",
             category="Sensitivity",
+            labels={"shows": "Morris screening"},
         ),
     log:
         f"{SENSITIVITY}/logs/morris_table.log",
@@ -179,6 +181,7 @@ rule sensitivity_tornado:
             f"{SENSITIVITY}/tornado.csv",
             caption="../report/sensitivity_tornado.rst",
             category="Sensitivity",
+            labels={"shows": "one factor at a time"},
         ),
     log:
         f"{SENSITIVITY}/logs/tornado_table.log",
@@ -201,6 +204,7 @@ rule sensitivity_sobol:
             f"{SENSITIVITY}/sobol.csv",
             caption="../report/sensitivity_sobol.rst",
             category="Sensitivity",
+            labels={"shows": "Sobol' indices"},
         ),
         validation=f"{SENSITIVITY}/cross_validation.csv",
     log:
@@ -228,6 +232,7 @@ rule sensitivity_confirm:
             f"{SENSITIVITY}/confirm.csv",
             caption="../report/sensitivity_confirm.rst",
             category="Sensitivity",
+            labels={"shows": "confirmed points"},
         ),
     log:
         f"{SENSITIVITY}/logs/confirm_table.log",
@@ -257,7 +262,7 @@ rule sensitivity_figure:
             f"{SENSITIVITY}/figures/{{figure}}.png",
             caption="../report/sensitivity_figure.rst",
             category="Sensitivity",
-            labels={"figure": "{figure}"},
+            labels={"shows": "figure {figure}"},
         ),
         pdf=f"{SENSITIVITY}/figures/{{figure}}.pdf",
     log:

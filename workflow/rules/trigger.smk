@@ -121,11 +121,13 @@ rule trigger_table:
             "{folder}/trigger/trigger.csv",
             caption="../report/trigger.rst",
             category="Trigger",
+            labels={"shows": "critical amplitudes"},
         ),
         claim=report(
             "{folder}/trigger/claim.csv",
             caption="../report/trigger_claim.rst",
             category="Trigger",
+            labels={"shows": "the paper's claim"},
         ),
     log:
         "{folder}/trigger/logs/trigger.log",
@@ -170,6 +172,7 @@ rule confirm_table:
             "{folder}/trigger/confirm.csv",
             caption="../report/trigger_confirm.rst",
             category="Trigger",
+            labels={"shows": "confirmed brackets"},
         ),
     log:
         "{folder}/trigger/logs/confirm.log",
@@ -190,6 +193,7 @@ rule map_tables:
             "{folder}/trigger/shares.csv",
             caption="../report/map_shares.rst",
             category="Maps",
+            labels={"shows": "shares of each class"},
         ),
     log:
         "{folder}/trigger/logs/cells.log",
@@ -213,6 +217,7 @@ rule trigger_figure:
             "{folder}/trigger/figures/trigger.png",
             caption="../report/trigger_figure.rst",
             category="Trigger",
+            labels={"shows": "figure"},
         ),
         pdf="{folder}/trigger/figures/trigger.pdf",
     log:
@@ -235,7 +240,7 @@ rule map_figure:
             "{folder}/trigger/figures/{figure}.png",
             caption="../report/map_figure.rst",
             category="Maps",
-            labels={"figure": "{figure}"},
+            labels={"shows": "figure {figure}"},
         ),
         pdf="{folder}/trigger/figures/{figure}.pdf",
     log:
