@@ -101,7 +101,8 @@ def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
 def figure_class_map(points: pd.DataFrame, note: str = "") -> Figure:
     """Class over S_R and amplitude, a column a gamma and a row a case; dots are the points that were run, crosses those that diverged.
 
-    ``points`` as from ``read_points``.  The ground has the class nearest to the rank interpolated between them.  Raises ValueError for an empty table.
+    ``points`` as from ``read_points``.  Between the points the ground has the class nearest to the interpolated rank.  Raises
+    ValueError for an empty table.
     """
     colours = class_colours()
     norm = BoundaryNorm(np.arange(len(CLASSES) + 1) - 0.5, len(CLASSES))
