@@ -245,7 +245,7 @@ class TriggerPlan:
         """The line on every figure."""
         scene = next(iter(self.plans.values())).built()
         parts = (f"fidelity {self.fidelity}", f"scene {scene.name}", f"spacing {scene.numerics.spacing:.4g} m", f"{scene.duration:g} s")
-        return " · ".join((*parts, f"brackets to {self.trigger.tolerance:g} m/s²"))
+        return " · ".join(parts)
 
 
 def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:

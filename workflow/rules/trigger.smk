@@ -224,7 +224,9 @@ rule trigger_figure:
         "{folder}/trigger/logs/figure-trigger.log",
     params:
         figure="trigger",
-        note=lambda wildcards: TRIGGER().note,
+        note=lambda wildcards: (
+            f"{TRIGGER().note} · brackets to {TRIGGER().trigger.tolerance:g} m/s²"
+        ),
     script:
         "../scripts/draw_trigger.py"
 

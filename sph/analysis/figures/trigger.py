@@ -12,7 +12,7 @@ from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from scipy.interpolate import LinearNDInterpolator, NearestNDInterpolator  # type: ignore[import-untyped]
+from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untyped]
 
 from sph.analysis.critical import AT_LOWEST, BRACKETED, NEVER
 from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note
@@ -101,7 +101,8 @@ def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
 def figure_class_map(points: pd.DataFrame, note: str = "") -> Figure:
     """Class over S_R and amplitude, a column a gamma and a row a case; dots are the points that were run, crosses those that diverged.
 
-    ``points`` as from ``read_points``.  The ground has the class of the nearest point.  Raises ValueError for an empty table.
+    ``points`` as from ``read_points``.  Between the points the ground has the class nearest to the interpolated rank.  Raises
+    ValueError for an empty table.
     """
     colours = class_colours()
     norm = BoundaryNorm(np.arange(len(CLASSES) + 1) - 0.5, len(CLASSES))
@@ -109,7 +110,7 @@ def figure_class_map(points: pd.DataFrame, note: str = "") -> Figure:
     for ax, plane in panels:
         known = plane[plane["collapse_class"] != UNDETERMINED]
         values = known["collapse_class"].map(CLASSES.index).to_numpy(dtype=float)
-        _draw_ground(ax, known, NearestNDInterpolator, values, cmap=ListedColormap(colours), norm=norm)
+        _draw_ground(ax, known, values, cmap=ListedColormap(colours), norm=norm)
         _draw_points(ax, plane)
     handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for colour, name in zip(colours, CLASSES, strict=True)]
     figure.legend(handles=[*handles, *_point_handles(points)], loc="outside upper center", ncols=6)
@@ -127,9 +128,7 @@ def figure_map(points: pd.DataFrame, mapped: Mapped, note: str = "") -> Figure:
     highest = float(np.nanmax(points[mapped.column].to_numpy(), initial=0.0)) or 1.0
     for ax, plane in panels:
         known = plane[plane[mapped.column].notna()]
-        ground = _draw_ground(
-            ax, known, LinearNDInterpolator, known[mapped.column].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest
-        )
+        ground = _draw_ground(ax, known, known[mapped.column].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest)
         _draw_points(ax, plane)
     figure.colorbar(ground, ax=[ax for ax, _ in panels], label=mapped.label, pad=0.02, aspect=30)
     figure.legend(handles=_point_handles(points), loc="outside upper center", ncols=2)
@@ -155,12 +154,12 @@ def _panels(points: pd.DataFrame) -> tuple[Figure, list[tuple[Axes, pd.DataFrame
     return figure, list(zip(axes.flat, planes, strict=True))
 
 
-def _draw_ground(ax: Axes, plane: pd.DataFrame, interpolator: Any, values: np.ndarray, **look: Any) -> Any:
-    """Values at points as a picture of their plane, distances by the plane's sides."""
+def _draw_ground(ax: Axes, plane: pd.DataFrame, values: np.ndarray, **look: Any) -> Any:
+    """Values at points, linear between them, as a picture of their plane, distances by the plane's sides."""
     ends = [(float(plane[name].min()), float(plane[name].max())) for name in ("x", "y")]
     scaled = np.column_stack([(plane[name] - low) / (high - low) for name, (low, high) in zip("xy", ends, strict=True)])
     at = np.linspace(0.0, 1.0, GRID_POINTS)
-    picture = interpolator(scaled, values)(*np.meshgrid(at, at))
+    picture = LinearNDInterpolator(scaled, values)(*np.meshgrid(at, at))
     return ax.imshow(picture, origin="lower", extent=(*ends[0], *ends[1]), aspect="auto", interpolation="nearest", **look)
 
 
