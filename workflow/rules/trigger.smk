@@ -102,8 +102,8 @@ rule searched_points:
         "{folder}/trigger/logs/{table}.log",
     wildcard_constraints:
         table="|".join(SEARCHED),
-    shell:
-        "cp {input} {output} > {log} 2>&1"
+    script:
+        "../scripts/keep_points.py"
 
 
 rule trigger_table:
