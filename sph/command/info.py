@@ -23,6 +23,7 @@ TERM_REASONS = {
     "gradient_correction": "numerics.gradient_correction",
     "short_range_repulsion": "numerics.short_range_repulsion: cures pairing",
     "free_slip": "walls.base, walls.sides, walls.top",
+    "wall_faces": "walls: no soil passes between their particles",
     "wall_friction": "walls.friction",
     "periodic": "walls.sides",
     "artificial_stress": "numerics.artificial_stress: cures numerical fracture",

@@ -19,7 +19,9 @@ from typer.testing import CliRunner, Result
 from sph import trajectory
 from sph.checkpoint import run_to_file
 from sph.command.cli import DIVERGED, REFUSED, app, parse_settings
+from sph.command.info import TERM_REASONS
 from sph.ground_motion import motion_of
+from sph.integration import TERM_NAMES
 from sph.scene import Scene, load_scene
 from sph.stability.newmark import sliding_block
 from sph.stability.record import search_dataset
@@ -167,6 +169,10 @@ def test_info_warns_of_a_thin_box(scene_file: Path) -> None:
     assert "warning" not in call("info", scene_file, "--set", "walls.layers=4").stdout
 
 
+def test_info_knows_every_term() -> None:
+    assert tuple(TERM_REASONS) == TERM_NAMES
+
+
 def test_info_shows_limits_and_terms(scene_file: Path) -> None:
     shown = call("info", scene_file, "--set", "walls.sides=free_slip", "--set", "walls.layers=4").stdout
     for wanted in (
@@ -174,6 +180,7 @@ def test_info_shows_limits_and_terms(scene_file: Path) -> None:
         "V_p = 1159.9 m/s",
         "limit: acoustic",
         "free_slip [walls.base, walls.sides, walls.top]",
+        "wall_faces [walls: no soil passes between their particles]",
         "not compiled",
         "estimated cost",
     ):
