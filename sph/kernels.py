@@ -28,6 +28,12 @@ def make_kernel(name: str, h: float) -> Kernel:
     return Kernel(float(h), WendlandTerm(7.0 / (4.0 * math.pi)) if name == "wendland_c2" else None)
 
 
+def central_value(kernel: Kernel) -> float:
+    """W(0), 1/m2, without compiling anything."""
+    constant = 10.0 / (7.0 * math.pi) if kernel.wendland_c2 is None else kernel.wendland_c2.constant
+    return constant / (kernel.h * kernel.h)
+
+
 @jit
 def _cubic_spline(h, r):  # type: ignore[no-untyped-def]
     """W (1/m2) and W'/r (1/m4); without branches, so that loops over pairs vectorise."""

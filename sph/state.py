@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.bingham import CapTerm, FluidLaw
-from sph.kernels import Kernel, evaluate, make_kernel
+from sph.kernels import Kernel, central_value, evaluate, make_kernel
 from sph.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
 from sph.particles import Particles
 from sph.scene import CappedViscosity, Scene
@@ -289,7 +289,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         reach=float(2.0 * numerics.smoothing_length + skin),
         close_range=0.0 if repulsion is None else float(repulsion.range * dx + 2.0 * pairs_tolerance),
         reference_density=float(soil.density),
-        least_density=float(soil.density * dx * dx * evaluate(kernel, 0.0)[0]),
+        least_density=float(soil.density * dx * dx * central_value(kernel)),
         bulk_modulus=float(soil.bulk_modulus_si),
         shear_modulus=float(soil.shear_modulus_si),
         solid=make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sph.kernels import evaluate, make_kernel, support
+from sph.kernels import central_value, evaluate, make_kernel, support
 from sph.scene import make_scene
 
 KERNELS = ("cubic_spline", "wendland_c2")
@@ -19,6 +19,12 @@ def profile(name: str, h: float, r: np.ndarray) -> tuple[np.ndarray, np.ndarray]
     kernel = make_kernel(name, h)
     values = np.array([evaluate(kernel, float(distance)) for distance in r])
     return values[:, 0], values[:, 1]
+
+
+@pytest.mark.parametrize("h", LENGTHS)
+@pytest.mark.parametrize("name", KERNELS)
+def test_the_value_at_the_centre(name: str, h: float) -> None:
+    assert central_value(make_kernel(name, h)) == pytest.approx(profile(name, h, np.zeros(1))[0][0], rel=1e-14)
 
 
 @pytest.mark.parametrize("h", LENGTHS)
