@@ -1,7 +1,7 @@
 """Tables of every key and every variable, generated from their declarations, and of what the ladder measured.
 
 ``config/README.md`` holds the tables of keys, ``results/README.md`` those of variables, ``README.md`` what was measured for this
-release: ``presets``, ``trade``, ``validation``, ``limits`` and ``extremes``; a test keeps them in step.
+release: ``presets``, ``trade``, ``validation``, ``limits``, ``extremes`` and ``time_steps``; a test keeps them in step.
 """
 
 from __future__ import annotations
@@ -166,10 +166,6 @@ def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"
 
 
-def _extremes_tables(table: pd.DataFrame) -> str:
-    return markdown(SWEEP_HEAD, sweep_lines(table)) + "\n\n" + markdown(STEP_HEAD, step_lines(table))
-
-
 SWEEP_HEAD = (
     "key", "values", "sound", "diverged", "refused", "energy gap up to", "area of the deposit",
     "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
@@ -209,7 +205,8 @@ TABLES: dict[str, Callable[[], str]] = {
     "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
     "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
     "limits": lambda: _limits_table(read_limits()),
-    "extremes": lambda: _extremes_tables(read_extremes()),
+    "extremes": lambda: markdown(SWEEP_HEAD, sweep_lines(read_extremes())),
+    "time_steps": lambda: markdown(STEP_HEAD, step_lines(read_extremes())),
     "trajectory": lambda: markdown(VARIABLE_HEAD, variable_rows(VARIABLES)),
     "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(VALUES)),
     "trade_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TRADE)),

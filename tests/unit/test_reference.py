@@ -42,7 +42,7 @@ HOMES = {
     "cells_variables": "results",
     "shares_variables": "results",
 }
-MEASURED = ("presets", "trade", "validation", "limits", "extremes")
+MEASURED = ("presets", "trade", "validation", "limits", "extremes", "time_steps")
 
 
 def test_every_table_has_a_home() -> None:
