@@ -14,12 +14,12 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 import pandas as pd
 import xarray as xr
-from pydantic import Field
+from pydantic import Field, model_validator
 from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.analysis.metrics import energy_gap, largest_mass, outline_area
 from sph.analysis.tables import ROW, number_column, read_csv
-from sph.analysis.trade import Label, Overrides, file_name
+from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.particles import SOIL
 from sph.scene import NoMotion, Scene, make_scene
@@ -91,6 +91,15 @@ class Extremes(Section):
     repeats: int = key("runs of every value, whose bits are compared", ge=1, le=10, default=2)
     sweeps: dict[Label, Sweep] = key("the sweeps, by label", min_length=1)
     time_steps: TimeSteps = key("sweep over fixed time steps")
+
+    @model_validator(mode="after")
+    def _apart(self) -> Extremes:
+        check_file_names("cases", self.cases)
+        check_file_names("sweeps", (*self.sweeps, TIME_STEP))
+        check_file_names("time_steps.schemes", self.time_steps.schemes)
+        for label, sweep in self.sweeps.items():
+            check_file_names(f"sweeps.{label}.values", labelled(sweep.values))
+        return self
 
 
 class Row(NamedTuple):
@@ -184,8 +193,7 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
     soil = run["kind"].values == SOIL
     x, y = (run[name].values[:, soil].astype(float) for name in ("x", "y"))
     walls, depth = scene.walls, np.zeros(1)
-    # The box is as wide as the whole columns that fit, see sph.particles.
-    width, height = math.ceil(scene.geometry.width / scene.numerics.spacing - 0.5 - 1e-9) * scene.numerics.spacing, scene.geometry.height
+    width, height = (count * scene.numerics.spacing for count in scene.lattice)
     inside = (x >= 0.0) & (x <= width) if walls.sides == "none" else np.ones(x.shape, bool)
     if walls.base != "none":
         depth = np.append(depth, -y[inside])

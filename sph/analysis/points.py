@@ -8,7 +8,7 @@ from typing import Any
 
 import pandas as pd
 
-from sph.analysis.metrics import CLASSES, GRID, METRIC_BY_NAME, UNDETERMINED
+from sph.analysis.metrics import GRID, METRIC_BY_NAME, UNDETERMINED
 from sph.analysis.refinement import Place, leaves
 from sph.analysis.tables import AXES, ROW, count_column, read_csv, text_column
 from sph.analysis.trigger import Lattice, reached
@@ -93,6 +93,3 @@ def read_wanted(path: Path | str) -> pd.DataFrame:
 def no_points() -> pd.DataFrame:
     """The table before the first round."""
     return pd.DataFrame(columns=names(POINTS))
-
-
-assert UNDETERMINED not in CLASSES

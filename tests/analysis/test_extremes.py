@@ -72,6 +72,7 @@ def test_sections_are_named_by_their_labels(tmp_path: Path) -> None:
     [
         ({"sweeps": {"nu": {"scene_key": "soil.poisson_ratio", "values": [0.3], "cases": ["odd"]}}}, ["sweeps.nu.cases", "odd"]),
         ({"sweeps": {"nu": {"scene_key": "soil.poisson_ratio", "values": []}}}, ["sweeps.nu.values"]),
+        ({"sweeps": {"nu": {"scene_key": "damping", "values": {"a b": None, "a/b": {}}}}}, ["sweeps.nu.values", "a b", "a/b", "file name"]),
         ({"cases": {"weak": {"coupling": {"S_R": 7.0}}}}, ["sweeps.nu", "coupling.S_R"]),
     ],
 )
