@@ -71,7 +71,7 @@ def test_friction_counts_the_push(free_block: SceneBuilder) -> None:
 
 
 def test_debris_stays_on_a_slip_floor() -> None:
-    # Without the faces this soil sinks between the particles of the floor and out of the box.
+    # Without the faces this soil sinks half a metre between the particles of the floor.
     scene = make_scene(
         {
             "name": "debris",
