@@ -14,7 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from sph.scene import NoMotion, Scene
+from sph.motion import NoMotion
+from sph.scene import Scene
 from sph.state import FAILED, State
 
 

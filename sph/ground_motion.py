@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.motion import make_loading
+from sph.loading import make_loading
 from sph.scene import Scene, load_scene
 
 SCENES, RECORDS = (".yaml", ".yml"), (".csv",)

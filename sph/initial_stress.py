@@ -12,9 +12,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from sph.motion import Loading
+from sph.gravity import UniformStress
+from sph.loading import Loading
 from sph.particles import Particles
-from sph.scene import Scene, UniformStress
+from sph.scene import Scene
 from sph.state import State
 
 NO_LOADING = Loading(*(np.zeros(1) for _ in Loading._fields))

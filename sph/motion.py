@@ -1,32 +1,99 @@
-"""Ground motion and gravity as histories sampled at the time steps (Sec. 3.2, Fig. 2)."""
+"""Ground motions: the acceleration of the box as a function of time (Sec. 3.2); sampled in ``sph.loading``."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, Literal
 
 import numpy as np
+from pydantic import Field, model_validator
 
-from sph.scene import GravityStage, Scene, linear_ramp
-
-
-class Loading(NamedTuple):
-    """Loads at every time step; the box's frame is used, so shaking is a body force."""
-
-    time: np.ndarray  # (steps + 1,) s
-    ground: np.ndarray  # (steps + 1,) horizontal acceleration of the box, m/s2
-    gravity: np.ndarray  # (steps + 1,) downward acceleration, m/s2
-    extra_damping: np.ndarray  # (steps + 1,) mass-proportional damping of the gravity stage, 1/s
+from sph.configuration import Section, key
 
 
-def gravity_history(stage: GravityStage, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gravity (m/s2) and the extra damping of the gravity stage (1/s) at times (s)."""
-    time = np.asarray(time, dtype=float)
-    fade = linear_ramp(time - 2.0 * stage.duration / 3.0, stage.duration / 3.0)
-    return stage.acceleration * linear_ramp(time, stage.ramp), stage.damping * (1.0 - fade)
+class TaperedSine(Section):
+    """A sine with a linear ramp up and down (Sec. 3.2)."""
+
+    kind: Literal["tapered_sine"] = key("sine with linear ramps", source="Sec. 3.2")
+    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", "Sec. 3.2", ge=0, le=100, default=6.0)
+    frequency: float = key("frequency", "Hz", "ours (not in the text)", gt=0, le=100, default=1.0)
+    start: float = key("start of the shaking", "s", "Sec. 3.2", ge=0, le=1e4, default=3.0)
+    ramp: float = key("duration of the increase", "s", "ours ('gradually')", ge=0, le=1e4, default=3.0)
+    decay_start: float = key("start of the decrease", "s", "Sec. 3.2", ge=0, le=1e4, default=9.0)
+    end: float = key("end of the shaking", "s", "Sec. 3.2", ge=0, le=1e4, default=10.0)
+
+    @model_validator(mode="after")
+    def _in_order(self) -> TaperedSine:
+        if not self.start + self.ramp <= self.decay_start <= self.end:
+            raise ValueError(
+                f"motion: start + ramp ({self.start + self.ramp} s) <= decay_start ({self.decay_start} s) "
+                f"<= end ({self.end} s) does not hold"
+            )
+        return self
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        rise = linear_ramp(time - self.start, self.ramp)
+        fall = 1.0 - linear_ramp(time - self.decay_start, self.end - self.decay_start)
+        phase = 2.0 * np.pi * self.frequency * (time - self.start)
+        return np.where(time < self.start, 0.0, self.amplitude * rise * fall * np.sin(phase))
 
 
-def make_loading(scene: Scene, substeps: int = 1) -> Loading:
-    """Histories for the whole run; one entry a step or part of a step, so a restarted run reads the same numbers."""
-    time = np.arange(scene.steps(scene.duration) * substeps + 1) * (scene.numerics.time_step / substeps)
-    gravity, extra = gravity_history(scene.gravity, time)
-    return Loading(time, scene.motion.acceleration(time), gravity, extra)
+class Ricker(Section):
+    """A Ricker wavelet: a pulse with all frequencies up to some three times its own (Ricker 1953)."""
+
+    kind: Literal["ricker"] = key("Ricker wavelet")
+    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e4)
+    frequency: float = key("frequency with the largest amplitude", "Hz", gt=0, le=1e4)
+    peak: float = key("time of the peak, at least 1.5 / frequency after the gravity stage", "s", ge=0, le=1e4)
+
+    @property
+    def start(self) -> float:
+        """Time before which the wavelet is below 1e-8 of its peak and taken as nothing, s."""
+        return self.peak - 1.5 / self.frequency
+
+    @property
+    def end(self) -> float:
+        """Time after which it is, s."""
+        return self.peak + 1.5 / self.frequency
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        square = (np.pi * self.frequency * (time - self.peak)) ** 2
+        return np.where(np.abs(time - self.peak) > 1.5 / self.frequency, 0.0, self.amplitude * (1.0 - 2.0 * square) * np.exp(-square))
+
+
+class ConstantAcceleration(Section):
+    """An acceleration that is brought on and stays: the pseudo-static earthquake load."""
+
+    kind: Literal["constant"] = key("constant acceleration")
+    amplitude: float = key("acceleration of the box, horizontal; positive drives the soil towards the toe", "m/s2", ge=-1e3, le=1e3)
+    start: float = key("start of the linear increase", "s", ge=0, le=1e4)
+    ramp: float = key("duration of the increase", "s", ge=0, le=1e4)
+
+    @property
+    def end(self) -> float:
+        """Time from which on the load is constant, s."""
+        return self.start + self.ramp
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        return np.where(time < self.start, 0.0, self.amplitude * linear_ramp(time - self.start, self.ramp))
+
+
+class NoMotion(Section):
+    """No shaking."""
+
+    kind: Literal["none"] = key("no shaking", default="none")
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        return np.zeros_like(time)
+
+
+def linear_ramp(time: np.ndarray, length: float) -> np.ndarray:
+    """0 before time 0, 1 after ``length`` (s), linear between."""
+    with np.errstate(over="ignore"):  # of a length next to nothing
+        return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
+
+
+Motion = Annotated[TaperedSine | Ricker | ConstantAcceleration | NoMotion, Field(discriminator="kind")]

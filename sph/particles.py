@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sph.scene import Bodies, Scene, Slope
+from sph.geometry import Bodies, Slope
+from sph.scene import Scene
 
 SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
 

@@ -27,7 +27,7 @@ from sph.guard import likely_cause, trouble
 from sph.initial_stress import NO_LOADING, impose_stress
 from sph.integration import TERM_NAMES, advance, make_lists, renew_candidates
 from sph.jit import cache_folder, compile_lock
-from sph.motion import Loading, make_loading
+from sph.loading import Loading, make_loading
 from sph.particles import Particles, locate_probes, place_particles
 from sph.scene import MOST_STEPS, Scene
 from sph.state import (

@@ -16,7 +16,8 @@ from sph.bingham import CapTerm, FluidLaw
 from sph.kernels import Kernel, central_value, evaluate, make_kernel
 from sph.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
 from sph.particles import Particles
-from sph.scene import CappedViscosity, Scene
+from sph.scene import Scene
+from sph.soil import CappedViscosity
 
 UNARMED, ARMED, FAILED = 0, 1, 2
 """Phases of a particle: the failure criterion does not count yet, counts, was met."""

@@ -30,7 +30,8 @@ from sph.elastic import elastic_increment
 from sph.jit import jit
 from sph.kernels import evaluate, make_kernel
 from sph.momentum import stress_accelerations, velocity_gradients
-from sph.scene import MOST_STEPS, CappedViscosity, Scene
+from sph.scene import MOST_STEPS, Scene
+from sph.soil import CappedViscosity
 from sph.state import State
 
 

@@ -8,7 +8,8 @@ from scipy.optimize import brentq  # type: ignore[import-untyped]
 
 from sph.analysis.tables import BASELINE
 from sph.ground_motion import motion_of
-from sph.scene import NoMotion, Scene
+from sph.motion import NoMotion
+from sph.scene import Scene
 from sph.stability.newmark import sliding_block
 
 

@@ -21,8 +21,9 @@ from sph.analysis.metrics import energy_gap, largest_mass, outline_area
 from sph.analysis.tables import ROW, number_column, read_csv
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.motion import NoMotion
 from sph.particles import SOIL
-from sph.scene import NoMotion, Scene, make_scene
+from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step, limits
 from sph.trajectory import Variable, scene_of
 

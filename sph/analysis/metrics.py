@@ -34,8 +34,10 @@ from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.analysis.fields import ProbeHistory, displacement, last_at, probe_history
 from sph.configuration import Section, key
+from sph.geometry import Slope
+from sph.motion import NoMotion
 from sph.particles import SOIL
-from sph.scene import NoMotion, Scene, Slope
+from sph.scene import Scene
 from sph.trajectory import STATUSES, Variable, scene_of
 
 CLASSES = ("stable", "minor", "damaged", "collapse")

@@ -97,8 +97,8 @@ def parse_error(text: str) -> float:
 
 def parse_acceleration(text: str, option: str) -> float:
     """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
+    from sph.gravity import GRAVITY
     from sph.ground_motion import LARGEST_ACCELERATION
-    from sph.scene import GRAVITY
 
     number, in_g = text.strip().removesuffix("g"), text.strip().endswith("g")
     try:

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.gravity import GRAVITY
 from sph.ground_motion import read_motion
-from sph.scene import GRAVITY
 from sph.stability.newmark import sliding_block
 
 

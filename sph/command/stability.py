@@ -12,7 +12,8 @@ import pandas as pd
 
 from sph.configuration import validated
 from sph.files import whole
-from sph.scene import GRAVITY, Scene
+from sph.gravity import GRAVITY
+from sph.scene import Scene
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule

@@ -22,8 +22,8 @@ from sph import trajectory
 from sph.analysis.fields import gravity_frame, probe_history
 from sph.analysis.figures.profile import frame_limits, surface_line
 from sph.analysis.figures.style import colour_map
+from sph.motion import NoMotion
 from sph.particles import SOIL
-from sph.scene import NoMotion
 
 QUANTA = 200
 """Quanta to a spacing."""

@@ -19,7 +19,8 @@ import numpy as np
 import xarray as xr
 
 from sph.configuration import Section, dotted, key, merge
-from sph.scene import NoMotion, Scene, make_scene
+from sph.motion import NoMotion
+from sph.scene import Scene, make_scene
 from sph.solver import run
 from sph.stability.search import Trial
 

@@ -9,7 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
 from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.scene import GRAVITY, Scene
+from sph.gravity import GRAVITY
+from sph.scene import Scene
 from sph.validation.level import Found, Level, Result
 
 

@@ -9,8 +9,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from sph.analysis.figures.style import GREY, WIDTH, curve_colours, label_panels, styled
+from sph.gravity import GRAVITY
 from sph.mohr_coulomb import MohrCoulomb, limit_tension, make_mohr_coulomb, return_factor, strength
-from sph.scene import GRAVITY, Scene
+from sph.scene import Scene
 from sph.stability.newmark import sliding_block
 from sph.validation.level import Found, Level, Result
 

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from sph.analysis.figures.profile import draw_circles
 from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 from sph.analysis.metrics import MetricSettings, largest_mass
-from sph.scene import GRAVITY, Scene
+from sph.gravity import GRAVITY
+from sph.scene import Scene
 from sph.validation.columns import row_means
 from sph.validation.level import Found, Level, Result
 

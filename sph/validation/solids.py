@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from sph.analysis.figures.profile import draw_circles
 from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 from sph.analysis.metrics import energy_gap, linked_sets
+from sph.geometry import RingBody
 from sph.particles import place_particles
-from sph.scene import RingBody, Scene
+from sph.scene import Scene
 from sph.state import initial_state
 from sph.validation.level import Found, Level, Result
 

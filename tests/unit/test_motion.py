@@ -7,8 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph.motion import gravity_history, make_loading
-from sph.scene import ConstantAcceleration, GravityStage, NoMotion, Ricker, TaperedSine, make_scene
+from sph.gravity import GravityStage
+from sph.loading import gravity_history, make_loading
+from sph.motion import ConstantAcceleration, NoMotion, Ricker, TaperedSine
+from sph.scene import make_scene
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
 

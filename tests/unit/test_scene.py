@@ -13,7 +13,8 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from sph.configuration import dotted, merge, read_yaml
-from sph.scene import Scene, Slope, load_scene, make_scene
+from sph.geometry import Slope
+from sph.scene import Scene, load_scene, make_scene
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 

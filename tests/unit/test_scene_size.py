@@ -14,9 +14,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.motion import make_loading
+from sph.loading import make_loading
+from sph.motion import linear_ramp
 from sph.particles import place_particles
-from sph.scene import MOST_PARTICLES, MOST_STEPS, Scene, linear_ramp
+from sph.scene import MOST_PARTICLES, MOST_STEPS, Scene
 from sph.solver import Run
 from sph.stability.standing import FailureRule, static_scene
 from sph.timestep import _damped, check_time_step, limits

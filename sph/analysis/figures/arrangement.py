@@ -12,7 +12,9 @@ from matplotlib.patches import Arc, Polygon, Rectangle
 from sph.analysis.figures.history import shade_shaking
 from sph.analysis.figures.profile import mark_probes, stack_of_profiles, surface_line
 from sph.analysis.figures.style import GREY, WIDTH, add_note, styled
-from sph.scene import NoMotion, Scene, Slope
+from sph.geometry import Slope
+from sph.motion import NoMotion
+from sph.scene import Scene
 from sph.trajectory import scene_of
 
 SOIL_COLOUR, WALL_COLOUR = "#d9c9a8", "0.75"

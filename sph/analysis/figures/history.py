@@ -11,7 +11,8 @@ from matplotlib.lines import Line2D
 
 from sph.analysis.fields import probe_history, with_end
 from sph.analysis.figures.style import LINE_STYLES, SHAKING, WIDTH, add_note, curve_colours, label_panels, styled
-from sph.scene import NoMotion, Scene
+from sph.motion import NoMotion
+from sph.scene import Scene
 from sph.trajectory import scene_of
 
 

@@ -1,0 +1,65 @@
+"""The gravity stage and what the soil starts with."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from sph.configuration import Section, key
+from sph.geometry import Coordinate
+
+GRAVITY = 9.81
+"""Gravitational acceleration, m/s2."""
+
+Velocity = Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class UniformStress(Section):
+    """The same stress everywhere."""
+
+    pressure: float = key("mean pressure, smaller than the bulk modulus", "kPa", ge=-1e6, le=1e6)
+
+
+class InitialVelocity(Section):
+    """Velocity of the soil at the start, linear between places."""
+
+    along: Literal["x", "y"] = key("coordinate on which the velocity depends")
+    position: tuple[Coordinate, ...] = key("places, increasing; beyond the ends the velocity is that at the end", "m", min_length=1)
+    x: tuple[Velocity, ...] = key("horizontal velocity at the places", "m/s")
+    y: tuple[Velocity, ...] = key("vertical velocity at the places", "m/s")
+
+    @model_validator(mode="after")
+    def _table(self) -> InitialVelocity:
+        for name in ("x", "y"):
+            if len(getattr(self, name)) != len(self.position):
+                raise ValueError(f"{name}: {len(getattr(self, name))} velocities for {len(self.position)} places")
+        if any(after <= before for before, after in pairwise(self.position)):
+            raise ValueError(f"position: the places {list(self.position)} m must increase")
+        return self
+
+
+class VelocityGradient(Section):
+    """A homogeneous deformation that moves the soil instead of forces: an element test."""
+
+    xx: float = key("dv_x/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
+    xy: float = key("dv_x/dy", "1/s", ge=-1e4, le=1e4, default=0.0)
+    yx: float = key("dv_y/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
+    yy: float = key("dv_y/dy", "1/s", ge=-1e4, le=1e4, default=0.0)
+
+
+class GravityStage(Section):
+    """How gravity is brought on before the failure criterion is armed."""
+
+    ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
+    duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", gt=0, le=1000, default=3.0)
+    damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
+    acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
+    inclination: float = key(
+        "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
+    )
+    initial_stress: Literal["none", "geostatic"] | UniformStress = key(
+        "stress at the start: none, that of level ground at rest at the depth below the surface (needs ramp: 0), or a uniform pressure",
+        default="none",
+    )
