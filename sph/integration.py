@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from sph.absorbing import kick_boundary, kick_free_field, strain_free_field
 from sph.contact import add_contact
 from sph.coupling import update_stress
 from sph.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
@@ -184,6 +185,8 @@ TERM_NAMES = (
     "artificial_stress",
     "prescribed_motion",
     "layers",
+    "absorbing_walls",
+    "free_field",
 )
 
 
@@ -209,6 +212,8 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
         _present(terms.tension),
         _present(terms.driven),
         _present(terms.layers),
+        _present(terms.absorbing),
+        _present(terms.free_field),
     )
 
 
@@ -222,7 +227,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
     renewed, it goes on from there with ``kicked``.  Fewer steps without that mean that a particle jumped
     further than the candidates' skin allows or to NaN.
     """
-    n_soil, n = terms.n_soil, state.x.size
+    n_soil, n_moving, n = terms.n_soil, terms.n_moving, state.x.size
     first_block, last_block = own_blocks(team)
     first_row, last_row = first_block * BLOCK, min(n, last_block * BLOCK)
     failed = done = 0
@@ -232,6 +237,8 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         sums = team.sums[s % 2]
         renew = kicked and s == step
         if not renew:
+            rate, vertical = _mass_damping(terms.rayleigh) + loading.extra_damping[s], 0.0
+            kick_free_field(terms.free_field, state, terms.dt, rate, loading.ground[s], vertical, team)
             for block in range(first_block, last_block):
                 (
                     sums[block, SHAKING],
@@ -242,11 +249,27 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 ) = kick_and_drift(
                     state, terms, mass, loading.ground[s], loading.gravity[s], loading.extra_damping[s], block * BLOCK, (block + 1) * BLOCK
                 )
-            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_soil)
+                shaking, held, viscous, taken = kick_boundary(
+                    terms.absorbing,
+                    state,
+                    terms,
+                    mass,
+                    rate,
+                    loading.ground[s],
+                    vertical,
+                    loading.time[s],
+                    block * BLOCK,
+                    (block + 1) * BLOCK,
+                )
+                sums[block, SHAKING] += shaking
+                sums[block, GRAVITY] += held
+                sums[block, VISCOUS] += viscous
+                sums[block, WALLS] += taken
+            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_moving)
             wait(team)
             renew = not _moved(team, 0) <= terms.pairs_tolerance**2
             if renew:
-                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_soil)
+                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_moving)
                 wait(team)
                 move = _moved(team, 1)
                 spent = terms.candidates_tolerance**2 < move <= (terms.candidates_tolerance + terms.reach) ** 2
@@ -254,6 +277,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     break
         if renew:
             renew_pairs(state, candidates, pairs, terms, first_row, last_row)
+        strain_free_field(terms.free_field, terms.rayleigh, state, terms.dt, team)
         mirror_velocity(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
@@ -267,12 +291,12 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_soil))
+            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_moving))
             rubbed = set_friction(terms.friction, terms.layers, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
             taken = wall_work(terms.slip, terms.layers, state, pairs, terms.correction, terms.cell_mass, team.gradient, first, last)
             sums[block, WALLS] += terms.dt * (rubbed + taken)
-            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_soil))
-            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_soil, first, min(last, n_soil))
+            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_moving))
+            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_moving, first, min(last, n_moving))
             sums[block, REPULSION] += add_contact(terms.faces, terms.friction, state, mass, first, min(last, n_soil))
         wait(team)
         if team.rank == 0:

@@ -9,6 +9,7 @@ import numpy as np
 
 from sph.geometry import Bodies, Slope
 from sph.scene import Scene
+from sph.walls import HOLDING
 
 SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
 
@@ -23,6 +24,7 @@ class Particles(NamedTuple):
     layer: np.ndarray  # (n,) int: 0 for the scene's own soil, k for its k-th layer
     first_slip: int  # from this one on free-slip base and top
     first_slip_side: int  # from this one on free-slip side walls
+    first_fixed: int  # from this one on walls that stand still; boundary particles before it follow the soil
 
     @property
     def n_soil(self) -> int:
@@ -33,8 +35,8 @@ class Particles(NamedTuple):
 def place_particles(scene: Scene) -> Particles:
     """Lattice at half offsets filling the geometry, with boundary layers below, beside and above it.
 
-    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.  Free-slip
-    walls come last, base and top before sides.
+    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.  Absorbing walls come
+    first after the soil, their sides as high as the ground beside them, and free-slip walls last, base and top before sides.
     """
     dx = scene.numerics.spacing
     columns, rows = scene.lattice
@@ -46,28 +48,30 @@ def place_particles(scene: Scene) -> Particles:
 
     walls = scene.walls
     layers = np.arange(walls.layers)
-    with_sides = walls.sides in ("sticky", "free_slip")
-    overhang = walls.layers if with_sides else 0
+    overhang = walls.layers if walls.sides in (*HOLDING, "absorbing") else 0
+    left, right = (_ground(scene, row[inside & (column == c)]) for c in (0, columns - 1))
     whole_width = np.arange(-overhang, columns + overhang)
     wanted = [
         (walls.base, (*_grid(whole_width, -1 - layers), BASE)),
         (walls.top, (*_grid(whole_width, rows + layers), TOP)),
-        (walls.sides, (*_grid(-1 - layers, np.arange(rows)), SIDE)),
-        (walls.sides, (*_grid(columns + layers, np.arange(rows)), SIDE)),
+        (walls.sides, (*_grid(-1 - layers, left), SIDE)),
+        (walls.sides, (*_grid(columns + layers, right), SIDE)),
     ]
+    absorbing = [block for how, block in wanted if how == "absorbing"]
     sticky = [block for how, block in wanted if how == "sticky"]
     slip = [block for how, block in wanted[:2] if how == "free_slip"]
     slip_sides = [block for how, block in wanted[2:] if how == "free_slip"]
-    first_slip = sum(len(c) for c, _, _ in soil + sticky)
+    first_fixed = sum(len(c) for c, _, _ in soil + absorbing)
+    first_slip = first_fixed + sum(len(c) for c, _, _ in sticky)
     first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
-    blocks = soil + sticky + slip + slip_sides
+    blocks = soil + absorbing + sticky + slip + slip_sides
 
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
     kind = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
     layer = layer_index(scene, x, y)
     mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
-    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side)
+    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side, first_fixed)
 
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -80,6 +84,15 @@ def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     for number, layer in enumerate(scene.layers.values(), 1):
         index[layer.region.contains(x, y, ground)] = number
     return index
+
+
+def _ground(scene: Scene, soil: np.ndarray) -> np.ndarray:
+    """Rows of a side wall: all of the box, or those of the soil beside an absorbing one; ValueError if that is not one whole column."""
+    if scene.walls.sides != "absorbing":
+        return np.arange(scene.lattice[1])
+    if not soil.size or soil.size <= soil.max():
+        raise ValueError("walls.sides: absorbing needs soil at both sides, from the base to the ground without a gap (geometry)")
+    return np.arange(soil.size)
 
 
 def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

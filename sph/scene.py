@@ -22,7 +22,7 @@ from sph.configuration import Section, key, merge, read_yaml, validated
 from sph.geometry import Geometry, Point
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.layers import Layer
-from sph.motion import Motion, NoMotion, Ricker
+from sph.motion import ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.numerics import Numerics
 from sph.soil import Coupling, Soil
 from sph.walls import Walls
@@ -232,6 +232,7 @@ class Scene(Section):
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
                 f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
             )
+        self._check_absorbing()
         for name, slips in slip.items():
             if walls.friction is not None and getattr(walls.friction, name) > 0 and not slips:
                 raise ValueError(f"walls.friction.{name}: {getattr(walls.friction, name)} needs a free_slip wall there")
@@ -240,6 +241,28 @@ class Scene(Section):
             least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
             if self.geometry.width < least:
                 raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
+
+    def _check_absorbing(self) -> None:
+        walls = self.walls
+        if walls.bedrock is not None and walls.base != "absorbing":
+            raise ValueError(f"walls.bedrock: needs walls.base: absorbing, not {walls.base}")
+        where = next((f"walls.{name}: absorbing" for name in ("base", "sides") if getattr(walls, name) == "absorbing"), "")
+        if not where:
+            return
+        if walls.layers < self.layers_filling_support:
+            raise ValueError(
+                f"walls.layers: {walls.layers} layers do not fill the kernel's support; {where} needs {self.layers_filling_support}"
+            )
+        if walls.top != "none":
+            raise ValueError(f"walls.top: {walls.top} with {where}; set walls.top: none")
+        if self.prescribed_velocity_gradient is not None:
+            raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
+        if isinstance(self.motion, ConstantAcceleration):
+            raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
+        if walls.sides == "absorbing" and walls.base not in ("sticky", "absorbing"):
+            raise ValueError(f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a sticky or absorbing base")
+        if walls.sides == "absorbing" and self.coupling.initial_state == "fluid":
+            raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
 
     @property
     def soils(self) -> tuple[Soil, ...]:

@@ -26,6 +26,7 @@ from sph.particles import SOIL
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step, limits
 from sph.trajectory import Variable, scene_of
+from sph.walls import HOLDING
 
 FOLDER = "results/extremes"
 """Where the results go, relative to the working folder."""
@@ -196,9 +197,9 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
     walls, depth = scene.walls, np.zeros(1)
     width, height = (count * scene.numerics.spacing for count in scene.lattice)
     inside = (x >= 0.0) & (x <= width) if walls.sides == "none" else np.ones(x.shape, bool)
-    if walls.base != "none":
+    if walls.base in HOLDING:
         depth = np.append(depth, -y[inside])
-    if walls.sides in ("sticky", "free_slip"):
+    if walls.sides in HOLDING:
         beside = (y >= 0.0) & (y <= height)
         depth = np.append(depth, np.append(-x[beside], x[beside] - width))
     return float(np.nanmax(depth)) / scene.numerics.spacing

@@ -29,6 +29,8 @@ TERM_REASONS = {
     "artificial_stress": "numerics.artificial_stress: cures numerical fracture",
     "prescribed_motion": "prescribed_velocity_gradient",
     "layers": "layers: tables of materials",
+    "absorbing_walls": "walls.base, walls.sides",
+    "free_field": "walls.sides",
 }
 
 
@@ -71,6 +73,10 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     on = dict(zip(TERM_REASONS, wanted_terms(scene), strict=True))
     rows.append(("active terms", "; ".join(f"{name} [{TERM_REASONS[name]}]" for name in on if on[name]) or "none"))
     rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
+    if scene.walls.base == "absorbing":
+        depth = scene.walls.layers * numerics.spacing
+        below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
+        rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
     for name, index in locate_probes(scene, particles).items():
         rows.append((f"probe {name}", f"particle {index} at ({particles.x[index]:g}, {particles.y[index]:g}) m"))
     rows += [("warning", text) for text in warnings(scene)]

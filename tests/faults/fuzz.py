@@ -90,6 +90,15 @@ SCENES = [
     },
     TINY
     | {"geometry": BODIES, "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}}, "early_stop": {"window": 0.01}},
+    TINY
+    | {
+        "geometry": SLOPE,
+        "walls": {
+            "base": "absorbing",
+            "sides": "absorbing",
+            "bedrock": {"density": 2e3, "s_wave_speed": 1e3, "p_wave_speed": 2e3},
+        },
+    },
     merge(
         TINY,
         {

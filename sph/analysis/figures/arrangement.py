@@ -56,9 +56,10 @@ def _draw_box(ax: Axes, scene: Scene) -> None:
         ax.add_patch(Rectangle((-thick, -thick), width + 2 * thick, thick, **style))
     if scene.walls.sides in ("none", "periodic"):
         return
-    for left in (-thick, width):
-        ax.add_patch(Rectangle((left, 0.0), thick, height, **style))
-    text = {"sticky": "fixed side wall", "free_slip": "free-slip side wall"}[scene.walls.sides]
+    ground = scene.geometry.surface[1] if scene.walls.sides == "absorbing" else (height, height)
+    for left, top in ((-thick, ground[0]), (width, ground[-1])):
+        ax.add_patch(Rectangle((left, 0.0), thick, top, **style))
+    text = {"sticky": "fixed side wall", "free_slip": "free-slip side wall", "absorbing": "absorbing side"}[scene.walls.sides]
     for x, side in ((-1.6 * thick, "right"), (width + 1.6 * thick, "left")):
         ax.text(x, 0.5 * height, text, rotation=90, ha=side, va="center", color=GREY)
 
