@@ -7,6 +7,7 @@ from snakemake.utils import Paramspace, min_version
 
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
+from sph.configuration import scene_files
 
 min_version("9.18")
 

@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from sph.configuration import Section, key, merge, read_yaml, validated
+from sph.configuration import Section, key, merge, read_scene, validated
 from sph.geometry import Geometry, Point
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.motion import Motion, NoMotion, Ricker
@@ -251,4 +251,4 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
     """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
-    return make_scene(merge(read_yaml(path), overrides or {}), str(path))
+    return make_scene(merge(read_scene(path), overrides or {}), str(path))

@@ -434,7 +434,7 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
     bad = [
         f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"
         for name in sorted(past.keys() | future.keys())
-        if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
+        if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free and not name.endswith(".file")
     ]
     if bad:
         raise ValueError(f"{path}: cannot go on from this run at {time:g} s, its scene differs in\n  " + "\n  ".join(bad))
