@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.geometry import Bodies, Slope
+from sph.ground_line import GroundLine
 from sph.scene import Scene
 
 SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
@@ -76,6 +77,8 @@ def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     geometry = scene.geometry
     if isinstance(geometry, Bodies):
         return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
+    if isinstance(geometry, GroundLine):
+        return y <= np.interp(x, *geometry.surface) + 1e-9 * scene.numerics.spacing
     if not isinstance(geometry, Slope):
         return np.ones(x.size, bool)
     face = (x - geometry.apron_length) * math.tan(math.radians(geometry.slope_angle))
@@ -88,9 +91,10 @@ def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
     soil_x, soil_y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
     found = {}
     for name, place in scene.probes.items():
-        px, py = places[place] if isinstance(place, str) else place
+        px, py = places[place] if isinstance(place, str) else scene.geometry.in_box(*place)
         distance = np.hypot(soil_x - px, soil_y - py)
         found[name] = int(np.argmin(distance))
         if distance.min() > 2.0 * scene.numerics.spacing:
+            px, py = scene.geometry.in_survey(px, py)
             raise ValueError(f"probes.{name}: ({px:g}, {py:g}) m lies {distance.min():.3g} m from the nearest soil particle")
     return found

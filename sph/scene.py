@@ -19,10 +19,11 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, field_validator, model_validator
 
 from sph.configuration import Section, key, merge, read_scene, validated
-from sph.geometry import Geometry, Point
+from sph.geometry import Geometry
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.motion import Motion, NoMotion, Ricker
 from sph.numerics import Numerics
+from sph.places import Point
 from sph.soil import Coupling, Soil
 from sph.walls import Walls
 
@@ -117,7 +118,8 @@ class Scene(Section):
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
     probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
-        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m; the nearest particle is taken",
+        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m, a survey's coordinates where it has one; "
+        "the nearest particle is taken",
         source="particle A: Figs. 6-7",
         default={"A": "crest_edge"},
     )

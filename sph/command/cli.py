@@ -183,6 +183,44 @@ def info(scene: SceneFile, set_: Settings = None) -> None:
         print(f"{label:<{width}}  {text}")
 
 
+@app.command(epilog="Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --json")
+def check(
+    scene: SceneFile,
+    set_: Settings = None,
+    plot: Annotated[Path | None, typer.Option(help="picture of the scene to write (.png, .pdf, .svg)")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
+) -> None:
+    """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
+    from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
+    from sph.command.check import check as look_at
+    from sph.command.repeat import given_scene
+    from sph.files import whole
+
+    with refusals():
+        if plot is not None:
+            check_writable(plot, "--plot")
+        found = look_at(given_scene(scene, parse_settings(set_)))
+        if plot is not None:
+            with whole(plot) as temporary:
+                draw(found).savefig(temporary, dpi=200, format=plot.suffix[1:] or "png")
+    layers = layer_rows(found)
+    if as_json:
+        named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
+        print(json.dumps({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
+        return
+    width = max(len(label) for label, _ in rows(found))
+    for label, text in rows(found):
+        print(f"{label:<{width}}  {text}")
+    table = Table(*LAYER_COLUMNS)
+    for row in layers:
+        table.add_row(*row)
+    Console().print(table)
+    for concern in found.concerns:
+        print(f"warning: {concern.sentence()}")
+    if not found.concerns:
+        print("no warnings")
+
+
 @app.command(epilog="Examples:  sph plot slide.nc  |  sph plot slide.nc --field speed --time 6 --out slide.pdf")
 def plot(
     file: Trajectory,
