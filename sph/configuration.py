@@ -58,6 +58,8 @@ class FileSection(Section):
         ):
             return keys
         try:
+            if not os.path.isfile(keys["file"]):
+                raise ValueError(f"there is no such file, seen from {Path.cwd()}")
             return {**keys, **cls.read_content(Path(keys["file"]), keys)}
         except (OSError, ValueError) as error:
             reason = error.strerror or error if isinstance(error, OSError) else error

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
@@ -72,7 +71,7 @@ class GroundLine(FileSection, Shape):
             )
         return self
 
-    @cached_property
+    @property
     def _line(self) -> np.ndarray:
         """The ground (n, 2) within the window in the user's coordinates, x increasing."""
         line = np.array(self.points)
@@ -93,7 +92,7 @@ class GroundLine(FileSection, Shape):
         """The user's coordinates of the box's corner below the foot of the slope, m."""
         return float(self._line[0 if self.downhill == "left" else -1, 0]), self.base
 
-    @cached_property
+    @property
     def _ground(self) -> np.ndarray:
         """The ground (n, 2) in the box, m."""
         line: np.ndarray = np.column_stack(self.in_box(*self._line.T))[:: self.direction]
@@ -130,7 +129,7 @@ class GroundLine(FileSection, Shape):
         """Height from toe to crest, m."""
         return self.crest[1] - self.toe[1]
 
-    @cached_property
+    @property
     def _main_slope(self) -> tuple[Point, Point]:
         """Toe and crest: the two points of the ground between which most rise is left after half the mean gradient of the largest
         climb is taken off everywhere, which leaves out gentler ground before and behind and passes over dips and berms."""

@@ -10,21 +10,22 @@ import shapely
 
 from sph.configuration import one_line, read_text
 
+WKT = re.compile(r"(SRID=\d+;)?\s*(MULTI)?(POINT|LINESTRING|LINEARRING|POLYGON|GEOMETRYCOLLECTION)\b", re.IGNORECASE)
 EXPECTED = "expected two numbers, x and elevation in m"
 
 
 def read_line(path: Path) -> list[tuple[float, float]]:
     """Points (x, elevation) of the one line in a file, m.  ValueError names the line or the point, and what is expected there.
 
-    CSV: two columns between commas, semicolons, tabs or blanks; a row of names at the top and lines with '#' are left out; between
-    semicolons and tabs a comma is a decimal one.  GeoJSON (a LineString, alone, in a Feature or in a collection of one) and WKT
-    (LINESTRING): points with two numbers are x and elevation; with three they are easting, northing and elevation, and x is the
-    distance along the line in plan.
+    CSV: two columns between commas, semicolons, tabs or blanks; a row of names at the top and lines with '#' are left out, and
+    between semicolons and tabs a comma is a decimal one.  GeoJSON (a LineString, alone, in a Feature or in a collection of one)
+    and WKT (LINESTRING): points with two numbers are x and elevation; with three they are easting, northing and elevation, and
+    x is the distance along the line in plan.
     """
     text = read_text(path).strip()
     if text.startswith(("{", "[")):
         return _points(text, "GeoJSON")
-    return _points(text, "WKT") if re.match(r"[A-Za-z]+(\s+[A-Za-z]+)?\s*\(", text) or text.upper().endswith("EMPTY") else _table(text)
+    return _points(text, "WKT") if WKT.match(text) else _table(text)
 
 
 def _table(text: str) -> list[tuple[float, float]]:
@@ -39,7 +40,7 @@ def _table(text: str) -> list[tuple[float, float]]:
         try:
             x, y = map(float, words)
         except ValueError as error:
-            if names_allowed and not any(re.search(r"\d", word) for word in words[:1]):
+            if names_allowed and words[0][:1].isalpha():
                 names_allowed = False
                 continue
             raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: {EXPECTED}") from error
@@ -56,7 +57,7 @@ def _points(text: str, form: str) -> list[tuple[float, float]]:
             found = shapely.from_geojson(text) if form == "GeoJSON" else shapely.from_wkt(text)
     except shapely.errors.ShapelyError as error:
         raise ValueError(f"it is not {form} of a line: {one_line(str(error), 200)}") from error
-    lines = shapely.get_parts(shapely.get_parts(found))
+    lines = [part for part in shapely.get_parts(shapely.get_parts(found)) if not part.is_empty]
     if len(lines) != 1 or lines[0].geom_type != "LineString":
         kinds = ", ".join(part.geom_type for part in lines[:5]) or f"an empty {found.geom_type}"
         raise ValueError(f"it holds {kinds}; expected one LineString")

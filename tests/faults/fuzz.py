@@ -77,9 +77,11 @@ BODIES = {
         {"kind": "ring", "centre": [4.0, 2.0], "outer_radius": 1.5, "inner_radius": 0.5},
     ],
 }
+GROUND = {"shape": "ground_line", "points": [[10.0, 102.0], [13.0, 102.0], [16.0, 105.0], [19.0, 105.0]], "base": 100.0}
 SCENES = [
     TINY,
     TINY | {"geometry": SLOPE, "motion": {"kind": "tapered_sine", "start": 0.01, "ramp": 0.0, "decay_start": 0.02, "end": 0.02}},
+    TINY | {"geometry": GROUND, "motion": {"kind": "ricker", "amplitude": 1.0, "frequency": 300.0, "peak": 0.015}},
     TINY
     | {"geometry": BODIES, "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}}, "early_stop": {"window": 0.01}},
     merge(
@@ -286,6 +288,7 @@ def scene(data: Any, folder: Path) -> str:
     with warnings.catch_warnings(), mock.patch("sph.analysis.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
+        call("check", path)
         if loaded.steps(loaded.duration) < MANY:
             motion_of(loaded)
     if columns * rows > FEW or loaded.walls.layers * (columns + rows) > FEW:

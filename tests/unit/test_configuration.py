@@ -142,7 +142,7 @@ def test_content_of_a_file_is_kept_with_the_section(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("content", "message"),
-    [(None, "No such file"), (b"1 x", "could not convert"), (b"1\x00\x00", "not a text file"), (b"1 " * LARGEST_FILE, "larger than")],
+    [(None, "no such file"), (b"1 x", "could not convert"), (b"1\x00\x00", "not a text file"), (b"1 " * LARGEST_FILE, "larger than")],
 )
 def test_a_bad_file_is_named_with_its_key(tmp_path: Path, content: bytes | None, message: str) -> None:
     file = tmp_path / "numbers.txt"

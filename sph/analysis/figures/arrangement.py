@@ -64,8 +64,13 @@ def mark_slope(ax: Axes, geometry: Slope | GroundLine) -> None:
     ax.plot([toe_x, crest_x], [toe_y, crest_y], linestyle="none", marker="^", markersize=5, color="black", zorder=4)
     ax.annotate("toe", (toe_x, toe_y), xytext=(0, -7), textcoords="offset points", ha="center", va="top")
     ax.annotate("crest", (crest_x, crest_y), xytext=(7, 5), textcoords="offset points", ha="left", va="bottom")
-    ax.plot([toe_x, crest_x], [crest_y, crest_y], color=GREY, linewidth=0.4)
-    _dimension(ax, (toe_x, toe_y), (toe_x, crest_y), f"H = {geometry.slope_height:.3g} m")
+    x = toe_x - 0.04 * geometry.width
+    ax.plot([x, crest_x], [crest_y, crest_y], color=GREY, linewidth=0.4)
+    ax.plot([x, toe_x], [toe_y, toe_y], color=GREY, linewidth=0.4)
+    _dimension(ax, (x, toe_y), (x, crest_y), "")
+    middle = (x, 0.5 * (toe_y + crest_y))
+    text = f"H = {geometry.slope_height:.3g} m"
+    ax.annotate(text, middle, xytext=(-5, 0), textcoords="offset points", ha="right", va="center")
 
 
 def draw_box(ax: Axes, scene: Scene) -> None:

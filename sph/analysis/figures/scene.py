@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
@@ -34,7 +34,7 @@ def figure_scene(scene: Scene, particles: Particles, layer: np.ndarray, names: S
     draw_box(ax, scene)
     present = np.unique(layer)
     others = len(names) - 1
-    colours = ListedColormap([SOIL_COLOUR, *(colour_map()(0.15 + 0.5 * number / max(others - 1, 1)) for number in range(others))])
+    colours = ListedColormap([to_rgba(SOIL_COLOUR), *(colour_map()(0.15 + 0.5 * n / max(others - 1, 1)) for n in range(others))])
     _draw_soil(ax, scene, particles, layer, colours, BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)))
     draw_ground(ax, scene)
     if isinstance(scene.geometry, SLOPES):
