@@ -397,6 +397,16 @@ def record(text: str, folder: Path) -> str:
     return "accepted"
 
 
+def survey(text: str, folder: Path) -> str:
+    """Look at a scene whose ground is in a file."""
+    (folder / "ground").write_text(text, encoding="utf-8", errors="surrogateescape")
+    ground = {"shape": "ground_line", "file": "ground", "base": -2000.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        call("check", write(folder / "survey.yaml", TINY | {"geometry": ground, "numerics": TINY["numerics"] | {"spacing": 20.0}}))
+    return "accepted"
+
+
 def line(arguments: list[str], folder: Path) -> str:
     """A command line; searches are answered without simulating."""
     tiny = write(folder / "tiny.yaml", SCENES[1])
@@ -468,9 +478,9 @@ records = st.one_of(
 )
 
 
-def broken(base: Mapping[str, Any]) -> st.SearchStrategy[str]:
-    """A YAML text with a piece cut out and something put in."""
-    whole = yaml.safe_dump(base)
+def broken(base: Mapping[str, Any] | str) -> st.SearchStrategy[str]:
+    """A text, that of a mapping as YAML, with a piece cut out and something put in."""
+    whole = base if isinstance(base, str) else yaml.safe_dump(base)
     inserted = st.one_of(
         st.text(max_size=5),
         st.sampled_from(["&a ", "*a", "<<: ", "!!bool ", "\t", "? ", "- ", "{", "[" * 2000, "'", "|", "%", "2001-99-99"]),
@@ -479,6 +489,12 @@ def broken(base: Mapping[str, Any]) -> st.SearchStrategy[str]:
         lambda cut: whole[: cut[0]] + cut[2] + whole[cut[0] + cut[1] :]
     )
 
+
+surveys = st.one_of(
+    broken("x,y\n120,440\n150,440\n170,465\n200,465\n"),
+    broken("LINESTRING Z (0 0 440, 30 0 440, 50 0 465, 80 0 465)"),
+    broken('{"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[0, 440], [30, 440], [50, 465]]}}'),
+)
 
 EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any]]] = {
     "scene": (
@@ -497,6 +513,7 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
     "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
+    "survey": (9, survey, st.one_of(records, surveys)),
     "line": (10, line, lines.map(list)),
 }
 """Share in per cent, what is done and examples of each kind."""
