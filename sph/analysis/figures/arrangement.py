@@ -32,19 +32,24 @@ def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     if not isinstance(geometry, SLOPES):
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
     reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, -0.22 * geometry.height
-    figure = Figure(figsize=(WIDTH, WIDTH * (top - bottom) / (geometry.width + 2 * reach) + 0.25), layout="constrained")
+    figure = Figure(
+        figsize=(WIDTH, WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.25 if isinstance(geometry, Slope) else 0.9)),
+        layout="constrained",
+    )
     ax = figure.subplots()
     draw_box(ax, scene)
     draw_ground(ax, scene, facecolor=SOIL_COLOUR)
     mark_probes(ax, trajectory, 0)
-    _write_material(ax, scene)
     ax.set_aspect("equal")
     if isinstance(geometry, Slope):
+        place = 0.03 * geometry.width, 1.0 * geometry.height
+        ax.text(*place, "\n".join(_material(scene)), va="top", linespacing=1.5)
         _draw_dimensions(ax, geometry)
         ax.set(xlim=(-reach, geometry.width + reach), ylim=(bottom, top))
         ax.axis("off")
     else:
         mark_slope(ax, geometry)
+        ax.set_title("\n".join(" · ".join(lines) for lines in (_material(scene)[:2], _material(scene)[2:])), loc="left", linespacing=1.5)
         ax.set(xlim=(-reach, geometry.width + reach), ylim=(0.5 * bottom, top), xlabel="horizontal position (m)")
         survey_axes(ax, scene)
     add_note(figure, [scene], fidelity)
@@ -116,16 +121,15 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
     ax.text(toe_x + 0.6 * size, toe_y + 0.05 * size, f"{geometry.slope_angle:g}°", ha="left", va="bottom")
 
 
-def _write_material(ax: Axes, scene: Scene) -> None:
-    """Tables 1 and 2 in a few lines, above the apron."""
+def _material(scene: Scene) -> list[str]:
+    """Tables 1 and 2 in four lines."""
     soil = scene.soil
-    lines = [
+    return [
         f"ρ = {soil.density:g} kg/m³",
         f"E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}",
         f"solid: c = {soil.cohesion:g} kPa, φ = {soil.friction_angle:g}°",
         f"fluid: $S_R$ c, $S_R$ φ, η = {soil.viscosity:g} Pa·s",
     ]
-    ax.text(0.03 * scene.geometry.width, 1.0 * scene.geometry.height, "\n".join(lines), va="top", linespacing=1.5)
 
 
 @styled
