@@ -77,9 +77,10 @@ def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     x = np.clip(x, half, scene.geometry.width - half)
     ground = np.interp(x, *scene.geometry.surface)
     y = np.clip(y, half, np.maximum(ground, half))
+    places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
     index = np.zeros(np.shape(x), int)
     for number, layer in enumerate(scene.layers.values(), 1):
-        index[layer.region.contains(x, y, ground)] = number
+        index[layer.region.contains(*places, ground)] = number
     return index
 
 

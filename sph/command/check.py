@@ -7,7 +7,7 @@ from typing import NamedTuple
 from matplotlib.figure import Figure
 
 from sph.analysis.figures.scene import figure_scene
-from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layer_index, layers_of
+from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of
 from sph.command.info import work
 from sph.geometry import SLOPES
 from sph.particles import Particles, locate_probes, place_particles
@@ -81,6 +81,4 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
 
 def draw(found: Check) -> Figure:
     """The scene as a figure."""
-    n = found.particles.n_soil
-    layer = layer_index(found.scene, found.particles.x[:n], found.particles.y[:n])
-    return figure_scene(found.scene, found.particles, layer, [layer.name for layer in found.layers], found.probes)
+    return figure_scene(found.scene, found.particles, found.probes)

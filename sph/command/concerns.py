@@ -51,17 +51,11 @@ class Layer(NamedTuple):
     thickness: float  # that three quarters of its columns exceed, particles
 
 
-def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Number (n,) of the material at each place (n,) in the box: 0."""
-    return np.zeros(x.size, int)
-
-
 def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
     """The materials with their particles."""
-    x, y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
-    index = layer_index(scene, x, y)
+    x, index = particles.x[: particles.n_soil], particles.layer[: particles.n_soil]
     found = []
-    for number, (name, soil) in enumerate([("soil", scene.soil)]):
+    for number, (name, soil) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
         columns = np.unique(np.round(x[index == number] / scene.numerics.spacing - 0.5), return_counts=True)[1]
         found.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
     return found

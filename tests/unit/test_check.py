@@ -13,7 +13,7 @@ import yaml
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from typer.testing import CliRunner, Result
 
-from sph.analysis.figures.scene import FEW, figure_scene
+from sph.analysis.figures.scene import FEW
 from sph.command.check import check, draw, layer_rows, rows
 from sph.command.cli import REFUSED, app
 from sph.command.concerns import FEWEST_IN_WAVE, Concern, highest_frequency, in_wave
@@ -67,6 +67,8 @@ def test_a_sound_scene_has_no_warning() -> None:
             "geometry.downhill=right",
         ),
         ({"geometry.base": 437.0}, "soil is thin", "numerics.spacing"),
+        ({"layers": {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 5.0}}}}, "clay is thin", "numerics.spacing"),
+        ({"layers": {"clay": {"region": {"kind": "elevation", "top": 400.0}}}}, "clay is thin", "the layer"),
     ],
 )
 def test_a_warning_says_what_is_measured_and_wanted_and_the_key(settings: dict[str, Any], what: str, key: str) -> None:
@@ -125,14 +127,16 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("spacing", [1.0, 0.5])
 def test_the_drawing_shows_the_survey_and_its_layers(spacing: float) -> None:
-    one = check(scene(**{"numerics.spacing": spacing, "numerics.time_step": 1e-4}))
+    clay = {"clay": {"region": {"kind": "elevation", "top": 438.0}}}
+    one = check(scene(**{"numerics.spacing": spacing, "numerics.time_step": 1e-4, "layers": clay}))
     n = one.particles.n_soil
     assert (n > FEW) == (spacing == 0.5), "both ways of drawing"
-    layer = (one.particles.y[:n] > 8.0).astype(int)
-    figure = figure_scene(one.scene, one.particles, layer, ["rock", "clay"], one.probes)
+    layer = one.particles.layer[:n]
+    assert 0 < np.count_nonzero(layer) < n
+    figure = draw(one)
     FigureCanvasAgg(figure).draw()
     texts = "\n".join(text.get_text() for text in figure.findobj(matplotlib.text.Text))
-    for word in ("rock", "clay", "elevation (m)", "toe", "crest", "H = 20 m", "A", "160", "440"):
+    for word in ("soil", "clay", "elevation (m)", "toe", "crest", "H = 20 m", "A", "160", "440"):
         assert word in texts
     ax = figure.axes[0]
     if n > FEW:
@@ -140,7 +144,6 @@ def test_the_drawing_shows_the_survey_and_its_layers(spacing: float) -> None:
         assert (image.count(), image.sum()) == (n, layer.sum())
     else:
         assert np.array_equal(ax.collections[-1].get_array(), layer)
-    assert draw(one).axes
 
 
 def test_axes_of_a_slope_that_falls_to_the_right_decrease() -> None:

@@ -162,3 +162,24 @@ def test_particles_lie_below_the_ground_and_fill_it(points: list[list[float]], s
     area = np.trapezoid(y, x)
     outline = np.hypot(np.diff(x), np.diff(y)).sum() + 2.0 * geometry.height
     assert abs(n * spacing**2 - area) <= spacing * outline
+
+
+@pytest.mark.parametrize("downhill", ["left", "right"])
+def test_layers_lie_in_the_survey(downhill: str) -> None:
+    turned = downhill == "right"
+    points = [[320.0 - x, y] for x, y in SLOPE][::-1] if turned else SLOPE
+    own = scene(points, downhill=downhill).model_dump(mode="json")
+    lens = [[160 if turned else 150, 432], [170 if turned else 160, 432], [170 if turned else 160, 436], [160 if turned else 150, 436]]
+    layers = {
+        "rock": {"region": {"kind": "elevation", "top": 431.0}},
+        "cover": {"region": {"kind": "depth", "bottom": 2.0}},
+        "lens": {"region": {"kind": "polygon", "points": lens}},
+    }
+    particles = place_particles(make_scene(own | {"layers": layers}))
+    x, y = scene(points, downhill=downhill).geometry.in_survey(particles.x, particles.y)
+    soil = particles.kind == 0
+    for number, inside in enumerate(
+        (y < 431.0, np.interp(x, *np.array(points).T) - y < 2.0, (np.abs(x - np.mean(lens, axis=0)[0]) < 5.0) & (np.abs(y - 434.0) < 2.0)),
+        1,
+    ):
+        assert np.array_equal(particles.layer[soil] == number, inside[soil])

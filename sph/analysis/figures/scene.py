@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -24,8 +24,9 @@ SHOWN_WIDTH = 600
 
 
 @styled
-def figure_scene(scene: Scene, particles: Particles, layer: np.ndarray, names: Sequence[str], probes: Mapping[str, int]) -> Figure:
-    """Soil coloured by the material of each soil particle: ``layer`` (n_soil,) holds numbers in ``names``; ``probes`` are particles."""
+def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) -> Figure:
+    """Soil coloured by the layer of each particle, walls, ground, toe and crest; ``probes`` are particles."""
+    layer, names = particles.layer[: particles.n_soil], ("soil", *scene.layers)
     width, height = scene.geometry.width, scene.geometry.height
     thick = scene.walls.layers * scene.numerics.spacing
     reach, below, top = thick + 0.06 * width, thick + 0.03 * height, 1.12 * height
