@@ -178,8 +178,10 @@ def test_layers_lie_in_the_survey(downhill: str) -> None:
     particles = place_particles(make_scene(own | {"layers": layers}))
     x, y = scene(points, downhill=downhill).geometry.in_survey(particles.x, particles.y)
     soil = particles.kind == 0
-    for number, inside in enumerate(
-        (y < 431.0, np.interp(x, *np.array(points).T) - y < 2.0, (np.abs(x - np.mean(lens, axis=0)[0]) < 5.0) & (np.abs(y - 434.0) < 2.0)),
-        1,
-    ):
+    regions = (
+        y < 431.0,
+        np.interp(x, *np.array(points).T) - y < 2.0,
+        (np.abs(x - np.mean(lens, axis=0)[0]) < 5.0) & (np.abs(y - 434.0) < 2.0),
+    )
+    for number, inside in enumerate(regions, 1):
         assert np.array_equal(particles.layer[soil] == number, inside[soil])

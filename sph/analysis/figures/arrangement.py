@@ -67,7 +67,8 @@ def mark_slope(ax: Axes, geometry: Slope | GroundLine) -> None:
     """Toe and crest edge, and the height between them."""
     (toe_x, toe_y), (crest_x, crest_y) = geometry.toe, geometry.crest
     ax.plot([toe_x, crest_x], [toe_y, crest_y], linestyle="none", marker="^", markersize=5, color="black", zorder=4)
-    ax.annotate("toe", (toe_x, toe_y), xytext=(0, -7), textcoords="offset points", ha="center", va="top")
+    halo = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+    ax.annotate("toe", (toe_x, toe_y), xytext=(0, -7), textcoords="offset points", ha="center", va="top", bbox=halo)
     ax.annotate("crest", (crest_x, crest_y), xytext=(7, 5), textcoords="offset points", ha="left", va="bottom")
     x = toe_x - 0.04 * geometry.width
     ax.plot([x, crest_x], [crest_y, crest_y], color=GREY, linewidth=0.4)
