@@ -176,6 +176,13 @@ def scene_files(scene: Any) -> list[str]:
     return sorted({*own, *(file for item in items for file in scene_files(item))})
 
 
+def without_files(scene: Any) -> Any:
+    """A scene's mapping without the names of files, for comparing: it holds their content."""
+    if isinstance(scene, Mapping):
+        return {name: without_files(value) for name, value in scene.items() if name != "file"}
+    return [without_files(item) for item in scene] if isinstance(scene, (list, tuple)) else scene
+
+
 def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
     """First of ``folders`` / ``name`` that exists; ValueError begins with ``where``."""
     for folder in folders:

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
+from sph.configuration import without_files
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
 from sph.guard import likely_cause, trouble
@@ -432,11 +433,11 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
         free += ("motion",)
     if time <= quiet_from(old) + 0.5 * old.numerics.time_step:
         free += ("early_stop",)
-    past, future = _flat(old.model_dump()), _flat(new.model_dump())
+    past, future = (_flat(without_files(scene.model_dump())) for scene in (old, new))
     bad = [
         f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"
         for name in sorted(past.keys() | future.keys())
-        if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free and not name.endswith(".file")
+        if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
     ]
     if bad:
         raise ValueError(f"{path}: cannot go on from this run at {time:g} s, its scene differs in\n  " + "\n  ".join(bad))

@@ -24,6 +24,7 @@ from sph.configuration import (
     read_yaml,
     scene_files,
     validated,
+    without_files,
 )
 
 ALIASES = "a0: &a0 [1, 2]\n" + "".join(f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
@@ -179,3 +180,8 @@ def test_encodings_of_text(tmp_path: Path, encoding: str) -> None:
     file = tmp_path / "numbers.txt"
     file.write_bytes("höhe 1,5\r\n".encode(encoding))
     assert read_text(file).split() == ["höhe", "1,5"]
+
+
+def test_scenes_are_compared_without_the_names_of_files() -> None:
+    one = {"line": {"file": "a.csv", "points": [1, 2]}, "parts": [{"file": "b"}], "name": "file"}
+    assert without_files(one) == {"line": {"points": [1, 2]}, "parts": [{}], "name": "file"}
