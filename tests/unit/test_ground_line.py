@@ -14,6 +14,8 @@ from sph.configuration import merge
 from sph.ground_line import GroundLine
 from sph.particles import locate_probes, place_particles
 from sph.scene import Scene, load_scene, make_scene
+from sph.solver import check_restart
+from sph.stability.standing import FailureRule, slope_height, static_scene
 
 SLOPE = [[120.0, 440.0], [150.0, 440.0], [170.0, 465.0], [200.0, 465.0]]
 
@@ -185,3 +187,18 @@ def test_layers_lie_in_the_survey(downhill: str) -> None:
     )
     for number, inside in enumerate(regions, 1):
         assert np.array_equal(particles.layer[soil] == number, inside[soil])
+
+
+def test_a_run_goes_on_wherever_its_file_lies_but_not_on_other_ground(tmp_path: Path) -> None:
+    for name, top in (("one", 465), ("same", 465), ("other", 460)):
+        (tmp_path / f"{name}.csv").write_text(f"120,440\n150,440\n170,{top}\n200,{top}\n")
+    one, same, other = (scene(file=str(tmp_path / f"{name}.csv")) for name in ("one", "same", "other"))
+    check_restart(one, same, 1.0, False, "gravity.nc")
+    with pytest.raises(ValueError, match=r"geometry\.points"):
+        check_restart(one, other, 1.0, False, "gravity.nc")
+
+
+def test_the_static_test_measures_by_the_height_of_the_main_slope() -> None:
+    valley = scene([[80, 470], [120, 440], [150, 440], [170, 465], [200, 465]])
+    assert slope_height(valley) == 25.0
+    assert static_scene(valley, FailureRule()).geometry == valley.geometry
