@@ -408,10 +408,10 @@ def record(text: str, folder: Path) -> str:
 def survey(text: str, folder: Path) -> str:
     """Look at a scene whose ground is in a file."""
     (folder / "ground").write_text(text, encoding="utf-8", errors="surrogateescape")
-    ground = {"shape": "ground_line", "file": "ground", "base": -2000.0}
+    ground = {"shape": "ground_line", "file": "ground", "base": -1100.0}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        call("check", write(folder / "survey.yaml", TINY | {"geometry": ground, "numerics": TINY["numerics"] | {"spacing": 20.0}}))
+        call("check", write(folder / "survey.yaml", TINY | {"geometry": ground, "numerics": TINY["numerics"] | {"spacing": 5.0}}))
     return "accepted"
 
 
@@ -521,7 +521,7 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
     "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
-    "survey": (9, survey, st.one_of(records, surveys)),
+    "survey": (9, survey, st.one_of(surveys, rising, records)),
     "line": (10, line, lines.map(list)),
 }
 """Share in per cent, what is done and examples of each kind."""
