@@ -170,7 +170,7 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
 
 
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
-    """The scene a trajectory was run with."""
+    """The scene a trajectory was run with; ValueError where its attribute ``scene`` cannot be read or is refused."""
     try:
         data = json.loads(ds.attrs["scene"])
     except (TypeError, ValueError) as error:
