@@ -159,7 +159,7 @@ def read_scene(path: Path | str) -> dict[str, Any]:
 def _located(part: Any, folder: Path) -> Any:
     if isinstance(part, list):
         return [_located(item, folder) for item in part]
-    if not isinstance(part, Mapping):
+    if not isinstance(part, Mapping) or _holds_content(part):
         return part
     part = {name: _located(item, folder) for name, item in part.items()}
     file = part.get("file")
@@ -169,8 +169,14 @@ def _located(part: Any, folder: Path) -> Any:
     return part
 
 
+def _holds_content(section: Mapping[str, Any]) -> bool:
+    return any(section.get(name) is not None for name in CONTENT_KEYS)
+
+
 def scene_files(scene: Any) -> list[str]:
-    """Files that a scene's mapping names in its sections, for the inputs of a workflow's rule."""
+    """Files that the sections of a scene's mapping are read from, for the inputs of a workflow's rule; none where content is given."""
+    if isinstance(scene, Mapping) and _holds_content(scene):
+        return []
     items = scene.values() if isinstance(scene, Mapping) else scene if isinstance(scene, (list, tuple)) else ()
     own = [scene["file"]] if isinstance(scene, Mapping) and isinstance(scene.get("file"), str) else []
     return sorted({*own, *(file for item in items for file in scene_files(item))})
@@ -198,8 +204,7 @@ def merge(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, An
     the place of content that stood beside it, and content that of a file.
     """
     merged = dict(base)
-    given = [name for name in CONTENT_KEYS if overrides.get(name) is not None]
-    for name in CONTENT_KEYS if overrides.get("file") is not None else ("file",) if given else ():
+    for name in CONTENT_KEYS if overrides.get("file") is not None else ("file",) if _holds_content(overrides) else ():
         merged.pop(name, None)
     for name, value in overrides.items():
         old = merged.get(name)

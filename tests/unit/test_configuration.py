@@ -170,7 +170,7 @@ def test_files_lie_beside_the_scene_or_in_the_working_folder(tmp_path: Path, mon
     monkeypatch.chdir(tmp_path)
     data = read_scene(scene)
     assert data == {"one": {"file": "scenes/beside.txt"}, "parts": [{"file": "work/here.txt"}], "other": {"file": "nowhere.txt"}}
-    assert scene_files(data) == ["nowhere.txt", "scenes/beside.txt", "work/here.txt"]
+    assert scene_files(data | {"stored": {"file": "gone.txt", "points": [1, 2]}}) == ["nowhere.txt", "scenes/beside.txt", "work/here.txt"]
     monkeypatch.chdir(tmp_path / "work")
     assert read_scene("../scenes/scene.yaml")["one"] == {"file": (tmp_path / "scenes" / "beside.txt").as_posix()}
 
