@@ -7,6 +7,7 @@ from snakemake.utils import Paramspace, min_version
 
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
+from sph.ground_motion.record import record_files
 
 min_version("9.18")
 
@@ -23,7 +24,11 @@ RUN = f"{{folder}}/runs/{GRID.wildcard_pattern}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
-SOLVER = sorted(str(path) for path in Path(workflow.basedir, "sph").glob("*.py"))
+SOLVER = sorted(
+    str(path)
+    for pattern in ("*.py", "ground_motion/*.py")
+    for path in Path(workflow.basedir, "sph").glob(pattern)
+)
 SEARCHING = SOLVER + sorted(
     str(path) for path in Path(workflow.basedir, "sph", "stability").glob("*.py")
 )

@@ -21,6 +21,7 @@ from pydantic import Field, field_validator, model_validator
 from sph.configuration import Section, key, merge, read_yaml, validated
 from sph.geometry import Geometry, Point
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.ground_motion.record import Record, located, processed
 from sph.motion import Motion, NoMotion, Ricker
 from sph.numerics import Numerics
 from sph.soil import Coupling, Soil
@@ -33,7 +34,7 @@ MOST_PAIRS = 1_000_000_000
 """Most pairs of neighbours, whose lists take some 30 bytes each."""
 
 MOST_STEPS = 20_000_000
-"""Most time steps of a run; the loads of every step are kept, 32 bytes each."""
+"""Most time steps of a run; the loads of every step are kept, 40 bytes each."""
 
 MOST_SAMPLES = 1_000_000
 """Most samples of the series of a run."""
@@ -143,6 +144,8 @@ class Scene(Section):
         if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
+        if isinstance(self.motion, Record):
+            self._check_record(self.motion)
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
@@ -205,6 +208,14 @@ class Scene(Section):
                 f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
             )
 
+    def _check_record(self, record: Record) -> None:
+        interval = float(processed(record).time[1])
+        if self.numerics.time_step > interval * (1 + 1e-6):
+            raise ValueError(
+                f"numerics.time_step: {self.numerics.time_step:g} s would skip samples of motion, a record every {interval:.6g} s; "
+                "choose a shorter step, or a longer motion.resample.interval"
+            )
+
     def _check_walls(self) -> None:
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
         slip = {"base": "free_slip" in (walls.base, walls.top), "sides": walls.sides == "free_slip"}
@@ -249,6 +260,11 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     return validated(Scene, data, origin)
 
 
+def read_scene(path: Path | str) -> dict[str, Any]:
+    """Mapping in a scene file, not validated yet; a record in the file's folder is named by its whole path."""
+    return located(read_yaml(path), Path(path).parent)
+
+
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
     """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
-    return make_scene(merge(read_yaml(path), overrides or {}), str(path))
+    return make_scene(merge(read_scene(path), overrides or {}), str(path))

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
+from sph.configuration import one_line
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
 from sph.guard import likely_cause, trouble
@@ -288,6 +289,7 @@ class Run:
             "probe_velocity_x": state.vx[at],
             "probe_velocity_y": state.vy[at],
             "ground_acceleration": self.loading.ground[self.step * self.substeps],
+            "ground_acceleration_y": self.loading.vertical[self.step * self.substeps],
             "kinetic_energy": 0.5 * float(self.particles.mass[soil] @ speed_square),
             "elastic_energy": elastic + work[REPULSION],
             "potential_energy": -work[GRAVITY],
@@ -432,7 +434,7 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
         free += ("early_stop",)
     past, future = _flat(old.model_dump()), _flat(new.model_dump())
     bad = [
-        f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"
+        one_line(f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene")
         for name in sorted(past.keys() | future.keys())
         if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
     ]

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 SPH = Path(__file__).resolve().parents[1] / "sph"
+SOLVER = ("sph.analysis", "sph.stability", "sph.command", "sph.page", "snakemake")
 FORBIDDEN = {
-    "": ("sph.analysis", "sph.stability", "sph.command", "sph.page", "snakemake"),
+    "": SOLVER,
+    "ground_motion": SOLVER,
     "stability": ("sph.analysis", "sph.command", "sph.page", "snakemake"),
     "analysis": ("sph.validation", "sph.command", "sph.page", "snakemake"),
     "validation": ("sph.command", "sph.page", "snakemake"),

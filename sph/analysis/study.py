@@ -19,7 +19,8 @@ from pydantic import BeforeValidator, Field, model_validator
 from sph.analysis.claims import ClaimSettings
 from sph.analysis.metrics import GRID, MetricSettings
 from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
-from sph.scene import Scene, make_scene
+from sph.ground_motion.record import record_files
+from sph.scene import Scene, make_scene, read_scene
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
 GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
@@ -159,6 +160,11 @@ class Plan:
         """Scene with some of S_R, gamma and amplitude set, as a mapping."""
         return merge(self._base, dotted({GRID_KEYS[name]: float(value) for name, value in point.items()}))
 
+    @property
+    def records(self) -> list[str]:
+        """Files of the recorded motion that the runs read."""
+        return record_files(self._base)
+
     def validate(self) -> None:
         """Build every scene; ValueError with file and key for the first that is refused."""
         for name, overrides in self.study.fidelities.items():
@@ -189,6 +195,6 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
     data = config if isinstance(config, Mapping) else read_yaml(config)
     study = validated(Study, data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
-    plan = Plan(study, read_yaml(scene), str(scene))
+    plan = Plan(study, read_scene(scene), str(scene))
     plan.validate()
     return plan

@@ -395,6 +395,46 @@ def newmark(
     print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
+@app.command(
+    epilog="Examples:  sph motion RSN6_ELC180.AT2 --plot elcentro.png  |  sph motion record.csv --unit g  |  "
+    "sph motion slope.yaml --set motion.amplitude=3.5 --plot motion.pdf"
+)
+def motion(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS .UD ..., .smc, .csv), scene (YAML) or trajectory (netCDF)")
+    ],
+    set_: Settings = None,
+    unit: Annotated[str | None, typer.Option(help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="PICTURE", help="picture of histories and response spectrum (.png, .pdf, .svg)"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+) -> None:
+    """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
+    from sph.command.motion import measures, read_shaking, rows
+
+    with refusals():
+        if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
+            raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
+        if out is not None:
+            check_writable(out, "--plot")
+        shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
+        found = measures(shaking)
+        if out is not None:
+            from sph.analysis.figures.ground_motion import figure_ground_motion
+            from sph.analysis.figures.style import save
+
+            save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
+    if as_json:
+        print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
+        return
+    table = Table("", *found)
+    for row in rows(found):
+        table.add_row(*row)
+    Console().print(table)
+
+
 @app.command(epilog="Example:  sph reference scene > keys.md")
 def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, presets, ...")]) -> None:
     """Print a table of keys, variables or measured results (Markdown)."""
