@@ -23,7 +23,7 @@ def read_knet(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, .
     """Time (n,) in s from 0 on and acceleration (n,) in m/s2; ValueError with file and line, where there is one."""
     lines = [line.rstrip() for line in read_lines(path)]
     if len(lines) <= HEAD or not lines[0].startswith("Origin Time") or not lines[HEAD - 1].startswith("Memo"):
-        raise ValueError(f"{path}: must begin with the {HEAD} lines of a K-NET head, 'Origin Time' to 'Memo.'")
+        raise ValueError(f"{path}, lines 1-{HEAD}: must be a K-NET head, 'Origin Time' to 'Memo.'")
     for index in range(HEAD, len(lines)):
         if None in map(number, lines[index].split()):
             raise ValueError(f"{path}, line {index + 1}: must be numbers (found {lines[index][:80]!r})")

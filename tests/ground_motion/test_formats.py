@@ -112,14 +112,14 @@ BAD = [
     (*replaced("a.csv", "0.02,", "0.01,"), ("line 4", "greater than 0.01 s")),
     (*replaced("a.csv", "0.02,", "nan,"), ("line 4", "two finite numbers")),
     ("names.csv", "t,ax (g),ay (g)\n0,1\n1,1\n", ("line 1", "names 3 columns", "have 2")),
-    (*replaced("a.EW", "Origin Time", "Origin"), ("17 lines", "'Origin Time' to 'Memo.'")),
-    (*replaced("a.EW", "Memo.", "Nemo."), ("17 lines", "Memo")),
+    (*replaced("a.EW", "Origin Time", "Origin"), ("lines 1-17", "'Origin Time' to 'Memo.'")),
+    (*replaced("a.EW", "Memo.", "Nemo."), ("lines 1-17", "Memo")),
     (*replaced("a.EW", "Time(s)  10", "Time(s)  60"), ("6,000 samples", "lines 11 and 12", "holds 1,000")),
     (*replaced("a.EW", "100Hz", "fast"), ("lines 1-17", "no K-NET head")),
     (*replaced("a.EW", "2000(gal)/8388608", "2000(gal)/0"), ("K-NET head",)),
     (*replaced("a.EW", "2000(gal)", "0(gal)"), ("line 14", "scale factor")),
     (*replaced("a.EW", "     1234", "    12c34"), ("line 18", "must be numbers")),
-    ("empty.EW", "", ("17 lines",)),
+    ("empty.EW", "", ("lines 1-17",)),
 ]
 
 
