@@ -377,7 +377,7 @@ def advise(
     epilog="Examples:  sph newmark config/scenes/paper.yaml --ay 0.25g  |  sph newmark record.csv --ay 2.5 --scale-to 0.6g --upslope 8"
 )
 def newmark(
-    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (CSV): time in s, acceleration in m/s2")],
+    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (.AT2, .EW .NS ..., .smc, .csv)")],
     ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration, 2.5 (m/s2) or 0.25g")],
     upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,

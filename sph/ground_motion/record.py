@@ -188,7 +188,7 @@ def _identity(name: str) -> tuple[str, int, int]:
 def located(scene: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """A scene's mapping with the files of its record as whole paths where they lie in a folder, so that any process finds them."""
     motion = scene.get("motion")
-    if not isinstance(motion, Mapping):
+    if not isinstance(motion, Mapping) or motion.get("data") is not None:
         return dict(scene)
     vertical = motion.get("vertical")
     found = _found(motion, folder) | ({"vertical": {**vertical, **_found(vertical, folder)}} if isinstance(vertical, Mapping) else {})

@@ -19,6 +19,7 @@ from sph.configuration import merge
 from sph.ground_motion import motion_of, read_motion
 from sph.ground_motion.record import processed, record_files
 from sph.loading import make_loading
+from sph.page.tables import key_rows
 from sph.scene import Scene, load_scene, make_scene, read_scene
 
 INTERVAL = 0.005
@@ -67,6 +68,18 @@ def test_a_validated_scene_needs_no_file(records: Path) -> None:
     assert again == scene == Scene.model_validate_json(text)
     for one, other in zip(make_loading(scene), make_loading(again), strict=True):
         np.testing.assert_array_equal(one, other)
+
+
+def test_a_scene_with_samples_names_no_folder(records: Path) -> None:
+    # A validated scene in a file beside a record of the name: what it holds counts.
+    path = written(records)
+    scene = load_scene(path)
+    (records / "h.AT2").write_text(at2(9.0 * BURST, INTERVAL))
+    path.write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    assert load_scene(path) == scene
+    assert str(records) not in load_scene(path).model_dump_json()
+    key, text, *_ = next(row for row in key_rows(scene) if row[0] == "motion.data.x")
+    assert text == "400 numbers", "the page counts the samples"
 
 
 def test_a_record_that_has_changed_is_read_again(records: Path) -> None:
