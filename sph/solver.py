@@ -382,6 +382,9 @@ class Run:
         for store in (self._frames, self._series):
             for name in store:
                 store[name] = list(old[name].values)
+        # The last sample's kick is still to come, under this scene's motion, which may not be that of the gravity stage.
+        self._series["ground_acceleration"][-1] = self.loading.ground[self.step * self.substeps]
+        self._series["ground_acceleration_y"][-1] = self.loading.vertical[self.step * self.substeps]
         if old.attrs["status"] == "diverged":
             self.ended = ("diverged", str(old.attrs["status_reason"]))
         self.earlier_wall_time = float(old.attrs["wall_time_s"])

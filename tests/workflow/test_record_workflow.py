@@ -36,7 +36,7 @@ def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     changes: dict[str, Any] = {"motion": motion, "duration": DURATION, "gravity": {"ramp": 0.2, "duration": 0.5}}
     (folder / "scenes" / "slope.yaml").write_text(yaml.safe_dump(SLOPE | changes))
     (folder / "study.yaml").write_text(yaml.safe_dump(STUDY | {"scene": "scenes/slope.yaml"}))
-    result = snakemake(folder, "--cores", "1", "--configfile", str(folder / "study.yaml"), *RUNS)
+    result = snakemake(folder, *RUNS, "--cores", "1", "--configfile", str(folder / "study.yaml"))
     assert result.returncode == 0, result.stderr
     return folder
 
@@ -51,7 +51,7 @@ def test_the_amplitude_scales_both_components(shaken: Path) -> None:
 
 
 def test_a_record_that_has_changed_runs_again(shaken: Path) -> None:
-    arguments = ("--configfile", str(shaken / "study.yaml"), *RUNS)
+    arguments = (*RUNS, "--configfile", str(shaken / "study.yaml"))
     assert planned_jobs(shaken, *arguments) == {}
     write_record(shaken / "scenes" / "record.csv", 2.0)
     assert planned_jobs(shaken, *arguments) == {"gravity": 1, "trunk": 2, "simulate": 2}
