@@ -26,7 +26,7 @@ def key(text: str, unit: str = "-", source: str = "ours", **constraints: Any) ->
     return Field(description=text, json_schema_extra={"unit": unit, "source": source}, **constraints)
 
 
-CONTENT_KEYS = ("points", "samples")
+CONTENT_KEYS = ("points", "data")
 """Keys whose values may stand in a file instead, named by the key ``file`` beside them."""
 
 

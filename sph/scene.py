@@ -21,6 +21,7 @@ from pydantic import Field, field_validator, model_validator
 from sph.configuration import Section, key, merge, read_scene, validated
 from sph.geometry import Geometry
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.ground_motion.record import Record, processed
 from sph.layers import Layer
 from sph.motion import Motion, NoMotion, Ricker
 from sph.numerics import Numerics
@@ -35,7 +36,7 @@ MOST_PAIRS = 1_000_000_000
 """Most pairs of neighbours, whose lists take some 30 bytes each."""
 
 MOST_STEPS = 20_000_000
-"""Most time steps of a run; the loads of every step are kept, 32 bytes each."""
+"""Most time steps of a run; the loads of every step are kept, 40 bytes each."""
 
 MOST_SAMPLES = 1_000_000
 """Most samples of the series of a run."""
@@ -164,6 +165,8 @@ class Scene(Section):
         if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
+        if isinstance(self.motion, Record):
+            self._check_record(self.motion)
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
@@ -224,6 +227,14 @@ class Scene(Section):
             raise ValueError(
                 f"outputs.frame_interval: {outputs.frame_interval} s stores {particles:,} particles more than {MOST_STORED:,} times in "
                 f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
+            )
+
+    def _check_record(self, record: Record) -> None:
+        interval = float(processed(record).time[1])
+        if self.numerics.time_step > interval * (1 + 1e-6):
+            raise ValueError(
+                f"numerics.time_step: {self.numerics.time_step:g} s would skip samples of motion, a record every {interval:.6g} s; "
+                "choose a shorter step, or a longer motion.resample.interval"
             )
 
     def _check_walls(self) -> None:

@@ -420,7 +420,7 @@ def advise(
     epilog="Examples:  sph newmark config/scenes/paper.yaml --ay 0.25g  |  sph newmark record.csv --ay 2.5 --scale-to 0.6g --upslope 8"
 )
 def newmark(
-    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (CSV): time in s, acceleration in m/s2")],
+    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (.AT2, .EW .NS ..., .smc, .csv)")],
     ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration, 2.5 (m/s2) or 0.25g")],
     upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
@@ -436,6 +436,46 @@ def newmark(
         peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
         answer = slide(motion, parse_settings(set_), down, up, peak)
     print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
+
+
+@app.command(
+    epilog="Examples:  sph motion RSN6_ELC180.AT2 --plot elcentro.png  |  sph motion record.csv --unit g  |  "
+    "sph motion slope.yaml --set motion.amplitude=3.5 --plot motion.pdf"
+)
+def motion(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS .UD ..., .smc, .csv), scene (YAML) or trajectory (netCDF)")
+    ],
+    set_: Settings = None,
+    unit: Annotated[str | None, typer.Option(help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="PICTURE", help="picture of histories and response spectrum (.png, .pdf, .svg)"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+) -> None:
+    """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
+    from sph.command.motion import measures, read_shaking, rows
+
+    with refusals():
+        if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
+            raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
+        if out is not None:
+            check_writable(out, "--plot")
+        shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
+        found = measures(shaking)
+        if out is not None:
+            from sph.analysis.figures.ground_motion import figure_ground_motion
+            from sph.analysis.figures.style import save
+
+            save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
+    if as_json:
+        print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
+        return
+    table = Table("", *found)
+    for row in rows(found):
+        table.add_row(*row)
+    Console().print(table)
 
 
 @app.command(epilog="Example:  sph reference scene > keys.md")

@@ -91,6 +91,20 @@ SCENES = [
         }
     },
     TINY
+    | {
+        "motion": {
+            "kind": "record",
+            "start": 0.01,
+            "amplitude": 2.0,
+            "vertical": {"factor": 0.5},
+            "baseline": {},
+            "band_pass": {"low": 1.0, "high": 20.0},
+            "trim": {"taper": 0.01},
+            "resample": {"interval": 0.02},
+            "data": {"interval": 0.01, "x": [0.0, 1.0, -2.0, 1.0, 0.5, 0.0], "y": [0.0, 1.0, 0.0, -1.0, 0.0, 0.0]},
+        }
+    },
+    TINY
     | {"geometry": BODIES, "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}}, "early_stop": {"window": 0.01}},
     merge(
         TINY,
@@ -188,6 +202,7 @@ WORDS = {name for model in MODELS.values() for path, _ in keys(model) for name i
 READING = (
     "--",
     ", line ",
+    ", lines ",
     "cannot be read",
     "must hold a mapping",
     "Keys should be strings",
@@ -394,13 +409,14 @@ def _stays(path: str, folder: str) -> None:
     assert all(0 < len(part.encode()) <= 250 for part in whole.parts) and path.isprintable(), f"{path[:80]} is no file name"
 
 
-def record(text: str, folder: Path) -> str:
-    """Slide a block on a record."""
-    path = folder / "record.csv"
+def record(example: tuple[str, str], folder: Path) -> str:
+    """Slide a block on a record, and measure it."""
+    ending, text = example
+    path = folder / f"record.{ending}"
     path.write_text(text, encoding="utf-8", errors="surrogateescape")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        shown = call("newmark", path, "--ay", "0.1", "--upslope", "0.3", "--json")
+        shown = call("newmark", path, "--ay", "0.1", "--upslope", "0.3", "--json") + call("motion", path, "--json")
     assert "NaN" not in shown and "Infinity" not in shown, shown
     return "accepted"
 
@@ -478,7 +494,33 @@ cells = st.one_of(st.floats(-1e3, 1e3).map(str), st.sampled_from(list(map(text, 
 rising = st.lists(st.tuples(st.floats(1e-9, 10.0), st.floats(-1e3, 1e3)), min_size=2, max_size=20).map(
     lambda rows: "\n".join(f"{t},{a}" for t, a in zip(np.cumsum([row[0] for row in rows]).tolist(), [row[1] for row in rows], strict=True))
 )
-records = st.one_of(
+PEER = "A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 7, DT= .01 SEC\n .1E-1 -.2E-1 .3E+0 -.1E-5 0.0\n .1E-1 -.2E-1\n"
+SMC = "\n".join(
+    ["2 CORRECTED ACCELEROGRAM", *["*"] * 10]
+    + [f"{0:10d}" * 7 + f"{1:10d}" if line == 1 else f"{4 if line == 2 else 0:10d}" + f"{0:10d}" * 7 for line in range(6)]
+    + ["".join(f"{100.0 if line == 0 and at == 1 else 0.0:15.7E}" for at in range(5)) for line in range(10)]
+    + ["| comment", "   -1.0000   20.0000  -30.00001000.00000"]
+)
+KNET = """Origin Time       2000/01/01 00:00:00
+Lat.              38.920
+Long.             140.630
+Depth. (km)       7
+Mag.              5.9
+Station Code      AKT013
+Station Lat.      39.6069
+Station Long.     140.3213
+Station Height(m) 34
+Record Time       2000/01/01 00:00:39
+Sampling Freq(Hz) 4Hz
+Duration Time(s)  1
+Dir.              E-W
+Scale Factor      2000(gal)/8388608
+Max. Acc. (gal)   4.383
+Last Correction   2000/01/01 00:00:00
+Memo.
+   1800000  -1700000    10000         0
+"""
+comma_separated = st.one_of(
     rising,
     st.lists(st.lists(cells, min_size=1, max_size=3).map(",".join), max_size=6).map("\n".join),
     st.lists(st.tuples(st.floats(), st.floats()).map(lambda row: f"{row[0]},{row[1]}"), min_size=2, max_size=5).map("\n".join),
@@ -504,6 +546,10 @@ surveys = st.one_of(
     broken('{"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[0, 440], [30, 440], [50, 465]]}}'),
 )
 
+records = st.one_of(
+    st.tuples(st.just("csv"), comma_separated),
+    *(st.tuples(st.just(ending), st.one_of(st.just(text), broken(text))) for ending, text in (("at2", PEER), ("smc", SMC), ("EW", KNET))),
+)
 EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any]]] = {
     "scene": (
         50,
@@ -521,7 +567,7 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
     "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
-    "survey": (9, survey, st.one_of(surveys, rising, records)),
+    "survey": (9, survey, st.one_of(surveys, comma_separated)),
     "line": (10, line, lines.map(list)),
 }
 """Share in per cent, what is done and examples of each kind."""

@@ -1,5 +1,5 @@
 # Purpose: simulate every point of the grid, work that points share done once.
-# Inputs:  the scene; the solver's sources.
+# Inputs:  the scene, with the files of a recorded motion; the solver's sources.
 # Outputs: stages/gravity.nc, stages/amplitude-*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
 
 

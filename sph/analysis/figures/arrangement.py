@@ -14,7 +14,7 @@ from sph.analysis.figures.profile import mark_probes, stack_of_profiles, surface
 from sph.analysis.figures.style import GREY, WIDTH, add_note, styled
 from sph.geometry import SLOPES, Slope
 from sph.ground_line import GroundLine
-from sph.motion import NoMotion
+from sph.motion import NoMotion, reference_amplitude
 from sph.scene import Scene
 from sph.trajectory import scene_of
 
@@ -146,7 +146,7 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     ax.plot(trajectory["sample_time"].values, trajectory["ground_acceleration"].values, color="black", linewidth=0.9)
     shade_shaking(ax, scene)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
-    peak = 1.0 if isinstance(scene.motion, NoMotion) else abs(scene.motion.amplitude) or 1.0
+    peak = abs(reference_amplitude(scene.motion)) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     _name_stages(ax, scene)
     add_note(figure, [scene], fidelity)
