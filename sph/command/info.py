@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sph.analysis.advice import expected_sentence
+from sph.ground_motion.record import Record
 from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
@@ -73,6 +74,8 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
 def warnings(scene: Scene) -> list[str]:
     """What a user should know before trusting a scene's numbers."""
     found = []
+    if isinstance(scene.motion, Record) and scene.motion.end > scene.duration:
+        found.append(f"motion: the record goes on until {scene.motion.end:.4g} s, the scene ends before, at duration: {scene.duration:g} s")
     walled = (scene.walls.base, scene.walls.top) != ("none", "none") or scene.walls.sides in ("sticky", "free_slip")
     if walled and scene.walls.layers < scene.layers_filling_support:
         found.append(
