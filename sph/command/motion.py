@@ -44,9 +44,8 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
     parts = math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9)
     loading = make_loading(scene, parts)
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-    return Shaking(
-        scene.name, scene.numerics.time_step / parts, components, [line for line in warnings(scene) if line.startswith("motion")]
-    )
+    heed = tuple(line for line in warnings(scene) if line.startswith("motion"))
+    return Shaking(scene.name, scene.numerics.time_step / parts, components, heed)
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:
