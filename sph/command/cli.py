@@ -469,6 +469,8 @@ def motion(
             from sph.analysis.figures.style import save
 
             save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
+    for warning in shaking.warnings:
+        say(warning)
     if as_json:
         print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
         return

@@ -82,7 +82,8 @@ def concerns(scene: Scene, particles: Particles) -> list[Concern]:
         [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
-        + _times(scene)
+        + cut_off(scene)
+        + _step(scene)
     )
 
 
@@ -152,16 +153,20 @@ def thin_box(scene: Scene) -> list[Concern]:
     return []
 
 
-def _times(scene: Scene) -> list[Concern]:
-    found = []
-    if not isinstance(scene.motion, NoMotion) and scene.motion.end > scene.duration:
-        end = f"{scene.motion.end:g} s"
-        found.append(Concern("the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}"))
+def cut_off(scene: Scene) -> list[Concern]:
+    """Whether the run ends before the motion."""
+    if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
+        return []
+    end = f"{scene.motion.end:.4g} s"
+    return [Concern("the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}")]
+
+
+def _step(scene: Scene) -> list[Concern]:
     smallest = min(limits(scene), key=lambda limit: limit.seconds)
     step = scene.numerics.time_step
-    if scene.numerics.adaptive_step is None and step > SHARE_OF_LIMIT * smallest.seconds:
-        wanted = f"at most {SHARE_OF_LIMIT * smallest.seconds:.2g} s, {SHARE_OF_LIMIT:g} of the limit ({smallest.name})"
-        found.append(
-            Concern("the time step is near its limit or above", f"{step:.3g} s", wanted, "numerics.time_step, or numerics.adaptive_step={}")
-        )
-    return found
+    if scene.numerics.adaptive_step is not None or step <= SHARE_OF_LIMIT * smallest.seconds:
+        return []
+    wanted = f"at most {SHARE_OF_LIMIT * smallest.seconds:.2g} s, {SHARE_OF_LIMIT:g} of the limit ({smallest.name})"
+    return [
+        Concern("the time step is near its limit or above", f"{step:.3g} s", wanted, "numerics.time_step, or numerics.adaptive_step={}")
+    ]

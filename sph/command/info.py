@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sph.analysis.advice import expected_sentence
-from sph.command.concerns import thin_box
+from sph.command.concerns import cut_off, thin_box
 from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
@@ -81,7 +81,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
-    rows += [("warning", concern.sentence()) for concern in thin_box(scene)]
+    rows += [("warning", concern.sentence()) for concern in thin_box(scene) + cut_off(scene)]
     rows.append(("expected error", expected_sentence(scene)))
     rows.append(("estimated cost", f"{cost:.0f} s on one core ({n * steps / 1e6:.0f} M particle-steps)"))
     return rows

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.command.concerns import cut_off
 from sph.command.repeat import given_scene
 from sph.gravity import GRAVITY
 from sph.ground_motion import LONGEST_INTERVAL, RECORDS
@@ -24,6 +25,7 @@ class Shaking(NamedTuple):
     name: str
     interval: float  # s
     components: dict[str, np.ndarray]  # each (n,) m/s2
+    warnings: tuple[str, ...] = ()  # what a user of the scene should know
 
 
 def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) -> Shaking:
@@ -42,7 +44,8 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
     parts = math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9)
     loading = make_loading(scene, parts)
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-    return Shaking(scene.name, scene.numerics.time_step / parts, components)
+    heed = tuple(concern.sentence() for concern in cut_off(scene))
+    return Shaking(scene.name, scene.numerics.time_step / parts, components, heed)
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:

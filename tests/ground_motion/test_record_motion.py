@@ -13,6 +13,7 @@ from record_files import at2, knet
 from small_scenes import SLOPE
 from typer.testing import CliRunner
 
+from sph.analysis.baseline import newmark_amplitude
 from sph.analysis.study import load_study
 from sph.command.cli import app
 from sph.configuration import merge, read_scene, scene_files
@@ -21,6 +22,7 @@ from sph.ground_motion.record import processed
 from sph.loading import make_loading
 from sph.page.tables import key_rows
 from sph.scene import Scene, load_scene, make_scene
+from sph.stability.newmark import sliding_block
 
 INTERVAL = 0.005
 TIME = np.arange(400) * INTERVAL
@@ -219,6 +221,8 @@ def test_the_command_measures_a_record_and_what_a_scene_makes_of_it(records: Pat
     shown = motion(scene, "--plot", records / "m.png")
     assert shown.exit_code == 0 and "Arias" in shown.stdout and (records / "m.png").stat().st_size > 10_000
     assert read_motion(scene).peak == pytest.approx(np.abs(BURST).max())
+    assert shown.stderr == ""
+    assert "wanted more than 2.995 s" in motion(scene, "--set", "duration=2.5").stderr, "a record that the scene cuts off"
 
 
 def test_what_the_command_refuses(records: Path) -> None:
@@ -239,3 +243,12 @@ def test_what_the_command_refuses(records: Path) -> None:
         result = motion(*arguments)
         assert result.exit_code == 2 and word in result.stderr, result.output
     assert motion(plain, "--unit", "g").exit_code == 0 and motion(still).exit_code == 0
+
+
+def test_the_sliding_blocks_amplitude_is_that_of_the_record(records: Path) -> None:
+    # The amplitude at which the block slips by 5 cm does not depend on how large the record is, nor its sign on the factor's size.
+    path = written(records)
+    wanted = newmark_amplitude(load_scene(path), 1.0, 0.05)
+    assert newmark_amplitude(load_scene(path, {"motion": {"amplitude": 8.0}}), 1.0, 0.05) == pytest.approx(wanted, rel=1e-4)
+    block = read_motion(path, {"motion": {"amplitude": wanted}})
+    assert sliding_block(block.time, block.acceleration, 1.0).permanent == pytest.approx(0.05, rel=1e-3)

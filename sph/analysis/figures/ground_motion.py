@@ -12,6 +12,8 @@ from sph.ground_motion.measures import arias_share
 from sph.ground_motion.processing import integral
 from sph.ground_motion.spectrum import DAMPING, PERIODS, pseudo_acceleration
 
+LEAST_RANGE = 30.0
+"""Least ratio of the ends of the axis of a spectrum."""
 LABELS = ("acceleration\n(m/s²)", "velocity\n(m/s)", "displacement\n(m)", "share of Arias\nintensity (%)")
 
 
@@ -42,6 +44,9 @@ def figure_ground_motion(components: Mapping[str, np.ndarray], interval: float, 
     axes["spectrum"].set_xlim(PERIODS[0], PERIODS[-1])
     for axis in (axes["spectrum"].xaxis, axes["spectrum"].yaxis):
         axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter("")
+    bottom, top = axes["spectrum"].get_ylim()
+    axes["spectrum"].set_ylim(min(bottom, top / LEAST_RANGE), top)
     axes["spectrum"].grid(which="both", color="0.9", linewidth=0.4)
     if len(components) > 1:
         axes["spectrum"].legend(loc="lower left")
