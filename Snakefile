@@ -9,6 +9,7 @@ from snakemake.utils import Paramspace, min_version
 import sph
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
+from sph.configuration import scene_files
 
 min_version("9.18")
 
@@ -27,7 +28,11 @@ RUN = f"{{folder}}/runs/{GRID.wildcard_pattern}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
-SOLVER = sorted(str(path) for path in SPH.glob("[!_]*.py"))
+SOLVER = sorted(
+    str(path)
+    for pattern in ("[!_]*.py", "ground_motion/*.py")
+    for path in SPH.glob(pattern)
+)
 SEARCHING = SOLVER + sorted(str(path) for path in SPH.glob("stability/*.py"))
 ANALYSIS = sorted(
     str(path)

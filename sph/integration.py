@@ -66,7 +66,7 @@ def _rate(term, new, old, dt):  # type: ignore[no-untyped-def]
 
 
 @jit
-def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
+def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
     """Move the soil among particles first to last by one step.
 
     Returns the works of shaking (or of a prescribed motion) and gravity and the energies taken by mass damping, by artificial
@@ -76,6 +76,7 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
     alpha = _mass_damping(terms.rayleigh)
     shaking = falling = damped = viscous = rubbed = 0.0
     gravity_x, gravity_y = gravity * terms.down_x, gravity * terms.down_y
+    fall_y = gravity_y - vertical
     for i in rows(first, min(last, terms.n_soil)):
         rate = alpha * state.beta[i] + extra_damping
         keep = 1.0 - 0.5 * rate * dt
@@ -83,7 +84,7 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
         vx_old = state.vx[i]
         vy_old = state.vy[i]
         free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
-        free_y = (vy_old * keep + (state.ay[i] + gravity_y) * dt) * lose
+        free_y = (vy_old * keep + (state.ay[i] + fall_y) * dt) * lose
         held_x, held_y = _rub(terms.friction, state, i, free_x, free_y, dt)
         vx, vy = _drive(terms.driven, state.x[i], state.y[i], held_x, held_y)
         state.vx[i] = vx
@@ -94,7 +95,7 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
         mean_y = 0.5 * (vy + vy_old)
         # What a prescribed motion does counts as work of the shaking, what friction takes as energy taken by the walls.
         forced_x, forced_y = _rate(terms.driven, vx, held_x, dt), _rate(terms.driven, vy, held_y, dt)
-        shaking += mass[i] * ((forced_x - ground) * mean_x + forced_y * mean_y)
+        shaking += mass[i] * ((forced_x - ground) * mean_x + (forced_y - vertical) * mean_y)
         falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
         rubbed += mass[i] * (_rate(terms.friction, free_x, held_x, dt) * mean_x + _rate(terms.friction, free_y, held_y, dt) * mean_y)
         # Damping acts on the velocity that friction or a prescribed motion has not changed yet.
@@ -237,7 +238,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         sums = team.sums[s % 2]
         renew = kicked and s == step
         if not renew:
-            rate, vertical = _mass_damping(terms.rayleigh) + loading.extra_damping[s], 0.0
+            rate, vertical = _mass_damping(terms.rayleigh) + loading.extra_damping[s], loading.vertical[s]
             kick_free_field(terms.free_field, state, terms.dt, rate, loading.ground[s], vertical, team)
             for block in range(first_block, last_block):
                 (
@@ -247,7 +248,15 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     sums[block, VISCOUS],
                     sums[block, WALLS],
                 ) = kick_and_drift(
-                    state, terms, mass, loading.ground[s], loading.gravity[s], loading.extra_damping[s], block * BLOCK, (block + 1) * BLOCK
+                    state,
+                    terms,
+                    mass,
+                    loading.ground[s],
+                    vertical,
+                    loading.gravity[s],
+                    loading.extra_damping[s],
+                    block * BLOCK,
+                    (block + 1) * BLOCK,
                 )
                 shaking, held, viscous, taken = kick_boundary(
                     terms.absorbing,

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.geometry import Bodies, Slope
+from sph.ground_line import GroundLine
 from sph.scene import Scene
 from sph.walls import HOLDING
 
@@ -80,9 +81,10 @@ def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     x = np.clip(x, half, scene.geometry.width - half)
     ground = np.interp(x, *scene.geometry.surface)
     y = np.clip(y, half, np.maximum(ground, half))
+    places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
     index = np.zeros(np.shape(x), int)
     for number, layer in enumerate(scene.layers.values(), 1):
-        index[layer.region.contains(x, y, ground)] = number
+        index[layer.region.contains(*places, ground)] = number
     return index
 
 
@@ -104,6 +106,8 @@ def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     geometry = scene.geometry
     if isinstance(geometry, Bodies):
         return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
+    if isinstance(geometry, GroundLine):
+        return y <= np.interp(x, *geometry.surface) + 1e-9 * scene.numerics.spacing
     if not isinstance(geometry, Slope):
         return np.ones(x.size, bool)
     face = (x - geometry.apron_length) * math.tan(math.radians(geometry.slope_angle))
@@ -116,9 +120,10 @@ def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
     soil_x, soil_y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
     found = {}
     for name, place in scene.probes.items():
-        px, py = places[place] if isinstance(place, str) else place
+        px, py = places[place] if isinstance(place, str) else scene.geometry.in_box(*place)
         distance = np.hypot(soil_x - px, soil_y - py)
         found[name] = int(np.argmin(distance))
         if distance.min() > 2.0 * scene.numerics.spacing:
+            px, py = scene.geometry.in_survey(px, py)
             raise ValueError(f"probes.{name}: ({px:g}, {py:g}) m lies {distance.min():.3g} m from the nearest soil particle")
     return found

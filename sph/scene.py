@@ -18,12 +18,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from sph.configuration import Section, key, merge, read_yaml, validated
-from sph.geometry import Geometry, Point
+from sph.configuration import Section, key, merge, read_scene, validated
+from sph.geometry import Geometry
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.ground_motion.record import Record, processed
 from sph.layers import Layer
 from sph.motion import ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.numerics import Numerics
+from sph.places import Point
 from sph.soil import Coupling, Soil
 from sph.walls import Walls
 
@@ -34,7 +36,7 @@ MOST_PAIRS = 1_000_000_000
 """Most pairs of neighbours, whose lists take some 30 bytes each."""
 
 MOST_STEPS = 20_000_000
-"""Most time steps of a run; the loads of every step are kept, 32 bytes each."""
+"""Most time steps of a run; the loads of every step are kept, 40 bytes each."""
 
 MOST_SAMPLES = 1_000_000
 """Most samples of the series of a run."""
@@ -121,7 +123,8 @@ class Scene(Section):
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
     probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
-        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m; the nearest particle is taken",
+        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m, a survey's coordinates where it has one; "
+        "the nearest particle is taken",
         source="particle A: Figs. 6-7",
         default={"A": "crest_edge"},
     )
@@ -162,6 +165,8 @@ class Scene(Section):
         if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
+        if isinstance(self.motion, Record):
+            self._check_record(self.motion)
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
@@ -222,6 +227,14 @@ class Scene(Section):
             raise ValueError(
                 f"outputs.frame_interval: {outputs.frame_interval} s stores {particles:,} particles more than {MOST_STORED:,} times in "
                 f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
+            )
+
+    def _check_record(self, record: Record) -> None:
+        interval = float(processed(record).time[1])
+        if self.numerics.time_step > interval * (1 + 1e-6):
+            raise ValueError(
+                f"numerics.time_step: {self.numerics.time_step:g} s would skip samples of motion, a record every {interval:.6g} s; "
+                "choose a shorter step, or a longer motion.resample.interval"
             )
 
     def _check_walls(self) -> None:
@@ -303,4 +316,4 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
     """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
-    return make_scene(merge(read_yaml(path), overrides or {}), str(path))
+    return make_scene(merge(read_scene(path), overrides or {}), str(path))

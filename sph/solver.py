@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
+from sph.configuration import one_line, without_files
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
 from sph.guard import likely_cause, trouble
@@ -295,6 +296,7 @@ class Run:
             "probe_velocity_x": state.vx[at],
             "probe_velocity_y": state.vy[at],
             "ground_acceleration": self.loading.ground[self.step * self.substeps],
+            "ground_acceleration_y": self.loading.vertical[self.step * self.substeps],
             "kinetic_energy": 0.5 * float(self.particles.mass[moving] @ speed_square),
             "elastic_energy": elastic + work[REPULSION],
             "potential_energy": -work[GRAVITY],
@@ -392,6 +394,9 @@ class Run:
         for store in (self._frames, self._series):
             for name in store:
                 store[name] = list(old[name].values)
+        # The last sample's kick is still to come, under this scene's motion, which may not be that of the gravity stage.
+        self._series["ground_acceleration"][-1] = self.loading.ground[self.step * self.substeps]
+        self._series["ground_acceleration_y"][-1] = self.loading.vertical[self.step * self.substeps]
         if old.attrs["status"] == "diverged":
             self.ended = ("diverged", str(old.attrs["status_reason"]))
         self.earlier_wall_time = float(old.attrs["wall_time_s"])
@@ -445,9 +450,9 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
         free += ("motion",)
     if time <= quiet_from(old) + 0.5 * old.numerics.time_step:
         free += ("early_stop",)
-    past, future = _flat(old.model_dump()), _flat(new.model_dump())
+    past, future = (_flat(without_files(scene.model_dump())) for scene in (old, new))
     bad = [
-        f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"
+        one_line(f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene")
         for name in sorted(past.keys() | future.keys())
         if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
     ]

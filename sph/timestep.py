@@ -51,6 +51,15 @@ def lattice_wave_number(scene: Scene) -> float:
     return float(np.abs(volume * (factor * x) @ np.sin(np.outer(x, k))).max())
 
 
+def wave_speed_ratio(scene: Scene, wavelength: float) -> float:
+    """Speed of elastic waves of a length (m) on the initial lattice over that in the soil; 0 for waves that it cannot carry."""
+    x, volume, factor = _lattice(scene)
+    k = 2.0 * np.pi / wavelength
+    if wavelength < 2.0 * scene.numerics.spacing:
+        return 0.0
+    return max(float(-volume * (factor * x) @ np.sin(k * x)) / k, 0.0)
+
+
 def _lattice(scene: Scene) -> tuple[np.ndarray, float, np.ndarray]:
     numerics = scene.numerics
     kernel = make_kernel(numerics.kernel, numerics.smoothing_length)

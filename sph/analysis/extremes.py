@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 from sph.analysis.metrics import energy_gap, largest_mass, outline_area
 from sph.analysis.tables import ROW, number_column, read_csv
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
-from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.motion import NoMotion
 from sph.particles import SOIL
 from sph.scene import Scene, make_scene
@@ -183,7 +183,7 @@ def load_extremes(path: Path | str = "config/extremes.yaml", folders: Sequence[P
     """Validate the configuration; ValueError names file, key and value.  Values that the schema refuses are rows, not errors."""
     extremes = validated(Extremes, read_yaml(found_file(folders, str(path), "extremes")), str(path))
     names = {extremes.scene, *(sweep.scene for sweep in extremes.sweeps.values() if sweep.scene)}
-    scenes = {name: read_yaml(found_file(folders, name, f"{path}: scene")) for name in names}
+    scenes = {name: read_scene(found_file(folders, name, f"{path}: scene")) for name in names}
     return ExtremeRuns(extremes, scenes, str(path))
 
 

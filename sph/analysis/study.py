@@ -18,7 +18,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sph.analysis.claims import ClaimSettings
 from sph.analysis.metrics import GRID, MetricSettings
-from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene import Scene, make_scene
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
@@ -189,6 +189,6 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
     data = config if isinstance(config, Mapping) else read_yaml(config)
     study = validated(Study, data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
-    plan = Plan(study, read_yaml(scene), str(scene))
+    plan = Plan(study, read_scene(scene), str(scene))
     plan.validate()
     return plan

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sph.analysis.advice import expected_sentence
+from sph.command.concerns import cut_off, thin_box
 from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
@@ -34,18 +35,24 @@ TERM_REASONS = {
 }
 
 
+def work(scene: Scene, particles: int) -> tuple[float, float, int, float]:
+    """Neighbours of a particle, time step (s), number of steps and computing time on one core (s) to expect."""
+    numerics = scene.numerics
+    neighbours = np.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
+    smallest = min(limit.seconds for limit in limits(scene))
+    step = numerics.time_step if numerics.adaptive_step is None else min(numerics.time_step, numerics.adaptive_step.courant * smallest)
+    steps = round(scene.duration / step)
+    return neighbours, step, steps, 1e-9 * steps * particles * (neighbours * NANOSECONDS_PER_PAIR + NANOSECONDS_PER_PARTICLE)
+
+
 def describe(scene: Scene) -> list[tuple[str, str]]:
     """Pairs of label and text, for ``sph info``."""
     particles = place_particles(scene)
     numerics, soil = scene.numerics, scene.soil
     count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE, TOP)}
     lid = f", {count[TOP]:,} lid" if count[TOP] else ""
-    neighbours = np.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
-    smallest = min(limit.seconds for limit in limits(scene))
-    step = numerics.time_step if numerics.adaptive_step is None else min(numerics.time_step, numerics.adaptive_step.courant * smallest)
-    steps = round(scene.duration / step)
+    neighbours, step, steps, cost = work(scene, particles.x.size)
     n = particles.x.size
-    cost = 1e-9 * steps * n * (neighbours * NANOSECONDS_PER_PAIR + NANOSECONDS_PER_PARTICLE)
     rows = [
         ("scene", f"{scene.name}: {scene.title}"),
         ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls{lid})"),
@@ -78,20 +85,9 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
         rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
     for name, index in locate_probes(scene, particles).items():
-        rows.append((f"probe {name}", f"particle {index} at ({particles.x[index]:g}, {particles.y[index]:g}) m"))
-    rows += [("warning", text) for text in warnings(scene)]
+        x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
+        rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
+    rows += [("warning", concern.sentence()) for concern in thin_box(scene) + cut_off(scene)]
     rows.append(("expected error", expected_sentence(scene)))
     rows.append(("estimated cost", f"{cost:.0f} s on one core ({n * steps / 1e6:.0f} M particle-steps)"))
     return rows
-
-
-def warnings(scene: Scene) -> list[str]:
-    """What a user should know before trusting a scene's numbers."""
-    found = []
-    walled = (scene.walls.base, scene.walls.top) != ("none", "none") or scene.walls.sides in ("sticky", "free_slip")
-    if walled and scene.walls.layers < scene.layers_filling_support:
-        found.append(
-            f"{scene.walls.layers} layers of boundary particles do not fill the kernel's support: stresses beside the box alternate "
-            f"from row to row; walls.layers={scene.layers_filling_support} fills it, so does a smaller numerics.smoothing_ratio"
-        )
-    return found

@@ -30,7 +30,7 @@ import sph
 from sph.analysis.study import Plan, load_study
 from sph.command.job import read_log
 from sph.command.progress import LINE
-from sph.configuration import merge, read_yaml
+from sph.configuration import merge, read_yaml, without_files
 from sph.files import beside
 from sph.scene import Scene, make_scene
 
@@ -118,7 +118,7 @@ def look(job: Job, folder: Path) -> State:
         if not isinstance(error, FileNotFoundError):
             return State(job, "outdated", f"cannot be read: {error.strerror or error}")
     else:
-        same = scene == job.scene.model_dump_json() or _scene(scene) == job.scene
+        same = scene == job.scene.model_dump_json() or _content(_scene(scene)) == _content(job.scene)
         return State(
             job, "done" if same else "outdated", note if same else "of another scene", took=_benchmark(folder, job), computed=computed
         )
@@ -151,6 +151,11 @@ def _scene(text: str) -> Scene | None:
         return make_scene(json.loads(text))
     except ValueError:
         return None
+
+
+def _content(scene: Scene | None) -> Any:
+    """What decides a run, wherever its files lie."""
+    return None if scene is None else without_files(scene.model_dump())
 
 
 def _benchmark(folder: Path, job: Job) -> float:

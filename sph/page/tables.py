@@ -22,6 +22,8 @@ KEYS = (
     "numerics.spacing", "numerics.smoothing_ratio", "numerics.time_step",
 )  # fmt: skip
 """Beginnings of the scene keys that the page shows at once."""
+MOST_NUMBERS = 100
+"""Most numbers that the page shows of a list of them: those of a record are counted."""
 NOTHING = "–"
 """Stands for NaN."""
 
@@ -114,6 +116,8 @@ def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str
         else:
             unit = str(extra.get("unit", "-")) if isinstance(extra, dict) else "-"
             text = "null" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+            if isinstance(value, tuple) and len(value) > MOST_NUMBERS:
+                text = f"{len(value):,} numbers"
             yield f"{path}{name}", text, unit, field.description or ""
 
 

@@ -248,3 +248,19 @@ def test_a_diverged_run_says_so_in_its_figures() -> None:
     assert end in texts(profiles) and end in texts(histories) and texts(profiles).count("diverged") == 1
     crosses = [line for line in axes(histories).lines if line.get_marker() == "x"]
     assert len(crosses) == 1 and crosses[0].get_xdata()[0] == float(runs["broken"]["sample_time"][-1])
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_surveyed_slope_keeps_its_coordinates(turned: bool) -> None:
+    line = [[120, 440], [175, 440], [190, 465], [224, 465]]
+    ground = {"shape": "ground_line", "points": [[300 - x, y] for x, y in line] if turned else line, "base": 430}
+    run = synthetic(overrides={"geometry": ground | ({"downhill": "right"} if turned else {})})
+    for figure in (figure_geometry(run), figure_arrangement(run), plot_trajectory(run)):
+        FigureCanvasAgg(figure).draw()
+        ax = axes(figure)
+        assert ax.get_ylabel() == "elevation (m)"
+        for axis, origin, direction in ((ax.xaxis, 180 if turned else 120, -1 if turned else 1), (ax.yaxis, 430, 1)):
+            ticks = {float(label.get_text()): place for label, place in zip(axis.get_ticklabels(), axis.get_ticklocs(), strict=True)}
+            assert len(ticks) >= 3
+            assert all(place == pytest.approx(direction * (value - origin)) for value, place in ticks.items())
+    assert {"toe", "crest", "H = 25 m"} <= set(texts(figure_geometry(run)).split("\n"))

@@ -50,6 +50,7 @@ TWO_BODIES = {
     ],
 }
 POLYGON, RING = TWO_BODIES["bodies"]
+RECORD = {"kind": "record", "start": 1.0, "vertical": {}, "data": {"interval": 0.1, "x": [0.0, 1.0, -1.0], "y": [0.5, 0.5, 0.0]}}
 
 
 def box(overrides: dict[str, Any]) -> Scene:
@@ -193,6 +194,8 @@ FREE = [
     {"coupling.initial_state": "fluid"},
     {"initial_velocity": VELOCITY},
     {"motion": {"kind": "constant", "amplitude": 1.0, "start": 1.0, "ramp": 0.0}},
+    {"motion": {"kind": "velocity_pulse", "amplitude": 1.0, "frequency": 2.0, "start": 1.0}},
+    {"motion": RECORD},
     {"geometry": TWO_BODIES},
 ]
 """Options that are no term of the solver's loops."""

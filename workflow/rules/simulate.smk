@@ -1,5 +1,5 @@
 # Purpose: simulate every point of the grid, work that points share done once.
-# Inputs:  the scene; the solver's sources.
+# Inputs:  the scene, with the files of a recorded motion; the solver's sources.
 # Outputs: stages/gravity.nc, stages/amplitude-*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
 
 
@@ -7,6 +7,7 @@ rule gravity:
     """Bring gravity on; shared by all runs."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(PLANS(wildcards.folder).scene()),
     output:
         "{folder}/stages/gravity.nc",
     log:
@@ -24,6 +25,7 @@ rule trunk:
     """Shake at one amplitude until the first failure; shared by all S_R and gamma."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(PLANS(wildcards.folder).scene()),
         restart="{folder}/stages/gravity.nc",
     output:
         "{folder}/stages/amplitude-{amplitude}.nc",
@@ -45,6 +47,7 @@ rule simulate:
     """Run one point of the grid from its trunk to the end; a trunk in which nothing failed is taken over as it is."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(PLANS(wildcards.folder).scene()),
         restart="{folder}/stages/amplitude-{amplitude}.nc",
     output:
         RUN,

@@ -7,6 +7,7 @@ rule yield_acceleration:
     """Search the constant acceleration at which the slope fails: the strength of the sliding block beside every run."""
     input:
         sources=SEARCHING,
+        files=lambda wildcards: scene_files(PLANS(wildcards.folder).scene()),
     output:
         "{folder}/stages/yield_acceleration.nc",
     log:

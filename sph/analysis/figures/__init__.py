@@ -5,6 +5,7 @@
 * ``history``: motion of a probe against time (Figs. 6-7)
 * ``overview``: one trajectory at a chosen time (``sph plot``)
 * ``film``: one trajectory through time (``sph animate``)
+* ``scene``: a scene before it is run (``sph check``)
 * ``trade``: the ladder: error against cost, results against spacing
 * ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
 * ``style``: sizes, fonts, colours, the note on every figure, saving
