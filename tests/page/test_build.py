@@ -86,7 +86,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
     assert sum(tag == "tr" and attrs.get("class") == "bad" for tag, attrs in words.elements) == 1
     assert "1 diverged" in words.text
     # Nor does it take part in the common scale of colours.
-    moved = [np.hypot(*displacement(trajectory.read(run))).max() for run in study.runs[:-1]]
+    moved = [np.hypot(*displacement(trajectory.read(run))).max() for run in list(study.runs.values())[:-1]]
     assert words.runs["largest"] == pytest.approx(max(moved))
 
 
@@ -130,14 +130,14 @@ def test_a_section_names_its_command_until_its_files_exist(study: StudyFiles) ->
 
 
 def test_the_order_of_the_runs_does_not_matter(study: StudyFiles) -> None:
-    turned = study._replace(points=study.points[::-1], runs=study.runs[::-1])
+    turned = study._replace(runs=dict(list(study.runs.items())[::-1]), stages=study.stages[::-1])
     assert build_page(turned) == build_page(study)
 
 
 def test_positions_come_back_to_half_a_quantum(study: StudyFiles) -> None:
     data = Words(build_page(study)).runs
     held = data["points"]["0.10|100|6.0"]["run"]
-    run = trajectory.read(study.runs[1])
+    run = trajectory.read(list(study.runs.values())[1])
     soil = np.flatnonzero(run["kind"].values == SOIL)
     probe = int(run["probe_particle"].values[0])
     order = [probe, *soil[soil != probe]]
@@ -185,7 +185,7 @@ def test_cost_counts_shared_stages_once(study: StudyFiles) -> None:
 
 def test_a_table_of_other_runs_is_refused(study: StudyFiles) -> None:
     with pytest.raises(ValueError, match="study.csv: its rows are not the 3 runs"):
-        build_page(study._replace(points=study.points[1:], runs=study.runs[1:]))
+        build_page(study._replace(size=3, runs=dict(list(study.runs.items())[1:])))
 
 
 @pytest.mark.parametrize("name", ["claims.csv", "figures/fig4.png", "runs/S_R-0.10_gamma-100_amplitude-6.0.nc"])

@@ -29,7 +29,7 @@ def test_the_shipped_study_covers_the_papers_cases() -> None:
 
 def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:
     chosen = plan({"grid": {"S_R": ["0.10", 0.25, "0.350", 0.5]}, "figures": {"strengths": [0.1]}})
-    assert chosen.study.grid.S_R == ("0.10", "0.25", "0.350", "0.5")
+    assert chosen.study.grid is not None and chosen.study.grid["S_R"] == ("0.10", "0.25", "0.350", "0.5")
     assert chosen.built(S_R="0.10", gamma="1", amplitude="4.0").coupling.S_R == 0.1
     assert [point["S_R"] for _, point in chosen.study.figure_runs(4)] == ["0.10"]
 
@@ -59,10 +59,10 @@ def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
         ),
         ({"fidelity": "best"}, ("fidelity", "best", "draft, standard, paper, fine")),
         ({"grid": {"S_R": []}}, ("grid.S_R", "at least 1")),
-        ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "one number twice")),
-        ({"grid": {"gamma": ["fast"]}}, ("grid.gamma", "fast")),
-        ({"grid": {"gamma": ["-1"]}}, ("grid.gamma", "-1")),
-        ({"grid": {"depth": ["1"]}}, ("grid.depth", "no such key")),
+        ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "one value twice")),
+        ({"grid": {"gamma": ["fast"]}}, ("gamma = fast", "coupling.gamma", "valid number")),
+        ({"grid": {"gamma": ["-1"]}}, ("gamma = -1", "coupling.gamma", "greater than or equal to 0")),
+        ({"grid": {"depth": ["1"]}}, ("grid.depth", "no such key in a scene")),
         ({"grid": {"S_R": ["0.10", "0.25", "0.35", "0.50", "1.5"]}}, ("S_R = 1.5", "coupling.S_R", "less than or equal to 1")),
         ({"grid": {"S_R": ["0.10"]}}, ("grid.S_R", "0.25", "figures")),
         ({"claims": {"amplitude": 5.0}}, ("grid.amplitude", "5.0")),
