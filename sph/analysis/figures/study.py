@@ -23,6 +23,8 @@ COLUMNS = 3
 """Most panels side by side."""
 LOG_FROM = 50.0
 """A dimension is drawn on a logarithmic axis where its largest value is so many times its smallest."""
+LONG_LABEL = 24
+"""Characters from which on the name of a dimension takes more than a line."""
 MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
 
@@ -54,7 +56,7 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
             else:
                 ax.tick_params(labelleft=False)
             if row == len(metrics) - 1:
-                ax.set_xlabel(plain(found.label))
+                ax.set_xlabel(_wrapped(found.label))
             else:
                 ax.tick_params(labelbottom=False)
     handles = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
@@ -63,6 +65,12 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
     write_note(figure, note)
     return figure
+
+
+def _wrapped(label: str) -> str:
+    """Name of a dimension for an axis: a long one in a line a part of its path."""
+    text = "$S_R$" if label == "S_R" else plain(label)
+    return text.replace(".", ".\n") if len(text) > LONG_LABEL else text
 
 
 DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
