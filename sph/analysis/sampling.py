@@ -18,7 +18,7 @@ MOST_RUNS = 100_000
 """Most runs of a study."""
 LARGEST_TABLE = 50_000_000
 """Largest CSV file of cases, bytes."""
-DIGITS = 6
+DIGITS = 8
 """Significant digits of a sampled value."""
 
 

@@ -444,9 +444,9 @@ class Plan:
         for name, point in self.study.runs.items():
             self.built(**point)
             first = seen.setdefault(tuple(map(value_of, point.values())), name)
-            if first != name:
+            if first != name and self.study.cases is not None:
                 at = ", ".join(f"{dimension} = {value}" for dimension, value in point.items())
-                raise ValueError(f"{first} and {name} are one run, {at}; a sample's values have six digits")
+                raise ValueError(f"cases: {first} and {name} are one run, {at}")
         self.study.figure_files  # noqa: B018  refuses what a figure lacks
 
     def built(self, **point: str) -> Scene:

@@ -76,6 +76,6 @@ def made_study() -> StudyFiles:
     by_name = {Path(run).stem: run for run in runs}
     labels = (("0.10", "0.50"), ("100",), ("4.0", "6.0"))
     return StudyFiles(
-        "made", "up", FOLDER, f"{FOLDER}/study.csv", Layout(labels=labels), DIMENSIONS, 4, by_name, stages, existing(FOLDER, sections_of(True)),
-        {"fig4": runs[1:3]},
+        "made", "up", FOLDER, f"{FOLDER}/study.csv", Layout(labels=labels), DIMENSIONS, 4, by_name, stages,
+        existing(FOLDER, sections_of(True)), {"fig4": runs[1:3]},
     )  # fmt: skip
