@@ -11,9 +11,9 @@ from synthetic import Displacement, study_row, synthetic
 
 from sph import trajectory
 from sph.analysis.claims import write_claims
-from sph.analysis.dimensions import Dimension
+from sph.analysis.dimensions import CASE, Dimension
 from sph.analysis.metrics import METRIC_BY_NAME, measure
-from sph.analysis.tables import Layout, read_study, study_table, write_study
+from sph.analysis.tables import Layout, read_study, read_table, study_table, write_csv, write_study
 from sph.page.build import StudyFiles
 from sph.page.sections import certain, existing, sections_of
 from sph.scene import Scene
@@ -79,3 +79,23 @@ def made_study() -> StudyFiles:
         "made", "up", FOLDER, f"{FOLDER}/study.csv", Layout(labels=labels), DIMENSIONS, 4, by_name, stages,
         existing(FOLDER, sections_of(True)), {"fig4": runs[1:3]},
     )  # fmt: skip
+
+
+def listed_study() -> StudyFiles:
+    """The same runs as a list of cases, that of S_R 0.50 and 4.0 m/s2 in a larger box."""
+    study = made_study()
+    layout = Layout(tuple(found.variable(True) for found in DIMENSIONS), (), True)
+    frame = read_table(study.table)
+    frame.insert(0, CASE, [f"case-{number:06d}" for number in range(1, 5)])
+    write_csv(frame, study.table)
+    runs = dict(zip(frame[CASE], study.runs.values(), strict=True))
+    wider = {
+        "numerics": {"spacing": 5.0},
+        "coupling": {"S_R": 0.5},
+        "geometry": {"shape": "slope", "crest_length": 60.0},
+        "motion": {"kind": "tapered_sine", "amplitude": 4.0, "end": 11.0},
+    }
+    run = synthetic(uneven(-2.0), overrides=wider)
+    run.attrs["particle_steps"] = 6_000_000
+    trajectory.write(runs["case-000003"], run)
+    return study._replace(layout=layout, runs=runs)
