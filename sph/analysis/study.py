@@ -130,7 +130,7 @@ class Study(Section):
                     raise ValueError(f"grid.{name}: {list(values)} holds one value twice")
             runs = math.prod(len(values) for values in self.grid.values())
             if runs > MOST_RUNS:
-                raise ValueError(f"grid: {', '.join(self.grid)} make {runs:,} points, at most {MOST_RUNS:,}")
+                raise ValueError(f"grid: {', '.join(self.grid)}: the grid has {runs:,} points, at most {MOST_RUNS:,}")
         else:
             assert self.cases is not None
             check_names("cases", self.cases[0])
@@ -303,7 +303,7 @@ class Plan:
         """Scene with some of the dimensions set, as a mapping."""
         return merge(self._base, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
 
-    def run(self, name: str) -> dict[str, Any]:
+    def run_scene(self, name: str) -> dict[str, Any]:
         """Scene of a run by the name of its file."""
         return self.scene(**self.point(name))
 

@@ -138,7 +138,7 @@ def test_the_solver_accepts_every_stage_that_is_shared(key: str) -> None:
     chosen = free(grid={key: values.get(key, ["0.1", "0.2"]), "S_R" if key != "S_R" else "gamma": ["0.3", "0.4"]})
     for name in chosen.study.runs:
         gravity, trunk = chosen.stages(name)
-        scenes = [make_scene(chosen.stage(gravity)), make_scene(chosen.stage(trunk)), make_scene(chosen.run(name))]
+        scenes = [make_scene(chosen.stage(gravity)), make_scene(chosen.stage(trunk)), make_scene(chosen.run_scene(name))]
         check_restart(scenes[0], scenes[1], scenes[0].gravity.duration, False, gravity)
         check_restart(scenes[1], scenes[2], scenes[1].duration, False, trunk)
 
@@ -206,7 +206,7 @@ def test_large_studies_are_measured_in_parts() -> None:
         ({"grid": {"soil.cohesion": ["a/b"]}}, ("grid.soil.cohesion", "a/b")),
         ({"grid": {"soil.cohesion": [True]}}, ("grid.soil.cohesion", "not values of any key")),
         ({"grid": {}}, ("grid", "at least 1")),
-        ({"grid": {"S_R": [0.1, 0.2] , "soil.cohesion": list(range(1, 60_001))}}, ("S_R, soil.cohesion make 120,000 points", "100,000")),
+        ({"grid": {"S_R": [0.1, 0.2], "soil.cohesion": list(range(1, 60_001))}}, ("the grid has 120,000 points", "100,000")),
         ({"cases": [{"S_R": 0.1}, {"gamma": 1}]}, ("cases: number 2 sets gamma, the first S_R",)),
         ({"cases": [{"S_R": "0.1"}, {"S_R": "0.10"}]}, ("case-000001 and case-000002 are one run", "S_R = 0.10")),
         ({"cases": "absent.csv"}, ("cases", "absent.csv")),

@@ -59,7 +59,7 @@ rule simulate:
     wildcard_constraints:
         run="[^/]+",
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).run(wildcards.run),
+        scene=lambda wildcards: PLANS(wildcards.folder).run_scene(wildcards.run),
         until="end",
     script:
         "../scripts/simulate.py"

@@ -36,6 +36,8 @@ rule measure:
         f"{RESULTS}/logs/part-{{part}}.log",
     benchmark:
         f"{RESULTS}/benchmarks/part-{{part}}.tsv"
+    wildcard_constraints:
+        part="[0-9]+",
     params:
         points=lambda wildcards: PLAN.part(wildcards.part),
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
