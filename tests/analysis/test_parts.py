@@ -103,7 +103,7 @@ def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
     run = tmp_path / "run.nc"
     few = {"numerics": {"spacing": 5.0}, "outputs": {"frame_interval": 0.5, "series_interval": 0.1}}
     trajectory.write(run, synthetic(translation(-3.0), overrides=few))
-    size = 5
+    size = 3
     names = [f"case-{number:06d}" for number in range(1, 8 * size + 1)]
     for name in names:
         os.link(run, tmp_path / f"{name}.nc")

@@ -86,8 +86,9 @@ def _draw(ax: Axes, table: pd.DataFrame, found: Dimension, metric: str) -> None:
     """One metric against one dimension; words stand side by side in their order."""
     words = list(dict.fromkeys(table[found.name]))
     x = table[found.name].map(words.index) if found.words else table[found.name].astype(float)
-    for name in CLASSES:
-        of_class = table["collapse_class"] == name
+    drawn = table["collapse_class"].where(table[metric].notna())
+    for name in (name for name in CLASSES if (drawn == name).any()):  # a line without points would upset the layout
+        of_class = drawn == name
         ax.plot(x[of_class], table[metric][of_class], rasterized=len(table) > MANY, clip_on=False, **_look(name, len(table) > MANY))
     diverged = table["collapse_class"] == UNDETERMINED
     if diverged.any():
