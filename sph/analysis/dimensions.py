@@ -134,7 +134,7 @@ def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
         yield prefix + name
         for section in sections(field.annotation):
             yield from _keys(section, f"{prefix}{name}.")
-        if typing.get_origin(field.annotation) is dict:
+        if _mappings(field.annotation):
             yield f"{prefix}{name}.{NAME}"
         for section in named_sections(field.annotation):
             yield from _keys(section, f"{prefix}{name}.{NAME}.")
@@ -142,16 +142,23 @@ def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
 
 def sections(annotation: Any) -> list[type[BaseModel]]:
     """The sections that a key's type allows."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated):
-        return [section for part in typing.get_args(annotation) for section in sections(part)]
-    return []
+    return [part for part in _parts(annotation) if isinstance(part, type) and issubclass(part, BaseModel)]
 
 
 def named_sections(annotation: Any) -> list[type[BaseModel]]:
     """Sections that a mapping holds under names of the user's choice."""
-    return sections(typing.get_args(annotation)[1]) if typing.get_origin(annotation) is dict else []
+    return [section for mapping in _mappings(annotation) for section in sections(typing.get_args(mapping)[1])]
+
+
+def _mappings(annotation: Any) -> list[Any]:
+    return [part for part in _parts(annotation) if typing.get_origin(part) is dict]
+
+
+def _parts(annotation: Any) -> list[Any]:
+    """The types that a type allows, one by one."""
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated):
+        return [part for inner in typing.get_args(annotation) for part in _parts(inner)]
+    return [annotation]
 
 
 def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:

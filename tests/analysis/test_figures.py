@@ -263,9 +263,8 @@ def test_a_study_of_any_dimensions_at_a_glance(tmp_path: Path) -> None:
     figure = figure_study(table, [cohesion, kernel], note="study x")
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear", "log", "linear"]
     assert [ax.get_ylabel() for ax in figure.axes] == ["displacement of A (m)", "", "run-out (m)", ""]
-    assert [label.get_text() for label in figure.axes[3].get_xticklabels()] == ["b", "a"] and figure.axes[
-        2
-    ].get_xlabel() == "soil.cohesion (kPa)"
+    assert [label.get_text() for label in figure.axes[3].get_xticklabels()] == ["b", "a"]
+    assert figure.axes[2].get_xlabel() == "soil.cohesion (kPa)"
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["stable", "collapse", "diverged"]
     for ax, values in zip(figure.axes, ([0.05, 9.0], [0.05, 9.0], [0.0, 8.0], [0.0, 8.0]), strict=True):
         assert [float(line.get_ydata()[0]) for line in ax.lines[:-1]] == values and len(ax.lines) == 3
