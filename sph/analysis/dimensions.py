@@ -105,6 +105,11 @@ def in_order(names: Iterable[str]) -> list[str]:
     return [name for name in GRID if name in names] + [name for name in names if name not in GRID]
 
 
+def point_name(point: Mapping[str, str]) -> str:
+    """Name of a point in file names."""
+    return "_".join(f"{name}-{point[name]}" for name in in_order(point))
+
+
 def check_names(where: str, names: Iterable[str]) -> None:
     """ValueError for a dimension that is no key of a scene, with the nearest one, and for two that set one key."""
     keys: dict[str, str] = {}

@@ -2,10 +2,7 @@
 
 The runs are a grid of values, a list of cases or a sample (``sph.analysis.sampling``); a dimension is any key of the scene, the paper's
 three by their short names.  Values stay the strings they were written as (``sph.analysis.dimensions``).  ``load_study`` builds and
-validates the scene of every run, so that a typo is refused before any work.
-
-What runs share is simulated once: the *gravity stage* by runs that agree in every key that acts before the shaking, the *trunk*,
-which shakes until the first failure, by those that agree in all keys but ``sph.solver.BRANCH_KEYS``.
+validates the scene of every run, so that a typo is refused before any work.  What runs share is simulated once (``sph.analysis.stages``).
 """
 
 from __future__ import annotations
@@ -16,7 +13,7 @@ import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 import pandas as pd
@@ -33,25 +30,23 @@ from sph.analysis.dimensions import (
     dimension,
     in_order,
     is_number,
+    point_name,
     scene_key,
     title_of,
     value_of,
 )
 from sph.analysis.metrics import GRID, MetricSettings
 from sph.analysis.sampling import KINDS, MOST_RUNS, Sample, read_cases
+from sph.analysis.stages import SharedStages, Stages
 from sph.analysis.tables import Layout
 from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.scene import Scene, make_scene
-from sph.solver import BRANCH_KEYS, FREE_KEYS
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
 LONGEST_NAME = 120
 """Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
 PART = 500
 """Runs that are measured by one job."""
-LATER = ("motion", "early_stop")
-"""Sections without effect in the gravity stage."""
-
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
 Point = dict[str, str]
@@ -170,7 +165,7 @@ class Study(Section):
     @functools.cached_property
     def numbered(self) -> bool:
         """Whether the names of runs are numbers: in a list, and in a grid whose dimensions make too long a name."""
-        longest = self.point_name({name: max(values, key=len) for name, values in self.values.items()})
+        longest = point_name({name: max(values, key=len) for name, values in self.values.items()})
         return self.grid is None or len(longest) > LONGEST_NAME
 
     @functools.cached_property
@@ -180,21 +175,16 @@ class Study(Section):
         points = [dict(zip(self.names, values, strict=True)) for values in combined]
         if self.numbered:
             return {f"{CASE}-{number:06d}": point for number, point in enumerate(points, 1)}
-        return {self.point_name(point): point for point in points}
+        return {point_name(point): point for point in points}
 
     @property
     def points(self) -> pd.DataFrame:
         """Table of all runs, values as written."""
         return pd.DataFrame(list(self.runs.values()), columns=self.names)
 
-    @staticmethod
-    def point_name(point: Mapping[str, str]) -> str:
-        """Name of a point in file names."""
-        return "_".join(f"{name}-{point[name]}" for name in in_order(point))
-
     def name_of(self, point: Mapping[str, str]) -> str:
         """Name of the file of a run of the study."""
-        return next(name for name, own in self.runs.items() if own == point) if self.numbered else self.point_name(point)
+        return next(name for name, own in self.runs.items() if own == point) if self.numbered else point_name(point)
 
     @property
     def figures_made(self) -> list[str]:
@@ -214,7 +204,8 @@ class Study(Section):
     @property
     def page_runs(self) -> list[str]:
         """Names of the runs that the page shows."""
-        return self.shown_runs(MOST_SHOWN, [] if self.of_the_paper else self.profile_runs)
+        few = len(self.runs) <= MOST_SHOWN
+        return list(self.runs) if few else self.shown_runs(MOST_SHOWN, [] if self.of_the_paper else self.profile_runs)
 
     @property
     def figure_files(self) -> dict[str, list[str]]:
@@ -272,13 +263,6 @@ PROFILES = 4
 """Profiles of such a study where it does not choose them."""
 
 
-class Stages(NamedTuple):
-    """What a run goes on from: names of the files."""
-
-    gravity: str
-    trunk: str
-
-
 class Plan:
     """A study with its scene file read: the scene of every stage and run, as mappings."""
 
@@ -287,7 +271,6 @@ class Plan:
     ) -> None:
         self.study, self.origin, self._subfolder = study, origin, subfolder
         self._scene_file = base
-        self._standing: dict[tuple[tuple[str, str], ...], bool] = {}
         self._base = merge(merge(base, study.fidelities[study.fidelity]), overrides or {})
 
     @property
@@ -316,77 +299,42 @@ class Plan:
             raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
         return dict(zip(GRID, found.groups(), strict=True))
 
+    @functools.cached_property
+    def _shared(self) -> SharedStages:
+        return SharedStages(self.study.runs, self.study.numbered, self._stands)
+
+    def _stands(self, point: Mapping[str, str]) -> bool:
+        try:
+            self.built(**point)
+        except ValueError:
+            return False
+        return True
+
     def stages(self, name: str) -> Stages:
         """The stages of a run by the name of its file."""
-        known = self._stages_known[1].get(name)
-        return known or self._named(self.point(name), name)[0]
+        return self._shared.of_runs.get(name) or self._shared.of(name, self.point(name))
 
     def stage(self, name: str) -> dict[str, Any]:
-        """Scene of a gravity stage or a trunk by the name of its file."""
-        return self.scene(**self._stage(name)[1])
+        """Scene of a gravity stage or a trunk by the name of its file; also of a trunk of the trigger's."""
+        if name in self._shared.points:
+            return self.scene(**self._shared.points[name])
+        if self.study.of_the_paper and name.startswith("amplitude-"):
+            return self.scene(amplitude=name.removeprefix("amplitude-"))
+        raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
 
     def gravity_of(self, trunk: str) -> str:
         """Name of the gravity stage of a trunk."""
-        return self._stage(trunk)[0]
-
-    def _stage(self, name: str) -> tuple[str, Point]:
-        known = self._stages_known[0]
-        if name in known:
-            return known[name]
-        if self.study.of_the_paper and name.startswith("amplitude-"):
-            return "gravity", {"amplitude": name.removeprefix("amplitude-")}
-        raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(known)[:3])}")
-
-    @functools.cached_property
-    def _stages_known(self) -> tuple[dict[str, tuple[str, Point]], dict[str, Stages]]:
-        """Gravity stage and point of every stage by its name, and the stages of every run by its name."""
-        stages: dict[str, tuple[str, Point]] = {}
-        of_runs: dict[str, Stages] = {}
-        numbers: dict[tuple[str, ...], str] = {}
-        for name, point in self.study.runs.items():
-            found, points = self._named(point, name, numbers)
-            of_runs[name] = found
-            for stage, part in zip(found, points, strict=True):
-                stages.setdefault(stage, (found.gravity, part))
-        return stages, of_runs
-
-    def _named(self, point: Point, name: str, numbers: dict[tuple[str, ...], str] | None = None) -> tuple[Stages, tuple[Point, Point]]:
-        """The stages of a run and their points; numbered ones have the number of the first run that needs them, kept in ``numbers``."""
-        parts = tuple(self._part(point, free) for free in (BRANCH_KEYS + FREE_KEYS + LATER, BRANCH_KEYS))
-        names = []
-        for kind, part in zip(("gravity", "trunk"), parts, strict=True):
-            if not part:
-                names.append(kind)
-            elif self.study.numbered:
-                names.append((numbers or {}).get((kind, *part.values()), f"{kind}_{name}"))
-                if numbers is not None:
-                    numbers.setdefault((kind, *part.values()), names[-1])
-            else:
-                written = self.study.point_name(part)
-                names.append(written if kind == "trunk" and list(part) == ["amplitude"] else f"{kind}_{written}")
-        return Stages(*names), (parts[0], parts[1])
-
-    def _part(self, point: Point, free: tuple[str, ...]) -> Point:
-        """Those dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""
-        part = {name: value for name, value in point.items() if not {scene_key(name), scene_key(name).split(".")[0]} & set(free)}
-        at = tuple(part.items())
-        if at not in self._standing and len(part) < len(point):
-            try:
-                self.built(**part)
-                self._standing[at] = True
-            except ValueError:
-                self._standing[at] = False
-        return part if self._standing.get(at, True) else point
+        return self._shared.gravity_of.get(trunk, self.gravities[0])
 
     @property
     def gravities(self) -> list[str]:
         """Names of all gravity stages."""
-        return list(dict.fromkeys(stages.gravity for stages in self._stages_known[1].values()))
+        return list(dict.fromkeys(stages.gravity for stages in self._shared.of_runs.values()))
 
     @property
     def trunks(self) -> list[str]:
         """Names of all trunks."""
-        return list(dict.fromkeys(stages.trunk for stages in self._stages_known[1].values()))
+        return list(dict.fromkeys(stages.trunk for stages in self._shared.of_runs.values()))
 
     @property
     def page_stages(self) -> list[str]:

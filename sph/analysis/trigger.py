@@ -16,10 +16,10 @@ from typing import Any, Literal, get_args
 import pandas as pd
 from pydantic import model_validator
 
-from sph.analysis.dimensions import GRID_KEYS
+from sph.analysis.dimensions import GRID_KEYS, point_name
 from sph.analysis.metrics import CLASSES, GRID
 from sph.analysis.refinement import Place, Span
-from sph.analysis.study import Axis, Plan, Study
+from sph.analysis.study import Axis, Plan
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, read_yaml, validated
 
@@ -223,7 +223,7 @@ class TriggerPlan:
         """Files of the runs of a table of points, in its order, at the searching fidelity or another; ``pattern`` as of the rule."""
         points = pd.read_csv(path_to_points, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None)
         return [
-            pattern.format(folder=self.folders[fidelity or self.fidelity, case], run=Study.point_name(dict(zip(GRID, point, strict=True))))
+            pattern.format(folder=self.folders[fidelity or self.fidelity, case], run=point_name(dict(zip(GRID, point, strict=True))))
             for case, *point in points
         ]
 

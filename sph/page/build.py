@@ -20,9 +20,8 @@ from PIL import Image
 
 from sph import trajectory
 from sph.analysis.advice import expected_sentence
-from sph.analysis.dimensions import CASE, Dimension, scene_key, title_of
+from sph.analysis.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.analysis.metrics import CLASSES
-from sph.analysis.study import Study
 from sph.analysis.tables import EXPECTED, Layout, read_table
 from sph.files import whole
 from sph.page.explorer import explorer
@@ -122,7 +121,7 @@ def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, lar
     """
     whole_table, axes = read_table(study.table, study.layout), [found.name for found in study.dimensions]
     points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
-    whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [Study.point_name(point) for point in points])
+    whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
     if len(whole_table) != study.size or not set(study.runs) <= set(whole_table.index):
         raise ValueError(f"{study.table}: its rows are not the {study.size} runs of the study; run again what wrote it")
     table = whole_table[whole_table.index.isin(list(study.runs))]
