@@ -324,7 +324,8 @@ class Plan:
 
     def gravity_of(self, trunk: str) -> str:
         """Name of the gravity stage of a trunk."""
-        return self._shared.gravity_of.get(trunk, self.gravities[0])
+        found = self._shared.gravity_of
+        return found[trunk] if trunk in found else self.gravities[0]
 
     @property
     def gravities(self) -> list[str]:
@@ -365,7 +366,9 @@ class Plan:
     @property
     def note(self) -> str:
         """The line on a figure of all runs."""
-        return f"study {self.study.study} · fidelity {self.study.fidelity} · {len(self.study.runs):,} runs"
+        return (
+            f"fidelity {self.study.fidelity} · scene {self._base.get('name')} · {len(self.study.runs):,} runs of study {self.study.study}"
+        )
 
     @property
     def layout(self) -> Layout:
@@ -393,7 +396,7 @@ class Plan:
             self.built(**point)
             first = seen.setdefault(tuple(map(value_of, point.values())), name)
             if first != name and self.study.cases is not None:
-                at = ", ".join(f"{dimension} = {value}" for dimension, value in point.items())
+                at = ", ".join(f"{key} = {value}" for key, value in point.items())
                 raise ValueError(f"cases: {first} and {name} are one run, {at}")
         self.study.figure_files  # noqa: B018  refuses what a figure lacks
 
