@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 
 from sph.analysis.advice import percent
+from sph.analysis.dimensions import Dimension
 from sph.command.reference import TABLES
 from sph.trajectory import Variable
 
@@ -91,12 +93,10 @@ def _status(row: Mapping[Any, Any]) -> str:
     return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "")
 
 
-def run_columns(probe: str) -> dict[str, Callable[[Mapping[Any, Any]], str]]:
+def run_columns(dimensions: Iterable[Dimension], probe: str) -> dict[str, Callable[[Mapping[Any, Any]], str]]:
     """Columns of the table of runs: heading, and the words from a row of a study's table."""
-    return {
-        "S_R": lambda row: row["S_R"],
-        "γ (1/s)": lambda row: row["gamma"],
-        "amplitude (m/s²)": lambda row: row["amplitude"],
+    points: dict[str, Callable[[Mapping[Any, Any]], str]] = {found.label: operator.itemgetter(found.name) for found in dimensions}
+    return points | {
         "class": lambda row: row["collapse_class"],
         "status": _status,
         f"displacement of {probe} (m)": lambda row: metres(row["displacement_magnitude"]),

@@ -142,6 +142,13 @@ STUDY = {
     "fidelities": {"a": {}, "b": {"numerics": {"spacing": 0.5}}},
     "figures": {"strengths": ["0.1"], "gamma": "1", "compared_gammas": ["1"], "compared_strengths": ["0.25"]},
 }
+ANY = {name: value for name, value in STUDY.items() if name not in ("grid", "figures")}
+FREE = [
+    ANY | {"grid": {"S_R": ["0.1", "0.25"], "soil.cohesion": [20, "150"], "numerics.kernel": ["cubic_spline", "wendland_c2"]}},
+    ANY | {"cases": [{"S_R": "0.1", "walls.layers": 2}, {"S_R": 0.25, "walls.layers": "3"}], "figures": {"runs": ["case-000002"]}},
+    ANY | {"sample": {"method": "random", "size": 5, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [1, 9], "scale": "log"}}}},
+]
+"""Studies over other dimensions than the paper's."""
 TRADE = {
     "scene": "tiny.yaml",
     "cases": {"weak": {"coupling": {"S_R": 0.1}}, "strong": {"coupling": {"S_R": 0.5}}},
@@ -353,6 +360,11 @@ def study(data: Any, folder: Path) -> str:
     """Load a study; its results stay where they belong."""
     plan = load_study(write(folder / "study.yaml", data), [folder])
     _stays(plan.folder, "results")
+    for name in (*plan.study.runs, *plan.gravities, *plan.trunks):
+        _stays(f"{plan.folder}/runs/{name}.nc", f"{plan.folder}/runs")
+    for name in plan.study.runs:
+        assert plan.gravity_of(plan.stages(name).trunk) == plan.stages(name).gravity
+    assert len(plan.layout.names) == len(set(plan.layout.names))
     return "accepted"
 
 
@@ -565,7 +577,7 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
         scene,
         st.one_of([changed(Scene, base, most) for base in SCENES for most in (1, 2, 4)] + [section(Scene), broken(SCENES[1])]),
     ),
-    "study": (8, study, st.one_of(changed(Study, STUDY, 1), changed(Study, STUDY), broken(STUDY))),
+    "study": (8, study, st.one_of([changed(Study, base, most) for base in (STUDY, STUDY, *FREE) for most in (1, 3)] + [broken(STUDY)])),
     "trade": (6, trade, st.one_of(changed(Trade, TRADE, 1), changed(Trade, TRADE), broken(TRADE))),
     "limits": (6, limits, st.one_of(changed(Limits, LIMITS, 1), changed(Limits, LIMITS), broken(LIMITS))),
     "sensitivity": (
