@@ -13,17 +13,21 @@ bedrock grows the base becomes the rigid one.  The bedrock begins below the boun
 
 **Sides** (free-field boundary: Zienkiewicz, Bicanic and Shen 1989; FLAC's manual): beside each side stands a column of level ground as
 high as the ground there, shaken by the same motion on the same base.  The side is joined to it with dashpots, rho V_p across and rho V_s
-along, which feel only what differs from the column's velocity v_ff, and with its shear stress tau_ff; so the shear waves that
-come up are left alone and what the slope sends out is taken.  A column is linear: elastic, with Rayleigh damping and with what
-artificial viscosity amounts to in shear.  It is the sum of the lattice's rows, the same operator as that of a model with periodic
-sides, whose waves travel as the model's do at any resolution; nodes are the rows, boundary rows of the base among them.
+along, which feel only what differs from the column's velocity v_ff, and with its stresses on upright planes, the shear stress tau_ff
+among them; so the waves that come up are left alone and what the slope sends out is taken.  A column is linear: elastic, with Rayleigh
+damping and with what artificial viscosity amounts to there.  Horizontal and vertical motion do not know of each other in it.  It is the
+sum of the lattice's rows, the same operator as that of a model with periodic sides, whose waves travel as the model's do at any
+resolution; nodes are the rows, boundary rows of the base among them.
 
 Each traction is spread over the layers by w_i as the kernel would spread the stress of the particles that are missing outside:
-w_i is the sum of their kernel gradients.  Dashpots are integrated exactly for a constant force and so do not limit the time step.
+w_i is the sum of their kernel gradients.  Of the energy of a pulse five spacings wide 0.28 % then stay in a column, and 1.1 % at h = 2.3
+spacings; dashpots on the outermost layer alone leave 1.0 and 23 %, on all layers alike 1.1 and 4.7 %.  Dashpots are integrated exactly
+for a constant force and so do not limit the time step.
 
 Limits.  A dashpot takes a wave that meets it square; grazing waves are given back in part.  It holds no static load that comes
-later: debris that leans on a side pushes it away for good, slowly (Z v = change of traction), and so does a base under soil that has moved.
-Keep sides at places that stay level, elastic ground.  Faces (``sph.contact``) do not guard these walls: debris that runs over
+later, and the static reaction goes on where the soil that it held has gone: the boundary then moves for good, slowly, with Z v = change of
+traction.  In the paper's scene, which fails from wall to wall, sides move by 1.5 m in the end and the base by 0.5 m.  Keep sides at
+places that stay level, elastic ground.  Faces (``sph.contact``) do not guard these walls: debris that runs over
 a side's ground falls out of the model and ends the run.  The static reaction is that at the end of the gravity stage:
 soil that still swings then leaves a small false load.
 """
@@ -61,7 +65,7 @@ class FreeFieldTerm(NamedTuple):
 
     begin: np.ndarray  # (3,) first node of each column, and the end of the last
     gradient: np.ndarray  # (2 reach + 1,) volume times the sum of a row's kernel gradients, by its number above the node's own, 1/m
-    viscosity: np.ndarray  # (2, 2 reach + 1) the same of what artificial viscosity couples
+    viscosity: np.ndarray  # (2, 2 reach + 1) volume times the row's ``Rows.viscosity``, 1/m
     density: np.ndarray  # (nodes,)
     modulus: np.ndarray  # (2, nodes) in shear, and in compression without strain beside it, Pa
     beside: np.ndarray  # (nodes,) horizontal stress over vertical stress in that
