@@ -1,8 +1,9 @@
 """Absorbing base and sides: boundary particles that let waves out.
 
 A fixed box gives every wave back.  An absorbing boundary is made of the same particles as a fixed one, as many layers as fill the
-kernel's support.  They are fixed while gravity is brought on; then their acceleration, which the fixing balanced, is noted as the static
-reaction -r_i, and from there on they move as soil does, with dashpots on them:
+kernel's support.  While gravity is brought on, those of the base are fixed and those of the sides settle with the soil as level ground
+does, on rollers: a side that held the soil up would fail it.  Then the acceleration that balances the stress is noted as the static
+reaction -r_i, and from there on they move as soil that does not fail, with dashpots on them:
 
     a_i = (a_i by stress) - r_i - a_g - w_i / (rho_i dx) Z (v_i - v_ff) + w_i / (rho_i dx) tau_ff n.
 
@@ -293,18 +294,31 @@ def _beside(term, state, node):  # type: ignore[no-untyped-def]
 
 
 @jit
-def kick_boundary(term, state, terms, mass, rate, ground, vertical, time, first, last):  # type: ignore[no-untyped-def]
-    """Move the absorbing boundary particles among first to last by one step, once the gravity stage is over.
+def kick_boundary(term, state, terms, mass, rate, ground, vertical, gravity, time, first, last):  # type: ignore[no-untyped-def]
+    """Move the absorbing boundary particles among first to last by one step; in the gravity stage only sides, and these up and down.
 
-    ``rate`` of mass-proportional damping in 1/s.  Returns the works of the shaking and of the static reactions, and the energies taken
-    by artificial viscosity and by the dashpots and mass damping (J/m).
+    ``rate`` of mass-proportional damping in 1/s.  Returns the works of the shaking and of gravity or the static reactions, and the
+    energies taken by artificial viscosity and by the dashpots and mass damping (J/m).
     """
     if term is None:
         return 0.0, 0.0, 0.0, 0.0
     else:
         shaking = held = viscous = taken = 0.0
         dt = terms.dt
-        if time >= terms.armed_from:
+        if time < terms.armed_from:
+            for i in range(max(first, terms.n_soil), min(last, terms.n_moving)):
+                b = i - terms.n_soil
+                if term.side[0, b] > 0.0 and term.base[0, b] == 0.0:
+                    vy_old, fall = state.vy[i], gravity * terms.down_y
+                    keep, acting = _decay(rate, dt)
+                    vy = vy_old * keep + (state.ay[i] + fall) * acting
+                    state.vy[i] = vy
+                    state.y[i] += vy * dt
+                    mean_y = 0.5 * (vy + vy_old)
+                    held += mass[i] * fall * mean_y
+                    viscous -= mass[i] * state.viscous_y[i] * mean_y
+                    taken += mass[i] * (state.ay[i] + fall - (vy - vy_old) / dt) * mean_y
+        else:
             for i in range(max(first, terms.n_soil), min(last, terms.n_moving)):
                 b = i - terms.n_soil
                 if math.isnan(state.reaction_x[b]):

@@ -190,10 +190,19 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
 
 
 @jit
+def _last_that_fails(absorbing, n_soil, last):  # type: ignore[no-untyped-def]
+    """Absorbing boundary particles stand for soil far away, and do not fail."""
+    if absorbing is None:
+        return last
+    else:
+        return min(last, n_soil)
+
+
+@jit
 def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
     """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
     newly_failed = 0
-    for i in range(first, last):
+    for i in range(first, _last_that_fails(terms.absorbing, terms.n_soil, last)):
         if state.phase[i] == UNARMED:
             limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
             soil = material_of(terms.layers, terms.soil, i)

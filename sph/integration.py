@@ -266,6 +266,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     rate,
                     loading.ground[s],
                     vertical,
+                    loading.gravity[s],
                     loading.time[s],
                     block * BLOCK,
                     (block + 1) * BLOCK,
