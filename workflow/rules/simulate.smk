@@ -13,8 +13,10 @@ rule gravity:
         "{folder}/logs/gravity.log",
     benchmark:
         "{folder}/benchmarks/gravity.tsv"
+    resources:
+        **asked(stage_scene, lambda wildcards: "gravity"),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).scene(),
+        scene=stage_scene,
         until="gravity",
     script:
         "../scripts/simulate.py"
@@ -32,10 +34,10 @@ rule trunk:
     benchmark:
         "{folder}/benchmarks/amplitude-{amplitude}.tsv"
     priority: 10
+    resources:
+        **asked(stage_scene),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).scene(
-            amplitude=wildcards.amplitude
-        ),
+        scene=stage_scene,
         until="first_failure",
     script:
         "../scripts/simulate.py"
@@ -52,10 +54,10 @@ rule simulate:
         f"{{folder}}/logs/{GRID.wildcard_pattern}.log",
     benchmark:
         f"{{folder}}/benchmarks/{GRID.wildcard_pattern}.tsv"
+    resources:
+        **asked(stage_scene),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).scene(
-            **{name: wildcards[name] for name in PLAN.study.points}
-        ),
+        scene=stage_scene,
         until="end",
     script:
         "../scripts/simulate.py"

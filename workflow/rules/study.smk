@@ -13,8 +13,10 @@ rule yield_acceleration:
         "{folder}/logs/yield_acceleration.log",
     benchmark:
         "{folder}/benchmarks/yield_acceleration.tsv"
+    resources:
+        **asked(stage_scene, lambda wildcards: "yield_acceleration"),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).scene(),
+        scene=stage_scene,
         by="yield_acceleration",
     script:
         "../scripts/simulate.py"
