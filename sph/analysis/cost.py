@@ -2,7 +2,7 @@
 
 Computing time is a sum of four parts, each with a constant of the reference machine (one core of the machine that measured
 the ladder, two runs side by side).  The constants were fitted to the 77 timed rungs of ``measured/trade.csv``: half of them are met
-within 5 %, nine in ten between -20 % and +12 %; the others ran on a machine that was also doing something else.
+within 6 %, eight in ten between -17 % and +8 %, the worst are 0.56 and 1.25 times what was measured.
 
 * a directed neighbour and a particle in a time step;
 * the renewal of a directed neighbour's gradient, whenever the fastest debris has moved by ``numerics.gradient_tolerance``; it is taken

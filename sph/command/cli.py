@@ -403,6 +403,7 @@ def cost(
     speed: Annotated[
         float | None, typer.Option(help="speed of a core over the reference machine's; measured here, or on finished runs, by default")
     ] = None,
+    start: Annotated[float, typer.Option(min=0, max=3600, help="what each job takes to start, s; some 10 on a cluster")] = 1.5,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
     """Predict what a study takes: core-hours, wall time, memory and disk, of all of it and of what is left."""
@@ -419,7 +420,7 @@ def cost(
             if fidelity not in plan.study.fidelities:
                 raise ValueError(f"--fidelity {fidelity!r}: must be {', '.join(plan.study.fidelities)}")
             plan, folder = plan.at(fidelity), folder.with_name(fidelity)
-        found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed)
+        found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
     print(json.dumps(record(found), indent=1) if as_json else "\n".join(lines(found)))
 
 

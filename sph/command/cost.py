@@ -1,26 +1,28 @@
 """What a study will cost before it is run (``sph cost``), by ``sph.analysis.cost`` and the speed of the machine at hand.
 
-The speed is measured where it can be: on finished jobs of the study, else by a second of its gravity stage here; ``--speed`` gives that of
+The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
 another machine.  Runs share the gravity stage and go on from it; the shaking up to the first failure is counted with them.
 """
 
 from __future__ import annotations
 
+import math
 import statistics
-import time as clock
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from sph.analysis.cost import COMPILE, START, Cost, cost, search_cost
 from sph.analysis.study import Plan
 from sph.command.status import RUNS, SEARCH, State, duration, jobs, look
-from sph.scene import Scene
-from sph.solver import Run
+from sph.configuration import merge
+from sph.scene import Scene, make_scene
+from sph.solver import Progress, Run
 
-CALIBRATION = 1.0
-"""Computing time of the measurement of a machine's speed, s."""
-TABLES, TABLES_A_RUN = 30.0, 0.3
+CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
+"""Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""
+TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
 
 
@@ -50,12 +52,15 @@ class StudyCost(NamedTuple):
     speed: Speed
 
 
-def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None) -> StudyCost:
-    """Predict a study on a number of cores of one machine; ``speed`` over the reference machine's, measured by default."""
+def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
+    """Predict a study on a number of cores; ``speed`` over the reference machine's, measured by default.
+
+    ``start`` is what every job takes beside its computing, s: more on a cluster than on one machine.
+    """
     states = [look(job, folder) for job in jobs(plan)]
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
-    times = [START + part.seconds / known.value for _, part in found]
+    times = [start + part.seconds / known.value for _, part in found]
     waits = [time for time, state in zip(times, states, strict=True) if state.state != "done"]
     kinds: dict[str, float] = {}
     for (state, _), time in zip(found, times, strict=True):
@@ -75,7 +80,7 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None)
         longest.seconds / known.value,
         sum(times) + after,
         left,
-        # One stage after another however many cores there are; the figures need one another least of all.
+        # One stage after another, however many cores there are.
         max(left / cores, sum(kinds.values()) + after * bool(waits) / min(cores, 8)),
         cores,
         min(cores, len(states)) * max(part.memory for _, part in found),
@@ -103,23 +108,39 @@ def measured_speed(states: Sequence[State]) -> Speed:
     ]
     if ratios:
         return Speed(statistics.median(ratios), f"by {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
-    return Speed(speed_here(states[0].job.scene), f"measured here for {CALIBRATION:g} s")
+    return Speed(speed_here(states[0].job.scene), "measured here on a coarse copy of a run")
 
 
 def speed_here(scene: Scene) -> float:
-    """Speed of this machine, from the first second or so of computing a scene; compiles if nobody has yet."""
-    run, block = Run(scene), scene.steps(scene.outputs.series_interval)
-    run.prepare()
-    run.advance_steps(block)  # the first steps are slower
-    started, first = clock.perf_counter(), run.step
-    last = scene.steps(scene.gravity.duration)
-    while run.step + block <= last and clock.perf_counter() - started < CALIBRATION:
-        run.advance_steps(block)
-    elapsed, done = clock.perf_counter() - started, run.step - first
-    if not done:
-        return 1.0
-    stage = cost(scene, until=scene.gravity.duration)
-    return stage.seconds / stage.steps * (run.steps_made - first) / elapsed
+    """Speed of this machine, on a coarse copy of a scene from start to end; compiles if nobody has yet.
+
+    Debris and soil at rest take different times on different machines, so that the beginning of the scene itself would not do.
+    """
+    seen: list[Progress] = []
+
+    def look_at(progress: Progress) -> None:
+        seen[:] = [progress]
+        if progress.elapsed > LONGEST:
+            raise _Enough
+
+    copy = coarse(scene)
+    with suppress(_Enough):
+        Run(copy).go(report=look_at)
+    expected, last = cost(copy, until=seen[0].time), seen[0]
+    return expected.seconds * last.particle_steps / (expected.particles * expected.steps) / last.elapsed
+
+
+class _Enough(Exception):
+    """Ends a measurement."""
+
+
+def coarse(scene: Scene) -> Scene:
+    """A scene with the longest stable step and as coarse as makes it take ``CALIBRATION``, but with ``FEWEST`` particles."""
+    numerics = {"time_step": scene.outputs.series_interval, "adaptive_step": {"courant": 0.8}}
+    quick = make_scene(merge(scene.model_dump(), {"numerics": numerics}))
+    expected = cost(quick)
+    ratio = min(expected.seconds / CALIBRATION, expected.particles / FEWEST)
+    return make_scene(merge(quick.model_dump(), {"numerics": {"spacing": scene.numerics.spacing * math.sqrt(max(ratio, 1.0))}}))
 
 
 def lines(found: StudyCost) -> list[str]:
@@ -129,7 +150,7 @@ def lines(found: StudyCost) -> list[str]:
         ("study", f"{found.folder}: {found.runs:,} runs, {found.jobs:,} simulations" + (f", {done:,} done" if done else "")),
         ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
         ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them left" if done else "")),
-        ("wall time", f"{_time(found.wall)} on {found.cores} cores of one machine"),
+        ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
         ("memory", f"{found.memory / 1024:.1f} GiB for {found.cores} runs at once"),
         ("disk", f"{found.disk / 1024:.2f} GiB of trajectories"),
         ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
