@@ -26,13 +26,13 @@ STUDY = {
     "study": "small",
     "scene": "slope.yaml",
     "fidelity": "draft",
-    "grid": {"S_R": ["0.10", "0.50"], "gamma": ["1", "100"], "amplitude": ["8.0"]},
+    "grid": {"S_R": ["0.10", "0.50"], "gamma": ["100"], "amplitude": ["8.0"]},
     "fidelities": {"draft": {}},
-    "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
+    "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"], "compared_gammas": ["100"]},
     "claims": {"amplitude": 8.0},
 }
 RESULTS = Path("results", "small", "draft")
-RUNS = 4
+RUNS = 2
 HERE = ["--slurm-status-command", "squeue", "--slurm-no-account", "--slurm-init-seconds-before-status-checks", "2", "--latency-wait", "5"]
 """What a Slurm without accounting needs, and waits that suit one machine."""
 PATIENCE = 300.0
