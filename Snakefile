@@ -1,10 +1,12 @@
 # Slope failure over strength ratio x coupling x amplitude: config/config.yaml -> results/<study>/<fidelity>.
 import functools
+import os
 import re
 from pathlib import Path
 
 from snakemake.utils import Paramspace, min_version
 
+import sph
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
 
@@ -14,7 +16,9 @@ min_version("9.18")
 configfile: "config/config.yaml"
 
 
-FOLDERS = [Path.cwd(), Path(workflow.basedir)]
+# Where the library lies that is imported, also when this workflow is a module of another one.
+SPH = Path(os.path.abspath(sph.__file__)).parent
+FOLDERS = [Path.cwd(), SPH.parent]
 PLAN = load_study(config, FOLDERS)
 RESULTS = PLAN.folder
 GRID = Paramspace(PLAN.study.points, filename_params="*", param_sep="-")
@@ -23,25 +27,20 @@ RUN = f"{{folder}}/runs/{GRID.wildcard_pattern}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
-SOLVER = sorted(str(path) for path in Path(workflow.basedir, "sph").glob("*.py"))
-SEARCHING = SOLVER + sorted(
-    str(path) for path in Path(workflow.basedir, "sph", "stability").glob("*.py")
-)
+SOLVER = sorted(str(path) for path in SPH.glob("[!_]*.py"))
+SEARCHING = SOLVER + sorted(str(path) for path in SPH.glob("stability/*.py"))
 ANALYSIS = sorted(
     str(path)
-    for pattern in ("*.py", "measured/*.csv")
-    for path in Path(workflow.basedir, "sph", "analysis").glob(pattern)
+    for pattern in ("analysis/*.py", "analysis/measured/*.csv")
+    for path in SPH.glob(pattern)
 )
-DRAWING = ANALYSIS + sorted(
-    str(path)
-    for path in Path(workflow.basedir, "sph", "analysis", "figures").glob("*.py")
-)
+DRAWING = ANALYSIS + sorted(str(path) for path in SPH.glob("analysis/figures/*.py"))
 
 
 PAGE = DRAWING + sorted(
     str(path)
     for pattern in ("page/*.*", "command/reference.py", "validation/measured/*.csv")
-    for path in Path(workflow.basedir, "sph").glob(pattern)
+    for path in SPH.glob(pattern)
 )
 
 
@@ -81,3 +80,4 @@ include: "workflow/rules/limits.smk"
 include: "workflow/rules/extremes.smk"
 include: "workflow/rules/sensitivity.smk"
 include: "workflow/rules/trigger.smk"
+include: "workflow/rules/docs.smk"

@@ -1,3 +1,107 @@
-"""Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics."""
+"""Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics.
+
+Scene in, dataset out:
+
+>>> import sph
+>>> scene = sph.make_scene(
+...     {
+...         "name": "steep",
+...         "duration": 6.0,
+...         "geometry": {"shape": "slope", "slope_angle": 70.0, "slope_height": 20.0},
+...         "coupling": {"S_R": 0.1},
+...         "gravity": {"ramp": 0.5, "duration": 1.0},
+...         "motion": {
+...             "kind": "tapered_sine", "amplitude": 8.0,
+...             "start": 1.0, "ramp": 0.5, "decay_start": 3.0, "end": 3.5,
+...         },
+...         "numerics": {"spacing": 4.0, "time_step": 1e-3},
+...     }
+... )
+>>> result = sph.run(scene)
+>>> result.status
+'complete'
+>>> result.trajectory["displacement_x"].dims
+('frame', 'particle')
+>>> numbers = sph.measure(result.trajectory)
+>>> numbers["collapse_class"], round(numbers["runout"]) > 5
+('collapse', True)
+
+What is left out has the default that `config/README.md` gives it; a mistake is refused by a ValueError with key, value and what is
+allowed.  Numbers are in SI units, but for kPa and degrees in scenes.  The first run of a kind of scene compiles for half a minute.
+
+The way through the house:
+
+1. `make_scene` and `load_scene` make a validated, immutable `Scene`, of a mapping or a YAML file.
+2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.
+3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.trajectory.VARIABLES` has every variable with its unit.
+4. `measure` gives the numbers of a run; `sph.analysis.metrics.METRICS` defines each.
+5. `load_study` is a grid of scenes as Snakemake runs it; `read_study` and `read_table` read what it has measured.
+6. `factor_of_safety`, `critical_strength_ratio`, `yield_acceleration` and `sliding_block` are the methods of practice to compare with.
+
+These names are the public interface and keep their meaning from version to version; `CHANGELOG.md` says where one does not.  The
+modules are open to read and to use without that promise.  A run goes from `sph.scene` through `sph.particles` and `sph.solver`, which
+advances by `sph.integration` with one term of physics a file, to `sph.trajectory`; `sph.analysis` measures and draws, `sph.stability`
+searches, `sph.validation` holds the reference cases, `sph.page` writes the report, `sph.command` is the command.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    name: module
+    for module, names in {
+        "sph.scene": "make_scene load_scene Scene",
+        "sph.solver": "run Progress Result",
+        "sph.checkpoint": "run_to_file",
+        "sph.trajectory": "read_run scene_of",
+        "sph.analysis.metrics": "measure MetricSettings",
+        "sph.analysis.study": "load_study Plan",
+        "sph.analysis.tables": "read_study read_table",
+        "sph.stability.safety": "factor_of_safety critical_strength_ratio yield_acceleration",
+        "sph.stability.search": "Search",
+        "sph.stability.standing": "FailureRule",
+        "sph.stability.newmark": "sliding_block SlidingBlock",
+    }.items()
+    for name in names.split()
+}
+"""Where the public names live.  They are imported when they are first used: ``sph --help`` needs none of them."""
+
+if TYPE_CHECKING:
+    from sph.analysis.metrics import MetricSettings as MetricSettings
+    from sph.analysis.metrics import measure as measure
+    from sph.analysis.study import Plan as Plan
+    from sph.analysis.study import load_study as load_study
+    from sph.analysis.tables import read_study as read_study
+    from sph.analysis.tables import read_table as read_table
+    from sph.checkpoint import run_to_file as run_to_file
+    from sph.scene import Scene as Scene
+    from sph.scene import load_scene as load_scene
+    from sph.scene import make_scene as make_scene
+    from sph.solver import Progress as Progress
+    from sph.solver import Result as Result
+    from sph.solver import run as run
+    from sph.stability.newmark import SlidingBlock as SlidingBlock
+    from sph.stability.newmark import sliding_block as sliding_block
+    from sph.stability.safety import (
+        critical_strength_ratio as critical_strength_ratio,
+    )
+    from sph.stability.safety import (
+        factor_of_safety as factor_of_safety,
+    )
+    from sph.stability.safety import (
+        yield_acceleration as yield_acceleration,
+    )
+    from sph.stability.search import Search as Search
+    from sph.stability.standing import FailureRule as FailureRule
+    from sph.trajectory import read_run as read_run
+    from sph.trajectory import scene_of as scene_of
+else:
+    __all__ = [*_HOMES]
+
+    def __getattr__(name: str) -> Any:
+        if name not in _HOMES:
+            raise AttributeError(f"module 'sph' has no attribute {name!r}")
+        globals()[name] = getattr(import_module(_HOMES[name]), name)
+        return globals()[name]

@@ -20,6 +20,7 @@ import numpy as np
 from sph.bingham import fluid_deviator
 from sph.elastic import deviator_square, elastic_increment, pressure, rotate
 from sph.jit import jit, rows
+from sph.material import material_of
 from sph.mohr_coulomb import limit_tension, return_factor, shear_demand, strength
 from sph.state import ARMED, FAILED, UNARMED
 
@@ -88,10 +89,11 @@ def blend(beta, solid, fluid):  # type: ignore[no-untyped-def]
 @jit
 def blended(state, terms, i):  # type: ignore[no-untyped-def]
     """Pressure and deviator (p, d, q, z) of Eq. 8, Pa."""
-    p = pressure(terms.bulk_modulus, state.density[i], terms.reference_density)
+    soil = material_of(terms.layers, terms.soil, i)
+    p = pressure(soil.bulk_modulus, state.density[i], terms.reference_density)
     b = state.beta[i]
     return (
-        blend(b, limit_tension(terms.solid, p), limit_tension(terms.fluid, p)),
+        blend(b, limit_tension(soil.solid, p), limit_tension(soil.fluid, p)),
         blend(b, state.solid_d[i], state.fluid_d[i]),
         blend(b, state.solid_q[i], state.fluid_q[i]),
         blend(b, state.solid_z[i], state.fluid_z[i]),
@@ -142,15 +144,26 @@ def _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached
 
 
 @jit
-def _advance_chunk(solid, fluid, state, pairs, terms, mass, gradient, reached, first, last):  # type: ignore[no-untyped-def]
-    """Density, both states, beta and stress of particles first to last; a state that is None does not matter to any.
+def _where(wanted, value):  # type: ignore[no-untyped-def]
+    if wanted is None:
+        return None
+    else:
+        return value
+
+
+@jit
+def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reached, first, last):  # type: ignore[no-untyped-def]
+    """Density, both states, beta and stress of particles first to last; a state for which None is given does not matter to any.
 
     Notes in ``reached`` who reached the failure surface; returns the internal work over dt, W/m.
     """
     dt = terms.dt
-    bulk, shear = terms.bulk_modulus, terms.shear_modulus
+    half = 0.5 * terms.cell_mass
     internal = 0.0
     for i in rows(first, last):
+        soil = material_of(terms.layers, terms.soil, i)
+        solid, fluid = _where(with_solid, soil.solid), _where(with_fluid, soil.fluid)
+        bulk = soil.bulk_modulus
         density = state.density[i]
         s = 1.0 / density
         l_xx, l_xy, l_yx, l_yy = correct_gradient(
@@ -159,18 +172,17 @@ def _advance_chunk(solid, fluid, state, pairs, terms, mass, gradient, reached, f
         trace = l_xx + l_yy
         d_xy = 0.5 * (l_xy + l_yx)
         angle = 0.5 * (l_xy - l_yx) * dt
-        rate_d, rate_q, rate_z = elastic_increment(shear, l_xx, l_yy, d_xy)
+        rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, d_xy)
         new_density = max(density * (1.0 - trace * dt), terms.least_density)
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
-        beta = _update_beta(fluid, state, i, terms.beta_decay)
-        p_f, d_f, q_f, z_f = _update_fluid(fluid, terms.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
+        beta = _update_beta(fluid, state, i, soil.beta_decay)
+        p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
         p_s, d_s, q_s, z_s = _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first))
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
         mean = -blend(beta, p_s, p_f) - 0.5 * z
         damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh, beta, bulk, rate_d, rate_q, rate_z, trace)
         s = 1.0 / (new_density * new_density)
-        half = 0.5 * mass[i]
         internal += half * power(terms.correction, state, gradient, i)
         store_stress(terms.correction, pairs.correction, i, state, (mean + d + damp_xx) * s, (mean - d + damp_yy) * s, (q + damp_xy) * s)
         internal += half * power(terms.correction, state, gradient, i)
@@ -184,9 +196,10 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
     for i in range(first, last):
         if state.phase[i] == UNARMED:
             limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
-            p = limit_tension(terms.solid, pressure(terms.bulk_modulus, state.density[i], terms.reference_density))
-            demand = shear_demand(terms.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
-            if reached[i - first] == 0.0 and demand <= limit * strength(terms.solid, p):
+            soil = material_of(terms.layers, terms.soil, i)
+            p = limit_tension(soil.solid, pressure(soil.bulk_modulus, state.density[i], terms.reference_density))
+            demand = shear_demand(soil.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
+            if reached[i - first] == 0.0 and demand <= limit * strength(soil.solid, p):
                 state.phase[i] = ARMED
         elif state.phase[i] == ARMED and reached[i - first] > 0.0:
             state.phase[i] = FAILED
@@ -199,7 +212,7 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
 
 
 @jit
-def update_stress(state, pairs, terms, mass, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
+def update_stress(state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
     """Advance density, both states and beta of particles first to last to ``time`` (s).
 
     ``gradient`` (4, n) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy; ``reached``
@@ -216,24 +229,25 @@ def update_stress(state, pairs, terms, mass, gradient, reached, time, first, las
             some_unarmed |= state.phase[i] == UNARMED
             some_solid |= state.beta[i] > 0.0
         if not some_failed:
-            internal += _advance_chunk(terms.solid, None, state, pairs, terms, mass, gradient, reached, begin, end)
+            internal += _advance_chunk(True, None, state, pairs, terms, gradient, reached, begin, end)
         elif some_solid:
-            internal += _advance_chunk(terms.solid, terms.fluid, state, pairs, terms, mass, gradient, reached, begin, end)
+            internal += _advance_chunk(True, True, state, pairs, terms, gradient, reached, begin, end)
         else:
-            internal += _advance_chunk(None, terms.fluid, state, pairs, terms, mass, gradient, reached, begin, end)
+            internal += _advance_chunk(None, True, state, pairs, terms, gradient, reached, begin, end)
         if time >= terms.armed_from and (some_unarmed or some_armed and reached[: end - begin].max() > 0.0):
             failed += _arm_and_fail(state, terms, reached, begin, end, time)
     return failed, internal
 
 
 @jit
-def elastic_energy(state, terms, mass):  # type: ignore[no-untyped-def]
+def elastic_energy(state, terms):  # type: ignore[no-untyped-def]
     """Energy stored in the blended stress, J/m: sum of V (p^2 / 2K + s:s / 4G)."""
     total = 0.0
     for i in range(state.x.size):
         p, d, q, z = blended(state, terms, i)
-        volume = mass[i] / state.density[i]
-        total += volume * (0.5 * p * p / terms.bulk_modulus + 0.25 * deviator_square(d, q, z) / terms.shear_modulus)
+        soil = material_of(terms.layers, terms.soil, i)
+        volume = terms.cell_mass / state.density[i]
+        total += volume * (0.5 * p * p / soil.bulk_modulus + 0.25 * deviator_square(d, q, z) / soil.shear_modulus)
     return total
 
 

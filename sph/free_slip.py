@@ -22,6 +22,7 @@ import math
 
 from sph.coupling import power
 from sph.jit import jit
+from sph.material import lightness
 from sph.momentum import stress_accelerations, transposed_shear
 from sph.team import wait
 
@@ -64,7 +65,7 @@ def mirror_stress(term, state, pairs, n_soil, first, last, team):  # type: ignor
 
 
 @jit
-def wall_work(term, state, pairs, correction, mass, gradient, first, last):  # type: ignore[no-untyped-def]
+def wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first, last):  # type: ignore[no-untyped-def]
     """Energy that the walls among particles first to last take from the soil, over dt (W/m, negative: give).
 
     A frictionless wall should take none.  This one's particles stay where they are while the soil slides
@@ -75,17 +76,17 @@ def wall_work(term, state, pairs, correction, mass, gradient, first, last):  # t
     else:
         taken = 0.0
         for i in range(max(term.first, first), last):
-            stress_accelerations(state, pairs, correction, i, i + 1)
-            taken += mass[i] * (
+            stress_accelerations(state, pairs, correction, layers, i, i + 1)
+            taken += cell_mass * (
                 power(correction, state, gradient, i)
-                + (state.ax[i] - state.viscous_x[i]) * state.vx[i]
-                + (state.ay[i] - state.viscous_y[i]) * state.vy[i]
+                + (state.ax[i] - state.viscous_x[i]) / lightness(layers, i) * state.vx[i]
+                + (state.ay[i] - state.viscous_y[i]) / lightness(layers, i) * state.vy[i]
             )
         return taken
 
 
 @jit
-def set_friction(term, slip, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+def set_friction(term, layers, slip, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
     """Largest acceleration that the walls' friction can give soil particles first to last (m/s2), in place of the walls' shear.
 
     Returns the energy over dt that goes with the shear taken away, W/m.
@@ -110,8 +111,10 @@ def set_friction(term, slip, correction, state, pairs, mass, first, last):  # ty
                     else:
                         base -= math.copysign(1.0, gy) * ay
                         base_shear += ax
-            state.friction_x[i] = term.base * max(base, 0.0)
-            state.friction_y[i] = term.sides * max(side, 0.0)
+            base_shear *= lightness(layers, i)
+            side_shear *= lightness(layers, i)
+            state.friction_x[i] = term.base * max(base, 0.0) * lightness(layers, i)
+            state.friction_y[i] = term.sides * max(side, 0.0) * lightness(layers, i)
             state.ax[i] -= base_shear
             state.ay[i] -= side_shear
             taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])

@@ -43,12 +43,13 @@ def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[st
         moved = np.hypot(state.x - state.x_pairs, state.y - state.y_pairs)[soil]
         return _at(particles, int(np.argmax(moved)), "jumped further than its neighbours' skin in a step")
     speed = np.hypot(state.vx, state.vy)[soil]
-    if not speed.max() < MAX_SPEED_RATIO * scene.soil.p_wave_speed:
-        return _at(particles, int(np.argmax(speed)), f"is faster than V_p, {scene.soil.p_wave_speed:.0f} m/s")
+    wave = scene.largest_p_wave_speed
+    if not speed.max() < MAX_SPEED_RATIO * wave:
+        return _at(particles, int(np.argmax(speed)), f"is faster than V_p, {wave:.0f} m/s")
     outside = _behind_walls(scene, particles, state.x[soil], state.y[soil])
     if outside.any():
         return _at(particles, int(np.argmax(outside)), LEFT_THE_BOX)
-    smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * scene.soil.p_wave_speed) ** 2
+    smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * wave) ** 2
     return _energy_made(series, smallest)
 
 

@@ -10,14 +10,18 @@ the gravity stage relaxes it to another stress than bringing gravity on does.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sph.gravity import UniformStress
 from sph.loading import Loading
-from sph.particles import Particles
+from sph.particles import Particles, layer_index
 from sph.scene import Scene
 from sph.state import State
 
+PARTS = 4
+"""Parts of a spacing in which the weight of layers is summed."""
 NO_LOADING = Loading(*(np.zeros(1) for _ in Loading._fields))
 """Loads of a step in which nothing moves."""
 
@@ -26,10 +30,24 @@ def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: 
     """Give the first ``n_stressed`` particles, those with a stress of their own, the scene's initial stress."""
     wanted = scene.gravity.initial_stress
     if isinstance(wanted, UniformStress):
-        state.density[:n_stressed] = scene.soil.density * (1.0 + 1e3 * wanted.pressure / scene.soil.bulk_modulus_si)
+        bulk_modulus = np.array([soil.bulk_modulus_si for soil in scene.soils])[particles.layer[:n_stressed]]
+        state.density[:n_stressed] = scene.soil.density * (1.0 + 1e3 * wanted.pressure / bulk_modulus)
         state.density_pairs[:] = state.density
     elif wanted == "geostatic":
         _impose_geostatic_stress(state, scene, particles, n_stressed)
+
+
+def overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Mass of soil (n,) above places (n,), kg/m2; through layers it is summed over parts no longer than a quarter of the spacing."""
+    depth = np.maximum(np.interp(x, *scene.geometry.surface) - y, 0.0)
+    if not scene.layers:
+        return scene.soil.density * depth
+    parts = PARTS * max(1, math.ceil(depth.max(initial=0.0) / scene.numerics.spacing))
+    density = np.array([soil.density for soil in scene.soils])
+    total = np.zeros(x.size)
+    for part in range(parts):
+        total += density[layer_index(scene, x, y + depth * (part + 0.5) / parts)]
+    return total * depth / parts
 
 
 def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
@@ -38,13 +56,11 @@ def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n
     The depth counts from the ground vertically above; base particles continue it downwards, particles beside the box take
     the ground at the box's edge, and those above the ground have no stress.
     """
-    soil = scene.soil
-    surface_x, surface_y = scene.geometry.surface
-    depth = np.maximum(np.interp(particles.x, surface_x, surface_y) - particles.y, 0.0)[:n_stressed]
-    vertical = soil.density * scene.gravity.acceleration * depth
-    ratio = soil.poisson_ratio / (1.0 - soil.poisson_ratio)
+    layer = particles.layer[:n_stressed]
+    vertical = scene.gravity.acceleration * overburden(scene, particles.x[:n_stressed], particles.y[:n_stressed])
+    ratio = np.array([soil.poisson_ratio / (1.0 - soil.poisson_ratio) for soil in scene.soils])[layer]
     mean = vertical * (1.0 + 2.0 * ratio) / 3.0
-    state.density[:n_stressed] = soil.density * (1.0 + mean / soil.bulk_modulus_si)
+    state.density[:n_stressed] = scene.soil.density * (1.0 + mean / np.array([soil.bulk_modulus_si for soil in scene.soils])[layer])
     state.density_pairs[:] = state.density
     state.solid_d[:n_stressed] = 0.5 * (1.0 - ratio) * vertical
     state.solid_z[:n_stressed] = mean - ratio * vertical

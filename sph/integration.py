@@ -152,22 +152,22 @@ def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
 
 
 @jit
-def make_lists(state, terms, mass):  # type: ignore[no-untyped-def]
+def make_lists(state, terms):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.period)
     pairs = allocate_pairs(candidates, terms.zero, terms.tension)
-    update_pairs(pairs, candidates, terms, state.x_pairs, state.y_pairs, mass, state.density_pairs, 0, state.x.size)
+    update_pairs(pairs, candidates, terms, state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
     return candidates, pairs
 
 
 @jit
-def renew_pairs(state, candidates, pairs, terms, mass, first, last):  # type: ignore[no-untyped-def]
+def renew_pairs(state, candidates, pairs, terms, first, last):  # type: ignore[no-untyped-def]
     """Pairs of particles first to last at the present positions."""
     for i in range(first, last):
         state.x_pairs[i] = state.x[i]
         state.y_pairs[i] = state.y[i]
         state.density_pairs[i] = state.density[i]
-    update_pairs(pairs, candidates, terms, state.x, state.y, mass, state.density, first, last)
+    update_pairs(pairs, candidates, terms, state.x, state.y, state.density, first, last)
 
 
 TERM_NAMES = (
@@ -183,6 +183,7 @@ TERM_NAMES = (
     "periodic",
     "artificial_stress",
     "prescribed_motion",
+    "layers",
 )
 
 
@@ -196,7 +197,7 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
     """Which optional terms the compiled variant holds, in the order of ``TERM_NAMES``."""
     return (
         _present(terms.kernel.wendland_c2),
-        _present(terms.fluid_law.cap),
+        _present(terms.soil.fluid_law.cap),
         _present(terms.rayleigh),
         _present(terms.viscosity),
         _present(terms.correction),
@@ -207,6 +208,7 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
         _present(terms.period),
         _present(terms.tension),
         _present(terms.driven),
+        _present(terms.layers),
     )
 
 
@@ -251,13 +253,13 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 if not move <= terms.candidates_tolerance**2:
                     break
         if renew:
-            renew_pairs(state, candidates, pairs, terms, mass, first_row, last_row)
+            renew_pairs(state, candidates, pairs, terms, first_row, last_row)
         mirror_velocity(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            velocity_gradients(state, pairs, terms.viscosity, team.gradient, first, last)
+            velocity_gradients(state, pairs, terms.viscosity, terms.layers, team.gradient, first, last)
             sums[block, FAILURES], internal = update_stress(
-                state, pairs, terms, mass, team.gradient, team.reached, loading.time[s + 1], first, last
+                state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
             )
             sums[block, INTERNAL] = internal * terms.dt
             set_artificial_stress(terms.tension, state, first, min(last, terms.n_stressed))
@@ -265,11 +267,11 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            stress_accelerations(state, pairs, terms.correction, first, min(last, n_soil))
-            rubbed = set_friction(terms.friction, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
-            taken = wall_work(terms.slip, state, pairs, terms.correction, mass, team.gradient, first, last)
+            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_soil))
+            rubbed = set_friction(terms.friction, terms.layers, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
+            taken = wall_work(terms.slip, terms.layers, state, pairs, terms.correction, terms.cell_mass, team.gradient, first, last)
             sums[block, WALLS] += terms.dt * (rubbed + taken)
-            add_artificial_stress(terms.tension, state, pairs, first, min(last, n_soil))
+            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_soil))
             sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_soil, first, min(last, n_soil))
             sums[block, REPULSION] += add_contact(terms.faces, terms.friction, state, mass, first, min(last, n_soil))
         wait(team)

@@ -35,9 +35,9 @@ state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
 
 
 def solver_digest() -> str:
-    """Digest of the solver's sources (the files beside this one) and numba's version."""
+    """Digest of the solver's sources (the files beside this one but for the package's own text) and numba's version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
+    for path in sorted(Path(__file__).parent.glob("[!_]*.py")):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -15,16 +15,17 @@ from __future__ import annotations
 import math
 
 from sph.jit import jit, rows
+from sph.material import lightness, mean_impedance
 from sph.neighbours import wrap
 
 
 @jit
-def _dissipation(term, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
+def _dissipation(term, layers, i, j, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
     """Add one pair's artificial viscosity; only approaching pairs (opening < 0) dissipate."""
     if term is None:
         return sum_x, sum_y
     else:
-        strength = min(opening, 0.0) * inverse_norm
+        strength = mean_impedance(layers, i, j, min(opening, 0.0) * inverse_norm)
         return sum_x + strength * gx, sum_y + strength * gy
 
 
@@ -37,7 +38,7 @@ def _scale(term, value):  # type: ignore[no-untyped-def]
 
 
 @jit
-def velocity_gradients(state, pairs, term, gradient, first, last):  # type: ignore[no-untyped-def]
+def velocity_gradients(state, pairs, term, layers, gradient, first, last):  # type: ignore[no-untyped-def]
     """Sums of (v_j - v_i) g into ``gradient`` (4, n), and the artificial viscosity's acceleration, of particles first to last.
 
     Artificial viscosity in the signal-speed form of Monaghan (1997): it acts along the line between
@@ -59,13 +60,13 @@ def velocity_gradients(state, pairs, term, gradient, first, last):  # type: igno
             l_xy += dvx * gy
             l_yx += dvy * gx
             l_yy += dvy * gy
-            sum_x, sum_y = _dissipation(term, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
+            sum_x, sum_y = _dissipation(term, layers, i, j, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
         gradient[0, i] = l_xx
         gradient[1, i] = l_xy
         gradient[2, i] = l_yx
         gradient[3, i] = l_yy
-        state.viscous_x[i] = _scale(term, sum_x)
-        state.viscous_y[i] = _scale(term, sum_y)
+        state.viscous_x[i] = _scale(term, sum_x) * lightness(layers, i)
+        state.viscous_y[i] = _scale(term, sum_y) * lightness(layers, i)
 
 
 @jit
@@ -78,7 +79,7 @@ def transposed_shear(term, state):  # type: ignore[no-untyped-def]
 
 
 @jit
-def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-untyped-def]
+def stress_accelerations(state, pairs, term, layers, first, last):  # type: ignore[no-untyped-def]
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(term, state)
@@ -91,8 +92,8 @@ def stress_accelerations(state, pairs, term, first, last):  # type: ignore[no-un
             gy = pairs.gy[k]
             ax += sxx[j] * gx + sxy[j] * gy
             ay += syx[j] * gx + syy[j] * gy
-        state.ax[i] = ax + state.viscous_x[i]
-        state.ay[i] = ay + state.viscous_y[i]
+        state.ax[i] = ax * lightness(layers, i) + state.viscous_x[i]
+        state.ay[i] = ay * lightness(layers, i) + state.viscous_y[i]
 
 
 @jit
@@ -143,7 +144,7 @@ def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-
 
 
 @jit
-def add_artificial_stress(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def add_artificial_stress(term, layers, state, pairs, first, last):  # type: ignore[no-untyped-def]
     """Add the artificial stress' acceleration to particles first to last; equal and opposite for a pair."""
     if term is None:
         return
@@ -155,6 +156,8 @@ def add_artificial_stress(term, state, pairs, first, last):  # type: ignore[no-u
                 xy = state.tension_xy[i] + state.tension_xy[j]
                 ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])
                 ay += pairs.nearness[k] * (xy * pairs.gx[k] + (state.tension_yy[i] + state.tension_yy[j]) * pairs.gy[k])
+            ax *= lightness(layers, i)
+            ay *= lightness(layers, i)
             state.viscous_x[i] += ax
             state.viscous_y[i] += ay
             state.ax[i] += ax

@@ -174,7 +174,7 @@ def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
 
 
 @jit
-def update_pairs(pairs, candidates, terms, x, y, mass, density, first, last):  # type: ignore[no-untyped-def]
+def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type: ignore[no-untyped-def]
     """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).  ``terms`` as in ``sph.state``.
 
     The rows follow each other without gaps, since reading them is what a large scene
@@ -188,7 +188,7 @@ def update_pairs(pairs, candidates, terms, x, y, mass, density, first, last):  #
     for i in rows(first, last):
         longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
     # One row's neighbours side by side: loops that gather and store at once do not vectorise.
-    row_dx, row_dy, row_mass = np.empty(longest), np.empty(longest), np.empty(longest)
+    row_dx, row_dy = np.empty(longest), np.empty(longest)
     begin = np.uint64(candidates.start[first])
     for i in rows(first, last):
         x_i = x[i]
@@ -204,7 +204,6 @@ def update_pairs(pairs, candidates, terms, x, y, mass, density, first, last):  #
             pairs.close[begin + close] = j
             row_dx[count] = dx
             row_dy[count] = dy
-            row_mass[count] = mass[j]
             count += np.uint64(r_square < reach_square)
             close += np.uint64(r_square < close_square)
         gxs, gys, inverse_norms = (
@@ -218,7 +217,7 @@ def update_pairs(pairs, candidates, terms, x, y, mass, density, first, last):  #
             dy = row_dy[k]
             r = math.sqrt(dx * dx + dy * dy)
             value, slope = evaluate(kernel, r)
-            factor = row_mass[k] * slope
+            factor = terms.cell_mass * slope
             _keep_nearness(terms.tension, pairs.nearness, begin + k, value)
             norm = -factor * r
             gxs[k] = factor * dx

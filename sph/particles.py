@@ -20,6 +20,7 @@ class Particles(NamedTuple):
     y: np.ndarray  # (n,) m
     kind: np.ndarray  # (n,) int8: SOIL, BASE, SIDE, TOP
     mass: np.ndarray  # (n,) kg for a metre of thickness
+    layer: np.ndarray  # (n,) int: 0 for the scene's own soil, k for its k-th layer
     first_slip: int  # from this one on free-slip base and top
     first_slip_side: int  # from this one on free-slip side walls
 
@@ -64,7 +65,21 @@ def place_particles(scene: Scene) -> Particles:
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
     kind = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
-    return Particles(x, y, kind, np.full(x.size, scene.soil.density * dx * dx), first_slip, first_slip_side)
+    layer = layer_index(scene, x, y)
+    mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
+    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side)
+
+
+def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Layer (n,) at places (n,): 0 is the scene's own soil, k its k-th layer.  Walls go on as the soil beside them."""
+    half = 0.5 * scene.numerics.spacing
+    x = np.clip(x, half, scene.geometry.width - half)
+    ground = np.interp(x, *scene.geometry.surface)
+    y = np.clip(y, half, np.maximum(ground, half))
+    index = np.zeros(np.shape(x), int)
+    for number, layer in enumerate(scene.layers.values(), 1):
+        index[layer.region.contains(x, y, ground)] = number
+    return index
 
 
 def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -21,6 +21,7 @@ from pydantic import Field, field_validator, model_validator
 from sph.configuration import Section, key, merge, read_yaml, validated
 from sph.geometry import Geometry, Point
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.layers import Layer
 from sph.motion import Motion, NoMotion, Ricker
 from sph.numerics import Numerics
 from sph.soil import Coupling, Soil
@@ -107,6 +108,9 @@ class Scene(Section):
     geometry: Geometry = key("shape of the soil", source="Fig. 1")
     walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
     soil: Soil = key("material", source="Tables 1-2", default=Soil())
+    layers: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Layer] = key(
+        "regions of other soil, by name; of two that overlap the later one counts", default={}, max_length=100
+    )
     coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
     motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
     gravity: GravityStage = key("gravity stage", default=GravityStage())
@@ -121,6 +125,21 @@ class Scene(Section):
         source="particle A: Figs. 6-7",
         default={"A": "crest_edge"},
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _complete_layers(cls, data: Any) -> Any:
+        """Layers whose soil is the scene's own but for the keys they name."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("layers"), Mapping):
+            return data
+        own = data.get("soil", {})
+        layers = {
+            name: {**layer, "soil": merge(own, layer.get("soil", {}))}
+            if isinstance(layer, Mapping) and isinstance(own, Mapping) and isinstance(layer.get("soil", {}), Mapping)
+            else layer
+            for name, layer in data["layers"].items()
+        }
+        return {**data, "layers": layers}
 
     @field_validator("title")
     @classmethod
@@ -157,7 +176,7 @@ class Scene(Section):
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
         if isinstance(self.gravity.initial_stress, UniformStress):
-            pressure, bulk_modulus = self.gravity.initial_stress.pressure, 1e-3 * self.soil.bulk_modulus_si
+            pressure, bulk_modulus = self.gravity.initial_stress.pressure, 1e-3 * min(soil.bulk_modulus_si for soil in self.soils)
             if not abs(pressure) < bulk_modulus:
                 raise ValueError(
                     f"gravity.initial_stress.pressure: {pressure} kPa is not smaller than the bulk modulus, {bulk_modulus:g} kPa"
@@ -221,6 +240,16 @@ class Scene(Section):
             least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
             if self.geometry.width < least:
                 raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
+
+    @property
+    def soils(self) -> tuple[Soil, ...]:
+        """The scene's own soil and those of its layers in order."""
+        return self.soil, *(layer.soil for layer in self.layers.values())
+
+    @property
+    def largest_p_wave_speed(self) -> float:
+        """V_p of the stiffest soil, m/s."""
+        return max(soil.p_wave_speed for soil in self.soils)
 
     @property
     def lattice(self) -> tuple[int, int]:

@@ -109,13 +109,13 @@ class Run:
             if self.enforce_limit:
                 check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)
-            self.candidates, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
+            self.candidates, self.pairs = make_lists(self.state, self.terms)
             self.advance_steps(0)
             self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
             # At the places of the last candidates: those of a run that diverged need not be numbers.
             spare = State(*(a.copy() for a in self.state))
             renew_candidates(spare._replace(x=spare.x_candidates, y=spare.y_candidates), self.terms)
-            elastic_energy(self.state, self.terms, self.particles.mass)
+            elastic_energy(self.state, self.terms)
             cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
             raise ValueError(
@@ -150,7 +150,7 @@ class Run:
 
     def measure_limit(self, turns: int) -> None:
         """Measure the limit of the time step as the particles lie."""
-        frequency = stiffest_frequency(mode_of(self.state), self.pairs, self.terms, self.particles.mass, self.team[0].gradient, turns)
+        frequency = stiffest_frequency(mode_of(self.state), self.pairs, self.terms, self.team[0].gradient, turns)
         if turns:
             self.limit = self.present_limit.seconds(frequency)
 
@@ -183,7 +183,7 @@ class Run:
         self.advance_steps(1)
         self.step, self.loading, self.terms = 0, loading, terms
         self.state.vx[:], self.state.vy[:] = velocity
-        self.state.work[INTERNAL] = elastic_energy(self.state, self.terms, self.particles.mass)
+        self.state.work[INTERNAL] = elastic_energy(self.state, self.terms)
 
     def go(
         self,
@@ -279,7 +279,7 @@ class Run:
         soil = slice(0, n_soil)
         speed_square = state.vx[soil] ** 2 + state.vy[soil] ** 2
         work = state.work
-        elastic = elastic_energy(state, self.terms, self.particles.mass)
+        elastic = elastic_energy(state, self.terms)
         at = np.array(list(self.probes.values()), dtype=int)
         sample = {
             "sample_time": self.time,
@@ -317,7 +317,7 @@ class Run:
             "stress_yy": stress[:, 1],
             "stress_zz": stress[:, 2],
             "stress_xy": stress[:, 3],
-            "density": state.density,
+            "density": state.density * (self.particles.mass / self.terms.cell_mass),
             "beta": state.beta,
             "failed": state.phase == FAILED,
         }
@@ -332,6 +332,7 @@ class Run:
             "y0": self.particles.y,
             "kind": self.particles.kind,
             "mass": self.particles.mass,
+            "layer": self.particles.layer,
             "t_f": self.state.t_f,
             "probe_particle": np.array(list(self.probes.values()), dtype=int),
         }
@@ -420,6 +421,7 @@ def wanted_terms(scene: Scene) -> tuple[bool, ...]:
         scene.walls.sides == "periodic",
         numerics.artificial_stress is not None,
         scene.prescribed_velocity_gradient is not None,
+        bool(scene.layers),
     )
 
 

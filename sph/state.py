@@ -12,12 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.bingham import CapTerm, FluidLaw
 from sph.kernels import Kernel, central_value, evaluate, make_kernel
-from sph.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+from sph.material import LayersTerm, Material, make_layers, make_material
 from sph.particles import Particles
 from sph.scene import Scene
-from sph.soil import CappedViscosity
 
 UNARMED, ARMED, FAILED = 0, 1, 2
 """Phases of a particle: the failure criterion does not count yet, counts, was met."""
@@ -45,7 +43,7 @@ class State(NamedTuple):
     vy: np.ndarray
     ax: np.ndarray  # acceleration by stress, repulsion and artificial viscosity
     ay: np.ndarray
-    density: np.ndarray
+    density: np.ndarray  # of the scene's own soil in the particle's place, see sph.material
     solid_d: np.ndarray  # deviator of the solid state, see sph.elastic
     solid_q: np.ndarray
     solid_z: np.ndarray
@@ -189,12 +187,9 @@ class Terms(NamedTuple):
     close_range: float  # range of short-range forces and the tolerance, m
     reference_density: float
     least_density: float  # of a particle without neighbours, m W(0): scattered soil is not thinner
-    bulk_modulus: float
-    shear_modulus: float
-    solid: MohrCoulomb
-    fluid: MohrCoulomb
-    fluid_law: FluidLaw
-    beta_decay: float  # exp(-gamma dt)
+    cell_mass: float  # of the scene's own soil in the room of a particle, kg for a metre of thickness
+    soil: Material
+    layers: LayersTerm | None
     kernel: Kernel
     rayleigh: RayleighTerm | None
     viscosity: ViscosityTerm | None
@@ -259,17 +254,15 @@ def _faces(scene: Scene) -> FacesTerm | None:
         top_contact=top,
         side_contact=side,
         thickness=dx,
-        stiffness=CONTACT_STIFFNESS * scene.soil.density * scene.soil.p_wave_speed**2,
+        stiffness=CONTACT_STIFFNESS * max(soil.density * soil.p_wave_speed**2 for soil in scene.soils),
     )
 
 
 def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
     """Coefficients of a scene whose time step is divided by ``substeps``; all floats, so that one scene compiles one variant."""
-    soil, coupling, numerics = scene.soil, scene.coupling, scene.numerics
+    soil, numerics = scene.soil, scene.numerics
     dt, dx = numerics.time_step / substeps, numerics.spacing
     kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
-    cut = coupling.fluid_tension_limit
-    cap = CapTerm(float(coupling.fluid.max_viscosity)) if isinstance(coupling.fluid, CappedViscosity) else None
     damping, viscosity = scene.damping, numerics.artificial_viscosity
     correction, repulsion = numerics.gradient_correction, numerics.short_range_repulsion
     n, walls, driven, tension = particles.x.size, scene.walls, scene.prescribed_velocity_gradient, numerics.artificial_stress
@@ -291,12 +284,9 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         close_range=0.0 if repulsion is None else float(repulsion.range * dx + 2.0 * pairs_tolerance),
         reference_density=float(soil.density),
         least_density=float(soil.density * dx * dx * central_value(kernel)),
-        bulk_modulus=float(soil.bulk_modulus_si),
-        shear_modulus=float(soil.shear_modulus_si),
-        solid=make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),
-        fluid=make_mohr_coulomb(coupling.S_R * soil.cohesion_si, coupling.S_R * soil.friction_angle_si, None if cut is None else 1e3 * cut),
-        fluid_law=FluidLaw(float(soil.shear_modulus_si), float(soil.viscosity), cap),
-        beta_decay=math.exp(-coupling.gamma * dt),
+        cell_mass=float(soil.density * dx * dx),
+        soil=make_material(soil, scene.coupling, dt),
+        layers=make_layers(scene, particles.layer, dt),
         kernel=kernel,
         rayleigh=None if damping is None else RayleighTerm(damping.mass_coefficient, damping.stiffness_coefficient),
         viscosity=None if viscosity is None else ViscosityTerm(viscosity.alpha * soil.p_wave_speed / soil.density),

@@ -29,6 +29,7 @@ from sph.coupling import correct_gradient, store_stress
 from sph.elastic import elastic_increment
 from sph.jit import jit
 from sph.kernels import evaluate, make_kernel
+from sph.material import material_of
 from sph.momentum import stress_accelerations, velocity_gradients
 from sph.scene import MOST_STEPS, Scene
 from sph.soil import CappedViscosity
@@ -63,10 +64,10 @@ def _lattice(scene: Scene) -> tuple[np.ndarray, float, np.ndarray]:
 
 def limits(scene: Scene) -> list[Limit]:
     """The limits that a scene has, smallest last reason included; seconds."""
-    numerics, soil = scene.numerics, scene.soil
+    numerics, speed = scene.numerics, scene.largest_p_wave_speed
     wave_number = lattice_wave_number(scene)
-    omega = soil.p_wave_speed * wave_number
-    found = [Limit("acoustic", 2.0 / omega, f"V_p = {soil.p_wave_speed:.0f} m/s, largest wave number {wave_number:.2f} 1/m")]
+    omega = speed * wave_number
+    found = [Limit("acoustic", 2.0 / omega, f"V_p = {speed:.0f} m/s, largest wave number {wave_number:.2f} 1/m")]
     b = 0.0
     if scene.damping is not None:
         b += scene.damping.stiffness_coefficient * omega
@@ -76,7 +77,8 @@ def limits(scene: Scene) -> list[Limit]:
         found.append(Limit("with artificial viscosity", _damped(b, omega), f"alpha = {numerics.artificial_viscosity.alpha}"))
     if isinstance(scene.coupling.fluid, CappedViscosity):
         cap = scene.coupling.fluid.max_viscosity
-        found.append(Limit("capped viscosity", 0.125 * numerics.smoothing_length**2 * soil.density / cap, f"eta_max = {cap:.3g} Pa s"))
+        density = min(soil.density for soil in scene.soils)
+        found.append(Limit("capped viscosity", 0.125 * numerics.smoothing_length**2 * density / cap, f"eta_max = {cap:.3g} Pa s"))
     return found
 
 
@@ -85,11 +87,12 @@ def _damped(b: float, omega: float) -> float:
 
 
 def _viscous_rate(scene: Scene) -> float:
-    """Rate at which artificial viscosity damps the stiffest mode, 1/s."""
+    """Rate at which artificial viscosity damps the stiffest mode, 1/s; with layers a bound: the lightest beside the largest impedance."""
     if scene.numerics.artificial_viscosity is None:
         return 0.0
     x, volume, factor = _lattice(scene)
-    return scene.numerics.artificial_viscosity.alpha * scene.soil.p_wave_speed * volume * float(np.abs(factor * x).sum())
+    speed = max(soil.density * soil.p_wave_speed for soil in scene.soils) / min(soil.density for soil in scene.soils)
+    return scene.numerics.artificial_viscosity.alpha * speed * volume * float(np.abs(factor * x).sum())
 
 
 class PresentLimit:
@@ -105,7 +108,7 @@ class PresentLimit:
 
 
 @jit
-def stiffest_frequency(state, pairs, terms, mass, gradient, turns):  # type: ignore[no-untyped-def]
+def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no-untyped-def]
     """Largest angular frequency (rad/s) of elastic waves among the particles as they lie; a lower bound that turns improve.
 
     ``state`` is one whose velocities hold the mode, which is improved in place, and whose stresses and accelerations are free to use.
@@ -123,16 +126,17 @@ def stiffest_frequency(state, pairs, terms, mass, gradient, turns):  # type: ign
         for i in range(terms.n_soil):
             state.vx[i] *= scale
             state.vy[i] *= scale
-        velocity_gradients(state, pairs, None, gradient, 0, n)
+        velocity_gradients(state, pairs, None, terms.layers, gradient, 0, n)
         for i in range(terms.n_stressed):
             s = 1.0 / state.density[i]
             l_xx, l_xy, l_yx, l_yy = correct_gradient(
                 terms.correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
             )
-            rate_d, rate_q, rate_z = elastic_increment(terms.shear_modulus, l_xx, l_yy, 0.5 * (l_xy + l_yx))
-            mean = (terms.bulk_modulus * (l_xx + l_yy) - 0.5 * rate_z) * s * s
+            soil = material_of(terms.layers, terms.soil, i)
+            rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, 0.5 * (l_xy + l_yx))
+            mean = (soil.bulk_modulus * (l_xx + l_yy) - 0.5 * rate_z) * s * s
             store_stress(terms.correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s)
-        stress_accelerations(state, pairs, terms.correction, 0, terms.n_soil)
+        stress_accelerations(state, pairs, terms.correction, terms.layers, 0, terms.n_soil)
         square = 0.0
         for i in range(terms.n_soil):
             square += state.ax[i] ** 2 + state.ay[i] ** 2

@@ -45,6 +45,7 @@ VARIABLES: tuple[Variable, ...] = (
     Variable("y0", ("particle",), "f8", "m", "initial height"),
     Variable("kind", ("particle",), "i1", "1", "0 soil, 1 base of the box, 2 side wall, 3 lid"),
     Variable("mass", ("particle",), "f8", "kg m-1", "mass for a metre of thickness"),
+    Variable("layer", ("particle",), "i2", "1", "0 the scene's own soil, k its k-th layer"),
     Variable("t_f", ("particle",), "f8", "s", "time of first failure; NaN where the particle has not failed"),
     Variable("x", FRAME, "f4", "m", "horizontal position in the frame of the box"),
     Variable("y", FRAME, "f4", "m", "height in the frame of the box"),
@@ -169,7 +170,7 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
 
 
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
-    """The scene a trajectory was run with."""
+    """The scene a trajectory was run with; ValueError where its attribute ``scene`` cannot be read or is refused."""
     try:
         data = json.loads(ds.attrs["scene"])
     except (TypeError, ValueError) as error:

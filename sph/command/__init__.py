@@ -1,11 +1,11 @@
 """The command ``sph`` and what only a person at it needs: progress, scene summary, table of keys.
 
-``cli``        the commands and their exit codes
-``progress``   a bar on a terminal, lines in a log file
-``info``       what a scene amounts to before it is run
-``repeat``     a trajectory in place of a scene file
-``status``     how far a study is, for a second terminal
-``job``        the log of a workflow's job
-``newmark``    a sliding block on a ground motion
-``reference``  the table of scene keys in config/README.md
+* ``cli``: the commands and their exit codes
+* ``progress``: a bar on a terminal, lines in a log file
+* ``info``: what a scene amounts to before it is run
+* ``repeat``: a trajectory in place of a scene file
+* ``status``: how far a study is, for a second terminal
+* ``job``: the log of a workflow's job
+* ``newmark``: a sliding block on a ground motion
+* ``reference``: the table of scene keys in config/README.md
 """

@@ -285,13 +285,18 @@ def status(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
 ) -> None:
     """Show from a second terminal how far a study is: done, running, failed, waiting, and the time left; it disturbs nothing."""
-    from sph.command.status import jobs, lines, located_plan, look, record, watch
+    from sph.command.status import Job, jobs, lines, located_plan, look, record, watch
+    from sph.command.targets import target_jobs
 
     with refusals():
         plan, place = located_plan(folder, configfile)
+
+        def listed() -> list[Job]:
+            return jobs(plan) + target_jobs(plan, place)
+
         if watching and not as_json:
-            return watch(plan, place)
-        states = [look(job, place) for job in jobs(plan)]
+            return watch(plan, place, listed)
+        states = [look(job, place) for job in listed()]
     print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
 
 

@@ -24,6 +24,7 @@ TERM_REASONS = {
     "periodic": "walls.sides",
     "artificial_stress": "numerics.artificial_stress: cures numerical fracture",
     "prescribed_motion": "prescribed_velocity_gradient",
+    "layers": "layers: tables of materials",
 }
 
 
@@ -45,6 +46,14 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
             "kernel",
             f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, "
             f"{expected.neighbours:.0f} neighbours in {2 * numerics.smoothing_length:g} m",
+        ),
+        *(
+            (
+                f"layer {name}",
+                f"{np.count_nonzero((particles.layer == number) & (particles.kind == SOIL)):,} particles, {its.soil.density:g} kg/m3, "
+                f"V_s = {its.soil.s_wave_speed:.1f} m/s, c = {its.soil.cohesion:g} kPa, phi = {its.soil.friction_angle:g} degree",
+            )
+            for number, (name, its) in enumerate(scene.layers.items(), 1)
         ),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),
         ("wave speeds", f"V_s = {soil.s_wave_speed:.1f} m/s, V_p = {soil.p_wave_speed:.1f} m/s"),

@@ -3,7 +3,7 @@
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
 with a reason, *stopped* when it was killed (it goes on from its checkpoint), else *waiting*.  Whether edited sources ask for a
-rerun is for ``snakemake -n`` to say.
+rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.command.targets``).
 
 The time left is that which finished jobs of the kind took by their benchmarks (runs: those of the same amplitude, which share whether
 anything fails, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
@@ -17,7 +17,7 @@ import math
 import statistics
 import time as clock
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -48,8 +48,14 @@ class Job(NamedTuple):
     kind: str  # what it is, in words; its row of the overview
     group: str  # jobs of one group take about as long
     name: str  # of its log and benchmark
-    file: str  # relative to the folder of the study
+    file: str  # relative to its place
     scene: Scene
+    place: str = ""  # folder of its logs and benchmarks, relative to that of the study
+
+    @property
+    def is_run(self) -> bool:
+        """Whether it goes on to the end of its scene, unlike a stage or a search."""
+        return self.kind.startswith(RUNS)
 
 
 class State(NamedTuple):
@@ -104,6 +110,7 @@ def jobs(plan: Plan) -> list[Job]:
 
 def look(job: Job, folder: Path) -> State:
     """How a job stands."""
+    folder = folder / job.place
     path = folder / job.file
     try:
         scene, note, computed = _facts(path, path.stat().st_mtime_ns)
@@ -166,14 +173,14 @@ def estimate(states: Sequence[State]) -> Estimate:
     """What the jobs left will take; see above."""
     groups = {state.job.group for state in states}
     costs = {group: _mean(state.took for state in states if state.job.group == group) for group in groups}
-    any_run = _mean(state.took for state in states if state.job.kind == RUNS)
+    any_run = _mean(state.took for state in states if state.job.is_run)
     scene = states[0].job.scene
     by_gravity = states[0].computed * (scene.duration / scene.gravity.duration - 1.0)
     lefts, work, unknown = [], 0.0, 0
     for state in states:
         if state.state == "done":
             continue
-        known = (state.left, costs[state.job.group], *((any_run, by_gravity) if state.job.kind == RUNS else ()))
+        known = (state.left, costs[state.job.group], *((any_run, by_gravity) if state.job.is_run else ()))
         left = next((value for value in known if not math.isnan(value)), math.nan)
         if math.isnan(left):
             unknown += 1
@@ -199,7 +206,7 @@ def lines(plan: Plan, states: Sequence[State]) -> list[str]:
         of_kind = [state for state in states if state.job.kind == kind]
         count = Counter(state.state for state in of_kind)
         ended = Counter(state.note for state in of_kind if state.state == "done" and state.note)
-        done = f" ({', '.join(f'{number} {status}' for status, number in ended.items())})" if kind == RUNS and ended else ""
+        done = f" ({', '.join(f'{number} {status}' for status, number in ended.items())})" if of_kind[0].job.is_run and ended else ""
         others = "".join(f", {count[name]} {name}" for name in STATES[1:] if count[name])
         text.append(f"  {kind:<{width}}  {count['done']} of {len(of_kind)} done{done}{others}")
     for name in STATES[1:5]:
@@ -214,7 +221,7 @@ def _line(state: State) -> str:
         told.insert(0, f"{duration(state.left)} left")
     if state.time and state.state in ("running", "stopped"):
         until = state.job.scene.duration
-        told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.kind == RUNS else f"at {state.time:.2f} s")
+        told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.is_run else f"at {state.time:.2f} s")
     return f"  {state.state}: {state.job.name}{': ' if told else ''}{', '.join(told)}"
 
 
@@ -265,13 +272,13 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def watch(plan: Plan, folder: Path) -> None:
+def watch(plan: Plan, folder: Path, listed: Callable[[], list[Job]]) -> None:
     """Show the overview until all simulations are done: in place on a terminal, elsewhere whenever it has changed."""
-    listed, shown = jobs(plan), [""]
+    shown = [""]
     console = Console()
     with Live(console=console, auto_refresh=False, transient=False) as live:
         while True:
-            states = [look(job, folder) for job in listed]
+            states = [look(job, folder) for job in listed()]
             new = lines(plan, states)
             if console.is_terminal:
                 live.update(Text("\n".join(new)), refresh=True)

@@ -13,6 +13,7 @@ under gravity.  It is a run of the scene's own soil, box and discretisation with
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ import xarray as xr
 from sph.configuration import Section, dotted, key, merge
 from sph.motion import NoMotion
 from sph.scene import Scene, make_scene
+from sph.soil import Soil
 from sph.solver import run
 from sph.stability.search import Trial
 
@@ -102,18 +104,32 @@ def divided_strength(scene: Scene, factor: float) -> Scene:
 
     Not validated: with a factor below 1 the strength may lie above what a scene file may hold.
     """
-    tangent = math.tan(scene.soil.friction_angle_si) / factor
-    return _with_strength(scene, scene.soil.cohesion / factor, math.degrees(math.atan(tangent)))
+    return _with_strength(
+        scene, lambda soil, _: (soil.cohesion / factor, math.degrees(math.atan(math.tan(soil.friction_angle_si) / factor)))
+    )
 
 
 def weakened(scene: Scene, strength_ratio: float) -> Scene:
-    """A scene whose cohesion and phi are multiplied by the paper's S_R (Eqs. 14 and 15): the fluid state's strength throughout."""
-    return _with_strength(scene, strength_ratio * scene.soil.cohesion, strength_ratio * scene.soil.friction_angle)
+    """A scene whose cohesion and phi are multiplied by the paper's S_R (Eqs. 14 and 15): the fluid state's strength throughout.
+
+    A layer with an S_R of its own keeps that.
+    """
+
+    def strength(soil: Soil, own: float | None) -> tuple[float, float]:
+        ratio = strength_ratio if own is None else own
+        return ratio * soil.cohesion, ratio * soil.friction_angle
+
+    return _with_strength(scene, strength)
 
 
-def _with_strength(scene: Scene, cohesion: float, friction_angle: float) -> Scene:
-    soil = scene.soil.model_copy(update={"cohesion": cohesion, "friction_angle": friction_angle})
-    return scene.model_copy(update={"soil": soil})
+def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float]]) -> Scene:
+    """A scene with other cohesion (kPa) and friction angle (degree): a function of each soil and the S_R of its layer."""
+
+    def changed(soil: Soil, own: float | None = None) -> Soil:
+        return soil.model_copy(update=dict(zip(("cohesion", "friction_angle"), strength(soil, own), strict=True)))
+
+    layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
+    return scene.model_copy(update={"soil": changed(scene.soil), "layers": layers})
 
 
 def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:

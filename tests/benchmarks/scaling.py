@@ -47,10 +47,10 @@ def measure(spacings: list[float], repeats: int, particle_steps: int) -> list[di
 
 def renewals(run: Run) -> dict[str, float]:
     """Seconds of one renewal of the pairs and of the candidates."""
-    mass, n = run.particles.mass, run.state.x.size
+    n = run.state.x.size
     return medians(
         {
-            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, mass, 0, n),
+            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, 0, n),
             "renew_candidates": lambda: renew_candidates(run.state, run.terms),
         },
         repeats=3,

@@ -39,7 +39,7 @@ def twin(run: Run) -> Run:
     """The same moment of a run, which can go on without the run noticing."""
     other = copy.copy(run)
     other.state = State(*(array.copy() for array in run.state))
-    other.candidates, other.pairs = make_lists(other.state, run.terms, run.particles.mass)
+    other.candidates, other.pairs = make_lists(other.state, run.terms)
     return other
 
 
@@ -51,16 +51,14 @@ def part_calls(run: Run) -> dict[str, Callable[[int], Any]]:
     loads = float(loading.ground[now]), float(loading.gravity[now]), float(loading.extra_damping[now])
     state = still.state
     return {
-        "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms.viscosity, team.gradient, 0, n),
-        "stress_accelerations": lambda n: stress_accelerations(state, pairs, terms.correction, 0, min(n, terms.n_soil)),
-        "update_stress": lambda n: update_stress(
-            strained.state, pairs, terms, mass, team.gradient, team.reached, float(loading.time[now]), 0, n
-        ),
+        "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms.viscosity, terms.layers, team.gradient, 0, n),
+        "stress_accelerations": lambda n: stress_accelerations(state, pairs, terms.correction, terms.layers, 0, min(n, terms.n_soil)),
+        "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
         "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),
         "add_repulsion": lambda n: add_repulsion(
             terms.repulsion, terms.period, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
-        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, terms, state.x, state.y, mass, state.density, 0, n),
+        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, terms, state.x, state.y, state.density, 0, n),
     }
 
 

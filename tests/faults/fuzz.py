@@ -81,6 +81,14 @@ SCENES = [
     TINY,
     TINY | {"geometry": SLOPE, "motion": {"kind": "tapered_sine", "start": 0.01, "ramp": 0.0, "decay_start": 0.02, "end": 0.02}},
     TINY
+    | {
+        "layers": {
+            "cover": {"region": {"kind": "depth", "bottom": 1.0}, "soil": {"cohesion": 5.0}, "S_R": 0.1},
+            "rock": {"region": {"kind": "elevation", "top": 1.0}, "soil": {"density": 2600.0}},
+            "lens": {"region": {"kind": "polygon", "points": [[0.0, 0.0], [1.5, 0.0], [0.0, 2.5]]}, "gamma": 2.0},
+        }
+    },
+    TINY
     | {"geometry": BODIES, "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}}, "early_stop": {"window": 0.01}},
     merge(
         TINY,

@@ -106,10 +106,10 @@ def test_no_particle_starts_outside_the_surface() -> None:
     # c = 5 kPa, phi = 20 degrees, nu = 0.2: at rest the radius is 0.375 rho g d, the strength 4.7 kPa + 0.214 rho g d.
     weak = column({"soil.cohesion": 5.0, "soil.poisson_ratio": 0.2})
     outside, inside = Run(weak), balanced(weak)
-    surface = inside.terms.solid
+    surface = inside.terms.soil.solid
 
     def excess(simulation: Run) -> float:
-        state, bulk = simulation.state, simulation.terms.bulk_modulus
+        state, bulk = simulation.state, simulation.terms.soil.bulk_modulus
         deviators = zip(state.solid_d, state.solid_q, state.solid_z, strict=True)
         demand = np.array([shear_demand(surface, *deviator) for deviator in deviators])
         available = np.array([strength(surface, bulk * (density / DENSITY - 1)) for density in state.density])

@@ -48,8 +48,8 @@ class Patch:
         set_artificial_stress(self.terms.tension, self.state, 0, self.n)
 
     def push(self) -> None:
-        _, self.pairs = make_lists(self.state, self.terms, self.particles.mass)
-        add_artificial_stress(self.terms.tension, self.state, self.pairs, 0, self.n)
+        _, self.pairs = make_lists(self.state, self.terms)
+        add_artificial_stress(self.terms.tension, None, self.state, self.pairs, 0, self.n)
 
 
 PATCH = Patch()

@@ -40,7 +40,7 @@ class Mixture(NamedTuple):
         state = State(*(array.copy() for array in self.state))
         failed, internal = 0, 0.0
         for first, last in ranges:
-            new, work = update_stress(state, self.pairs, self.terms, self.mass, self.gradient, np.full(CHUNK, np.nan), TIME, first, last)
+            new, work = update_stress(state, self.pairs, self.terms, self.gradient, np.full(CHUNK, np.nan), TIME, first, last)
             failed, internal = failed + new, internal + work
         return state, failed, internal
 
@@ -71,7 +71,7 @@ def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
     assert n == 6 * CHUNK + 16
     generator = np.random.default_rng(4)
     state, terms = initial_state(particles, scene), make_terms(scene, particles)
-    _, pairs = make_lists(state, terms, particles.mass)
+    _, pairs = make_lists(state, terms)
     state.phase[:], state.beta[:] = phases(n, generator)
     was = state.phase == FAILED
     state.t_f[was] = 0.4
@@ -91,8 +91,8 @@ def test_the_mixture_holds_every_case(mixture: Mixture) -> None:
     assert failed > 50
     for before, after in ((UNARMED, UNARMED), (UNARMED, ARMED), (ARMED, ARMED), (ARMED, FAILED), (FAILED, FAILED)):
         assert np.any((was == before) & (now == after))
-    tension = mixture.terms.bulk_modulus * (1 - state.density / mixture.terms.reference_density)
-    assert np.any(tension > mixture.terms.solid.tension_limit)
+    tension = mixture.terms.soil.bulk_modulus * (1 - state.density / mixture.terms.reference_density)
+    assert np.any(tension > mixture.terms.soil.solid.tension_limit)
 
 
 @pytest.mark.parametrize("size", [1, 7, CHUNK, 100])
@@ -103,7 +103,7 @@ def test_chunks_do_not_show(mixture: Mixture, size: int) -> None:
     n = mixture.mass.size
     whole, failed, internal = mixture.strain([(0, n)])
     parts, failed_in_parts, internal_in_parts = mixture.strain([(k, min(k + size, n)) for k in range(0, n, size)])
-    pascal = 10 * np.finfo(float).eps * mixture.terms.bulk_modulus
+    pascal = 10 * np.finfo(float).eps * mixture.terms.soil.bulk_modulus
     assert pascal < 1e-5
     per_square = pascal / mixture.terms.reference_density**2
     tolerance = dict.fromkeys(("solid_d", "solid_q", "solid_z", "fluid_d", "fluid_q", "fluid_z"), pascal)

@@ -26,6 +26,7 @@ class PairTerms(NamedTuple):
     kernel: Kernel
     close_range: float
     correction: CorrectionTerm | None
+    cell_mass: float
     period: PeriodTerm | None = None
     tension: TensionTerm | None = None
 
@@ -142,7 +143,7 @@ def rounding(zero: np.floating) -> float:
 def make_pairs(
     x: np.ndarray,
     y: np.ndarray,
-    mass: np.ndarray,
+    mass: float,
     density: np.ndarray,
     h: float = 1.0,
     name: str = "cubic_spline",
@@ -155,7 +156,7 @@ def make_pairs(
     candidates = find_candidates(x, y, 2 * h + skin, None)
     pairs = allocate_pairs(candidates, zero, None)
     assert pairs.gx.dtype == pairs.inverse_norm.dtype == zero.dtype
-    update_pairs(pairs, candidates, PairTerms(kernel, close_range, correction), x, y, mass, density, 0, x.size)
+    update_pairs(pairs, candidates, PairTerms(kernel, close_range, correction, mass), x, y, density, 0, x.size)
     return pairs
 
 
@@ -179,15 +180,15 @@ def test_three_particles_by_hand(zero: np.floating) -> None:
     # g_ij = m_j W' (x_i - x_j) / r.
     sigma = 10 / (7 * math.pi)
     x, y = np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.5])
-    mass = np.array([2.0, 3.0, 5.0])
+    mass = 3.0
     pairs = make_pairs(x, y, mass, np.ones(3), zero=zero)
     relative = 1e-13 + rounding(zero)
     far = math.sqrt(3.25)
     slope = -0.75 * (2 - far) ** 2 * sigma
     expected = {
-        0: {1: (3 * 0.75 * sigma, 0.0), 2: (0.0, 5 * 0.1875 * sigma)},
-        1: {0: (-2 * 0.75 * sigma, 0.0), 2: (5 * slope * 1 / far, 5 * slope * -1.5 / far)},
-        2: {0: (0.0, -2 * 0.1875 * sigma), 1: (3 * slope * -1 / far, 3 * slope * 1.5 / far)},
+        0: {1: (3 * 0.75 * sigma, 0.0), 2: (0.0, 3 * 0.1875 * sigma)},
+        1: {0: (-3 * 0.75 * sigma, 0.0), 2: (3 * slope * 1 / far, 3 * slope * -1.5 / far)},
+        2: {0: (0.0, -3 * 0.1875 * sigma), 1: (3 * slope * -1 / far, 3 * slope * 1.5 / far)},
     }
     for i, neighbours in expected.items():
         found = row(pairs, i)
@@ -204,7 +205,7 @@ def test_three_particles_by_hand(zero: np.floating) -> None:
 def test_compression_repels() -> None:
     # Errata of Eq. 7: the gradient is taken with respect to x_i, so it points from i towards j and
     # pressure (negative sigma) times it pushes i away.
-    pairs = make_pairs(np.array([0.0, 1.0]), np.zeros(2), np.ones(2), np.ones(2))
+    pairs = make_pairs(np.array([0.0, 1.0]), np.zeros(2), 1.0, np.ones(2))
     assert row(pairs, 0)[1][0] > 0 > row(pairs, 1)[0][0]
 
 
@@ -213,7 +214,7 @@ def test_compression_repels() -> None:
 def test_gradients_and_sums_against_the_formula(seed: int, n: int, name: str, zero: np.floating) -> None:
     generator = np.random.default_rng(seed)
     x, y = generator.uniform(0, 5, (2, n))
-    mass = generator.uniform(1, 3, n)
+    mass = 1.7
     pairs = make_pairs(x, y, mass, np.ones(n), name=name, zero=zero)
     kernel = make_kernel(name, 1.0)
     for i in range(n):
@@ -221,7 +222,7 @@ def test_gradients_and_sums_against_the_formula(seed: int, n: int, name: str, ze
         for j in range(n):
             r = math.hypot(x[i] - x[j], y[i] - y[j])
             if i != j and r < 2.0:
-                factor = mass[j] * evaluate(kernel, r)[1]
+                factor = mass * evaluate(kernel, r)[1]
                 expected[j] = (factor * (x[i] - x[j]), factor * (y[i] - y[j]))
         found = row(pairs, i)
         assert found.keys() == expected.keys()
@@ -237,7 +238,7 @@ def test_gradients_and_sums_against_the_formula(seed: int, n: int, name: str, ze
 def test_opposite_pairs_have_opposite_gradients_to_the_last_bit(zero: np.floating) -> None:
     # Momentum is conserved to rounding because of this, whatever the precision.
     x, y = random_cloud(3, 300)
-    pairs = make_pairs(x, y, np.ones(300), np.ones(300), h=1.3, zero=zero)
+    pairs = make_pairs(x, y, 1.0, np.ones(300), h=1.3, zero=zero)
     rows = [row(pairs, i) for i in range(300)]
     assert sum(len(r) for r in rows) > 3000
     for i, neighbours in enumerate(rows):
@@ -250,7 +251,7 @@ def test_sums_are_those_of_the_stored_gradients(zero: np.floating) -> None:
     # Energy is conserved because of this: both loops see the same gradients.  Rounding of sums of some 15 terms of
     # order 1 in double precision; sums of the gradients before they are stored would be off by 1e-8 in single.
     x, y = random_cloud(5, 300)
-    pairs = make_pairs(x, y, np.ones(300), np.ones(300), h=1.3, zero=zero)
+    pairs = make_pairs(x, y, 1.0, np.ones(300), h=1.3, zero=zero)
     for i in range(300):
         inside = slice(int(pairs.start[i]), int(pairs.end[i]))
         assert pairs.sum_x[i] == pytest.approx(pairs.gx[inside].astype(float).sum(), abs=1e-13)
@@ -261,9 +262,9 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     # Threads fill a part of the rows each; places differ, since each part has its own room.
     x, y = random_cloud(9, 300)
     candidates = find_candidates(x, y, 2.5, None)
-    mass, density = np.random.default_rng(9).uniform(1, 3, (2, 300))
+    density = np.random.default_rng(9).uniform(1, 3, 300)
     whole, parts = (allocate_pairs(candidates, SINGLE, None) for _ in range(2))
-    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, CorrectionTerm(1e-3)), x, y, mass, density
+    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, CorrectionTerm(1e-3), 2.0), x, y, density
     update_pairs(whole, *common, 0, 300)
     for first, last in ((200, 300), (0, 7), (7, 7), (7, 200)):
         update_pairs(parts, *common, first, last)
@@ -277,7 +278,7 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
 @PRECISIONS
 def test_sums_vanish_inside_a_lattice(zero: np.floating) -> None:
     x, y = lattice_cloud(0, 144)
-    pairs = make_pairs(x, y, np.ones(144), np.ones(144), h=1.3, zero=zero)
+    pairs = make_pairs(x, y, 1.0, np.ones(144), h=1.3, zero=zero)
     inside = (np.abs(x - 6) < 3) & (np.abs(y - 6) < 3)
     # By symmetry zero but for rounding of terms of order 1.
     assert np.abs(pairs.sum_x[inside]).max() < 1e-14
@@ -287,7 +288,7 @@ def test_sums_vanish_inside_a_lattice(zero: np.floating) -> None:
 
 @PRECISIONS
 def test_coincident_particles_exert_no_gradient_and_stay_finite(zero: np.floating) -> None:
-    pairs = make_pairs(np.zeros(2), np.zeros(2), np.ones(2), np.ones(2), zero=zero)
+    pairs = make_pairs(np.zeros(2), np.zeros(2), 1.0, np.ones(2), zero=zero)
     assert row(pairs, 0)[1] == (0.0, 0.0, 0.0)
     assert np.isfinite(pairs.sum_x).all()
 
@@ -298,14 +299,14 @@ def test_a_neighbour_at_the_very_edge_of_the_support_stays_finite(name: str, zer
     # A lattice of 2 h / spacing = 3, 4 or 5 has such neighbours: the gradient of Wendland's kernel falls below what single
     # precision holds (1e-38), and so does what is divided by its norm.
     for edge in (2.0, math.nextafter(2.0, 0.0), 2.0 - 1e-14):
-        pairs = make_pairs(np.array([0.0, edge]), np.zeros(2), np.ones(2), np.ones(2), name=name, zero=zero)
+        pairs = make_pairs(np.array([0.0, edge]), np.zeros(2), 1.0, np.ones(2), name=name, zero=zero)
         stored = np.array([g for i in range(2) for g in row(pairs, i).values()])
         assert np.isfinite(stored).all(), f"{name}: {stored} at distance {edge!r}"
 
 
 def test_close_pairs_are_listed_in_the_rows_of_both() -> None:
     x, y = random_cloud(7, 200)
-    pairs = make_pairs(x, y, np.ones(200), np.ones(200), close_range=0.9)
+    pairs = make_pairs(x, y, 1.0, np.ones(200), close_range=0.9)
     distance = np.hypot(x[:, None] - x, y[:, None] - y)
     np.fill_diagonal(distance, np.inf)
     assert np.count_nonzero(distance < 0.9) > 40
@@ -339,7 +340,7 @@ def gradients(pairs: Pairs, vx: np.ndarray, vy: np.ndarray, density: np.ndarray)
 def test_corrected_gradient_of_a_linear_field_is_exact_everywhere() -> None:
     x, y = jittered_lattice()
     density = np.random.default_rng(5).uniform(900, 1100, x.size)
-    mass = np.full(x.size, 1000.0)
+    mass = 1000.0
     slope = np.array([[0.3, -1.1], [0.7, 0.2]])
     vx = 4 + slope[0, 0] * x + slope[0, 1] * y
     vy = -1 + slope[1, 0] * x + slope[1, 1] * y
@@ -362,13 +363,13 @@ def test_corrected_gradient_of_a_linear_field_is_exact_everywhere() -> None:
 def test_too_singular_a_neighbourhood_keeps_the_plain_gradient() -> None:
     # Particles on one line have a moment matrix of determinant zero.
     x, y = np.arange(5) + 0.5, np.zeros(5)
-    pairs = make_pairs(x, y, np.ones(5), np.ones(5), h=1.3, correction=CorrectionTerm(0.3))
+    pairs = make_pairs(x, y, 1.0, np.ones(5), h=1.3, correction=CorrectionTerm(0.3))
     np.testing.assert_array_equal(pairs.correction, np.broadcast_to([1.0, 0.0, 1.0], (5, 3)))
 
 
 def test_correction_threshold_decides() -> None:
     x, y = jittered_lattice()
-    density, mass = np.full(x.size, 1000.0), np.full(x.size, 1000.0)
+    density, mass = np.full(x.size, 1000.0), 1000.0
     corner = int(np.argmin(np.hypot(x, y)))
     loose = make_pairs(x, y, mass, density, h=1.3, correction=CorrectionTerm(1e-3)).correction[corner]
     moment = np.linalg.inv([[loose[0], loose[1]], [loose[1], loose[2]]])

@@ -164,6 +164,7 @@ TERM_OPTIONS = {
     "periodic": [{"walls.sides": "periodic"}],
     "artificial_stress": [{"numerics.artificial_stress": {}}],
     "prescribed_motion": [{"prescribed_velocity_gradient": {}}],
+    "layers": [{"layers": {"cover": {"region": {"kind": "depth"}}}}],
 }
 FREE = [
     {},

@@ -251,5 +251,5 @@ def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixtu
         study.finish(left.pop(), 1.0)
 
     monkeypatch.setattr("sph.command.status.clock.sleep", one_more)
-    watch(study.plan, study.path)
+    watch(study.plan, study.path, lambda: jobs(study.plan))
     assert capsys.readouterr().out.count("results/small/draft: study small") == 1 + len(study.jobs), "one for every change"

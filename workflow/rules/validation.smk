@@ -7,9 +7,7 @@ from sph.validation.suite import FOLDER as VALIDATION, load_suite
 
 # Read and checked once a rule of the suite is asked for.
 SUITE = functools.cache(functools.partial(load_suite, PLAN.study.validation, FOLDERS))
-VALIDATING = DRAWING + sorted(
-    str(path) for path in Path(workflow.basedir, "sph", "validation").glob("*.py")
-)
+VALIDATING = DRAWING + sorted(str(path) for path in SPH.glob("validation/*.py"))
 
 
 wildcard_constraints:

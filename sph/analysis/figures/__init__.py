@@ -1,13 +1,13 @@
 """Figures 1-7 of the paper and the plot of one trajectory; a function draws, it does not derive quantities.
 
-``arrangement``  what goes in: geometry, motion, initial particles (Figs. 1-3)
-``profile``      particles of a frame, drawn to size (Figs. 3-5)
-``history``      motion of a probe against time (Figs. 6-7)
-``overview``     one trajectory at a chosen time (``sph plot``)
-``film``         one trajectory through time (``sph animate``)
-``trade``        the ladder: error against cost, results against spacing
-``trigger``      critical amplitudes, maps over S_R and amplitude, shares of classes
-``style``        sizes, fonts, colours, the note on every figure, saving
+* ``arrangement``: what goes in: geometry, motion, initial particles (Figs. 1-3)
+* ``profile``: particles of a frame, drawn to size (Figs. 3-5)
+* ``history``: motion of a probe against time (Figs. 6-7)
+* ``overview``: one trajectory at a chosen time (``sph plot``)
+* ``film``: one trajectory through time (``sph animate``)
+* ``trade``: the ladder: error against cost, results against spacing
+* ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
+* ``style``: sizes, fonts, colours, the note on every figure, saving
 """
 
 from __future__ import annotations

@@ -1,0 +1,79 @@
+"""The simulations of targets beside the study that have been started: trigger, maps, confirm and sensitivity (``sph status``).
+
+A search decides its next round by the one before, so that its runs are known round by round; those of the sample of indices and of its
+confirmation are known once the screening has chosen the factors.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import pandas as pd
+
+import sph
+from sph.analysis.metrics import GRID
+from sph.analysis.sensitivity import chosen_factors, load_sensitivity
+from sph.analysis.study import Plan
+from sph.analysis.trigger import SEARCHED, TriggerPlan, load_trigger
+from sph.command.status import RUNS, Job
+from sph.scene import make_scene
+
+
+def target_jobs(plan: Plan, folder: Path) -> list[Job]:
+    """Runs of the targets whose tables lie in the folder of a study, without those that are the study's own.
+
+    ValueError names what is wrong with a configuration of theirs.
+    """
+    tables = [table for name in ("trigger/rounds/*-wanted.csv", "sensitivity", "sensitivity/factors.json") for table in folder.glob(name)]
+    return list(_listed(plan, folder, tuple((table, table.stat().st_mtime_ns) for table in tables)))
+
+
+@functools.lru_cache(maxsize=1)
+def _listed(plan: Plan, folder: Path, tables: tuple[tuple[Path, int], ...]) -> tuple[Job, ...]:
+    """The runs that these ``tables``, with the times of their last change, ask for."""
+    folders = [folder.parents[2], Path(sph.__file__).parents[1]]
+    found: dict[tuple[str, str], Job] = {}
+    for job in (*_searched(plan, folder, folders), *_sampled(plan, folder, folders)):
+        found.setdefault((job.place, job.file), job)
+    return tuple(found.values())
+
+
+def _searched(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]:
+    if not (folder / "trigger").is_dir():
+        return
+    trigger = load_trigger(plan, folders)
+    tables = folder.parent / Path(trigger.folder).name / "trigger"
+    for search in SEARCHED.values():
+        for wanted in sorted((tables / "rounds").glob(f"{search}-*-wanted.csv")):
+            yield from _points(plan, trigger, wanted, search, trigger.fidelity)
+    confirmed = tables / "rounds" / "confirm-wanted.csv"
+    if confirmed.is_file():
+        yield from _points(plan, trigger, confirmed, "confirm", trigger.confirm["fidelity"])
+
+
+def _points(plan: Plan, trigger: TriggerPlan, wanted: Path, target: str, fidelity: str) -> Iterator[Job]:
+    own = set(plan.study.points.itertuples(index=False, name=None))
+    table = pd.read_csv(wanted, dtype=str, keep_default_na=False)
+    for case, *values in table[["case", *GRID]].itertuples(index=False, name=None):
+        at = trigger.folders[fidelity, case]
+        if at == plan.folder and tuple(values) in own:
+            continue
+        point = dict(zip(GRID, values, strict=True))
+        name, scene = plan.study.point_name(point), trigger.plans[at].built(**point)
+        group = f"{target} {case} {point['amplitude']}"
+        yield Job(f"{RUNS} of {target}", group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder))
+
+
+def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]:
+    place = folder / "sensitivity"
+    if not place.is_dir():
+        return
+    sensitivity = load_sensitivity(plan.study.sensitivity, plan, folders, check=False)
+    factors = chosen_factors(place / "factors.json") if (place / "factors.json").is_file() else []
+    for design in ("morris", "tornado", "sobol", "confirm"):
+        for run in sensitivity.design(design, factors) if factors or design in ("morris", "tornado") else ():
+            scene = make_scene(sensitivity.scene(design, run, factors), f"{sensitivity.origin}: {design}/{run}")
+            yield Job(f"{RUNS} of sensitivity", f"sensitivity {design}", f"{design}/{run}", f"runs/{design}/{run}.nc", scene, "sensitivity")

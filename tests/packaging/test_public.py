@@ -1,0 +1,78 @@
+"""The public interface: what it is, that it is documented and annotated, and that naming it costs nothing."""
+
+from __future__ import annotations
+
+import ast
+import doctest
+import inspect
+import subprocess
+import sys
+import typing
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+import sph
+
+HEAVY = {"numba", "numpy", "pandas", "pydantic", "xarray"}
+
+
+def functions(name: str) -> Iterator[Callable[..., Any]]:
+    """A public function, or the public methods that a public class defines."""
+    value = getattr(sph, name)
+    if not isinstance(value, type):
+        yield value
+        return
+    for part, member in vars(value).items():
+        found = member.fget if isinstance(member, property) else getattr(member, "__func__", member)
+        if inspect.isfunction(found) and found.__module__ == value.__module__ and not part.startswith("_"):
+            yield found
+
+
+def lacking(function: Callable[..., Any]) -> set[str]:
+    """What a reader misses: the docstring, types of arguments or result."""
+    missing = set() if inspect.getdoc(function) else {"docstring"}
+    parameters = set(inspect.signature(function).parameters) - {"self"}
+    return missing | ((parameters | {"return"}) - set(typing.get_type_hints(function)))
+
+
+def test_the_example_of_the_package_runs() -> None:
+    found = doctest.testmod(sph)
+    assert found.attempted >= 6 and not found.failed
+
+
+def test_type_checkers_are_told_the_same_names() -> None:
+    tree = ast.parse(Path(sph.__file__).read_text(encoding="utf-8"))
+    told = {name.asname: node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for name in node.names if name.asname}
+    assert told == sph._HOMES and sph.__all__ == [*sph._HOMES]
+    assert Path(sph.__file__).with_name("py.typed").exists()
+
+
+@pytest.mark.parametrize("name", sph.__all__)
+def test_public_names_are_documented_and_annotated(name: str) -> None:
+    assert f"`{name}`" in (sph.__doc__ or "") or isinstance(getattr(sph, name), type), "the way through the house leaves it out"
+    text = inspect.getdoc(getattr(sph, name)) or ""
+    assert text and text != inspect.getdoc(BaseModel) and not text.startswith(f"{name}("), "a generated docstring says nothing"
+    assert {function.__qualname__: lacking(function) for function in functions(name) if lacking(function)} == {}
+
+
+def test_what_lacks_would_be_seen() -> None:
+    def bare(x, y: int):  # type: ignore[no-untyped-def]
+        return x + y
+
+    assert lacking(bare) == {"docstring", "x", "return"}
+
+
+def test_a_name_that_is_not_public_is_refused() -> None:
+    with pytest.raises(AttributeError, match="module 'sph' has no attribute 'simulate'"):
+        _ = sph.simulate  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("module", ["sph", "sph.command.cli"])
+def test_nothing_heavy_is_imported_before_it_is_needed(module: str) -> None:
+    code = f"import sys, {module}; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert module in loaded and not HEAVY & set(loaded)
