@@ -105,13 +105,15 @@ def _substeps(scene: Scene) -> tuple[int, int]:
     return max(calm, 1), max(moving, 1)
 
 
+UNLIKE = ("name", "title", "duration", "motion", "outputs", "probes")
+"""Keys in which scenes of a study often differ, and which the limits do not depend on."""
 _known: dict[str, tuple[float, float]] = {}
-"""Limits by the keys that they depend on: a study may have ten thousand scenes."""
+"""Limits by all other keys: a study may have ten thousand scenes."""
 
 
 def _limits(scene: Scene) -> tuple[float, float]:
     """Acoustic and smallest limit of the time step in the lattice, s."""
-    key = scene.model_dump_json(include={"numerics": True, "soil": True, "damping": True, "coupling": {"fluid"}})
+    key = scene.model_dump_json(exclude=dict.fromkeys(UNLIKE, True) | {"coupling": {"S_R", "gamma"}})
     if key not in _known:
         with compile_lock():
             seconds = [limit.seconds for limit in limits(scene)]
