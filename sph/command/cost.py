@@ -151,8 +151,8 @@ def lines(found: StudyCost) -> list[str]:
         ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
         ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them left" if done else "")),
         ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
-        ("memory", f"{found.memory / 1024:.1f} GiB for {found.cores} runs at once"),
-        ("disk", f"{found.disk / 1024:.2f} GiB of trajectories"),
+        ("memory", f"{_size(found.memory)} for {found.cores} runs at once"),
+        ("disk", f"{_size(found.disk)} of trajectories"),
         ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
         ("on top", f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice with the yield acceleration's"),
     ]
@@ -161,6 +161,10 @@ def lines(found: StudyCost) -> list[str]:
 
 def _time(seconds: float) -> str:
     return f"{seconds:.2g} s" if seconds < 10 else duration(seconds)
+
+
+def _size(mebibytes: float) -> str:
+    return f"{mebibytes:.3g} MiB" if mebibytes < 1000 else f"{mebibytes / 1024:.3g} GiB"
 
 
 def record(found: StudyCost) -> dict[str, Any]:

@@ -84,7 +84,7 @@ def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
 def test_the_speed_here(config: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
     assert 1e-3 < speed_here(small_slope({})) < 1e3
     told = CliRunner().invoke(app, ["cost", str(config)])
-    assert told.exit_code == 0 and "measured here" in told.stdout and "core-hours" in told.stdout and "GiB" in told.stdout
+    assert told.exit_code == 0 and "measured here" in told.stdout and "core-hours" in told.stdout and "MiB of trajectories" in told.stdout
 
 
 def test_refusals(config: Path, tmp_path: Path) -> None:
