@@ -47,7 +47,7 @@ class StudyCost(NamedTuple):
     left: float  # s on one core, of jobs that are not done
     wall: float  # s on the cores, of what is left
     cores: int
-    memory: float  # MiB, of as many jobs at once as there are cores
+    memory: float  # MiB, of as many jobs at once as there are cores, a search among them
     disk: float  # MiB
     speed: Speed
 
@@ -62,12 +62,13 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
     waits = [time for time, state in zip(times, states, strict=True) if state.state != "done"]
-    kinds: dict[str, float] = {}
-    for (state, _), time in zip(found, times, strict=True):
-        if state.state != "done" and state.job.kind != SEARCH:
-            kinds[state.job.kind] = max(time, kinds.get(state.job.kind, 0.0))
+    slowest: dict[str, float] = {}
+    for state, time in zip(states, times, strict=True):
+        if state.state != "done":
+            slowest[state.job.kind] = max(time, slowest.get(state.job.kind, 0.0))
+    search = slowest.pop(SEARCH, 0.0)
     longest = max((part for state, part in found if state.job.kind == RUNS), key=lambda part: part.seconds)
-    runs = sum(state.job.kind == RUNS for state in states)
+    runs, at_once = sum(state.job.kind == RUNS for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
     left = sum(waits) + after * bool(waits)
     return StudyCost(
@@ -80,10 +81,10 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
         longest.seconds / known.value,
         sum(times) + after,
         left,
-        # One stage after another, however many cores there are.
-        max(left / cores, sum(kinds.values()) + after * bool(waits) / min(cores, 8)),
+        # One stage after another, however many cores there are; the search beside them.
+        max(left / cores, max(sum(slowest.values()), search) + after * bool(waits) / min(cores, 8)),
         cores,
-        min(cores, len(states)) * max(part.memory for _, part in found),
+        (at_once - 1) * longest.memory + max(part.memory for _, part in found),
         sum(part.disk for _, part in found),
         known,
     )
@@ -151,7 +152,7 @@ def lines(found: StudyCost) -> list[str]:
         ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
         ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them left" if done else "")),
         ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
-        ("memory", f"{_size(found.memory)} for {found.cores} runs at once"),
+        ("memory", f"{_size(found.memory)} for {min(found.cores, found.jobs)} jobs at once"),
         ("disk", f"{_size(found.disk)} of trajectories"),
         ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
         ("on top", f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice with the yield acceleration's"),
