@@ -1,14 +1,16 @@
-# Slope failure over strength ratio x coupling x amplitude: config/config.yaml -> results/<study>/<fidelity>.
+# Slope failure over strength ratio x coupling x amplitude, or any keys of a scene: config/config.yaml -> results/<study>/<fidelity>.
 import functools
 import os
 import re
 from pathlib import Path
 
-from snakemake.utils import Paramspace, min_version
+from snakemake.utils import min_version
 
 import sph
+from sph.analysis.sampling import chosen_runs
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
+from sph.configuration import scene_files
 
 min_version("9.18")
 
@@ -19,15 +21,23 @@ configfile: "config/config.yaml"
 # Where the library lies that is imported, also when this workflow is a module of another one.
 SPH = Path(os.path.abspath(sph.__file__)).parent
 FOLDERS = [Path.cwd(), SPH.parent]
-PLAN = load_study(config, FOLDERS)
+# Its scenes are built before the first job, not again by each.
+PLAN = load_study(
+    chosen_runs(config, workflow.config_settings.overwrite_config),
+    FOLDERS,
+    workflow.is_main_process,
+)
 RESULTS = PLAN.folder
-GRID = Paramspace(PLAN.study.points, filename_params="*", param_sep="-")
 # Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
-RUN = f"{{folder}}/runs/{GRID.wildcard_pattern}.nc"
+RUN = "{folder}/runs/{run}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
-SOLVER = sorted(str(path) for path in SPH.glob("[!_]*.py"))
+SOLVER = sorted(
+    str(path)
+    for pattern in ("[!_]*.py", "ground_motion/*.py")
+    for path in SPH.glob(pattern)
+)
 SEARCHING = SOLVER + sorted(str(path) for path in SPH.glob("stability/*.py"))
 ANALYSIS = sorted(
     str(path)
@@ -48,23 +58,22 @@ report: "workflow/report/workflow.rst"
 
 
 wildcard_constraints:
-    S_R="[^_/]+",
-    gamma="[^_/]+",
-    amplitude="[^_/]+",
+    gravity="gravity(_[^/]+)?",
+    trunk="(amplitude-|trunk)[^/]*",
     folder=f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+)?",
 
 
 rule all:
-    """Everything: tables, claims, Figures 1-7, the page of them all."""
+    """Everything: tables, figures, the page of them all; for a study over the paper's dimensions also its claims."""
     input:
         f"{RESULTS}/report.html",
         f"{RESULTS}/study.nc",
         f"{RESULTS}/study.csv",
-        f"{RESULTS}/claims.csv",
+        [f"{RESULTS}/claims.csv"] * PLAN.study.of_the_paper,
         expand(
-            "{results}/figures/fig{number}.{kind}",
+            "{results}/figures/{figure}.{kind}",
             results=RESULTS,
-            number=range(1, 8),
+            figure=PLAN.study.figures_made,
             kind=["png", "pdf"],
         ),
 

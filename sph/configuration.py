@@ -9,10 +9,10 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 
 class Section(BaseModel):
@@ -24,6 +24,46 @@ class Section(BaseModel):
 def key(text: str, unit: str = "-", source: str = "ours", **constraints: Any) -> Any:
     """Declare one key: sentence, unit, source (paper section or 'ours'), default and range."""
     return Field(description=text, json_schema_extra={"unit": unit, "source": source}, **constraints)
+
+
+CONTENT_KEYS = ("points", "data")
+"""Keys whose values may stand in a file instead, named by the key ``file`` beside them."""
+
+
+class FileSection(Section):
+    """A section whose content may stand in a file of the user's.
+
+    The file is read when the section is built and its content kept in the keys ``content`` names, so that a scene
+    stored with its results repeats without it; ``file`` stays as a record of where the content came from.
+    """
+
+    content: ClassVar[tuple[str, ...]]  # of CONTENT_KEYS
+
+    file: str | None = key(
+        "file with the content, relative to the scene's file or else to the working folder", default=None, min_length=1, max_length=1000
+    )
+
+    @classmethod
+    def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
+        """The keys of ``content`` in a file; ``keys`` are those given beside it, not checked yet.  ValueError says what is wrong where."""
+        raise NotImplementedError
+
+    @model_validator(mode="before")
+    @classmethod
+    def _filled_in(cls, keys: Any) -> Any:
+        if (
+            not isinstance(keys, Mapping)
+            or not isinstance(keys.get("file"), str)
+            or any(keys.get(name) is not None for name in cls.content)
+        ):
+            return keys
+        try:
+            if not os.path.isfile(keys["file"]):
+                raise ValueError(f"there is no such file, seen from {Path.cwd()}")
+            return {**keys, **cls.read_content(Path(keys["file"]), keys)}
+        except (OSError, ValueError) as error:
+            reason = error.strerror or error if isinstance(error, OSError) else error
+            raise ValueError(f"file: {one_line(keys['file'])}: {reason}") from error
 
 
 VARIANT_KEYS = ("shape", "law", "kind")
@@ -94,6 +134,61 @@ def _check_once(names: Sequence[str], line: int) -> None:
         raise ValueError(f"the section at line {line} has the key {twice!r} twice")
 
 
+def read_text(path: Path) -> str:
+    """Text of a user's table: UTF-8, UTF-16 with its mark, or else Windows' western European; ValueError where it is too large or none."""
+    with path.open("rb") as file:
+        data = file.read(LARGEST_FILE + 1)
+    if len(data) > LARGEST_FILE:
+        raise ValueError(f"it is larger than {LARGEST_FILE:,} bytes")
+    for encoding in ("utf-16",) if data.startswith((b"\xff\xfe", b"\xfe\xff")) else ("utf-8-sig", "cp1252"):
+        try:
+            text = data.decode(encoding)
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text
+    raise ValueError("it is not a text file")
+
+
+def read_scene(path: Path | str) -> dict[str, Any]:
+    """Mapping in a scene's file; files that it names beside itself as seen from the working folder.  ValueError as ``read_yaml``."""
+    scene: dict[str, Any] = _located(read_yaml(path), Path(path).parent)
+    return scene
+
+
+def _located(part: Any, folder: Path) -> Any:
+    if isinstance(part, list):
+        return [_located(item, folder) for item in part]
+    if not isinstance(part, Mapping) or _holds_content(part):
+        return part
+    part = {name: _located(item, folder) for name, item in part.items()}
+    file = part.get("file")
+    if isinstance(file, str) and os.path.isfile(folder / file):
+        place = Path(os.path.abspath(folder / file))
+        part["file"] = (place.relative_to(Path.cwd()) if place.is_relative_to(Path.cwd()) else place).as_posix()
+    return part
+
+
+def _holds_content(section: Mapping[str, Any]) -> bool:
+    return any(section.get(name) is not None for name in CONTENT_KEYS)
+
+
+def scene_files(scene: Any) -> list[str]:
+    """Files that the sections of a scene's mapping are read from, for the inputs of a workflow's rule; none where content is given."""
+    if isinstance(scene, Mapping) and _holds_content(scene):
+        return []
+    items = scene.values() if isinstance(scene, Mapping) else scene if isinstance(scene, (list, tuple)) else ()
+    own = [scene["file"]] if isinstance(scene, Mapping) and isinstance(scene.get("file"), str) else []
+    return sorted({*own, *(file for item in items for file in scene_files(item))})
+
+
+def without_files(scene: Any) -> Any:
+    """A scene's mapping without the names of files, for comparing: it holds their content."""
+    if isinstance(scene, Mapping):
+        return {name: without_files(value) for name, value in scene.items() if name != "file"}
+    return [without_files(item) for item in scene] if isinstance(scene, (list, tuple)) else scene
+
+
 def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
     """First of ``folders`` / ``name`` that exists; ValueError begins with ``where``."""
     for folder in folders:
@@ -105,9 +200,12 @@ def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
 def merge(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
     """``base`` with ``overrides`` laid over it, section by section; lists and scalars are replaced.
 
-    So is a section of which the override chooses another variant: its keys mean nothing to the new one.
+    So is a section of which the override chooses another variant: its keys mean nothing to the new one.  A file takes
+    the place of content that stood beside it, and content that of a file.
     """
     merged = dict(base)
+    for name in CONTENT_KEYS if overrides.get("file") is not None else ("file",) if _holds_content(overrides) else ():
+        merged.pop(name, None)
     for name, value in overrides.items():
         old = merged.get(name)
         if isinstance(old, Mapping) and isinstance(value, Mapping) and not _other_variant(old, value):

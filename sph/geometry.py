@@ -10,13 +10,11 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sph.configuration import Section, key
-
-Coordinate = Annotated[float, Field(ge=-1e6, le=1e6)]
-
-Point = tuple[Coordinate, Coordinate]
+from sph.ground_line import GroundLine
+from sph.places import Point, Shape
 
 
-class Slope(Section):
+class Slope(Shape):
     """A plane slope on a base layer in a rigid box: toe on the left, crest on the right."""
 
     shape: Literal["slope"] = key("plane slope on a base layer", source="Fig. 1")
@@ -56,7 +54,7 @@ class Slope(Section):
         return self.width - self.crest_length, self.height
 
 
-class Block(Section):
+class Block(Shape):
     """A rectangular block, for columns and test problems."""
 
     shape: Literal["block"] = key("rectangular block")
@@ -135,7 +133,7 @@ def _upper_side(outline: np.ndarray, x: np.ndarray) -> np.ndarray:
     return y
 
 
-class Bodies(Section):
+class Bodies(Shape):
     """Bodies of any shape in a box, for columns that collapse, plates, rings and blocks that slide."""
 
     shape: Literal["bodies"] = key("bodies of any shape in a box")
@@ -185,4 +183,7 @@ class Bodies(Section):
         return [(float(x), float(y)) for body in self.bodies for x, y in body.outline]
 
 
-Geometry = Annotated[Slope | Block | Bodies, Field(discriminator="shape")]
+SLOPES = (Slope, GroundLine)
+"""Shapes with a slope: a toe, a crest edge and a height between them."""
+
+Geometry = Annotated[Slope | GroundLine | Block | Bodies, Field(discriminator="shape")]

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field, model_validator
 
 from sph.configuration import Section, key
-from sph.geometry import Coordinate
+from sph.places import Coordinate
 
 GRAVITY = 9.81
 """Gravitational acceleration, m/s2."""

@@ -17,6 +17,7 @@ import numpy as np
 from sph.particles import Particles
 from sph.scene import Scene
 from sph.state import State
+from sph.walls import HOLDING
 
 MAX_SPEED_RATIO = 1.0
 """A particle is too fast above this multiple of V_p."""
@@ -46,7 +47,7 @@ def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[st
     wave = scene.largest_p_wave_speed
     if not speed.max() < MAX_SPEED_RATIO * wave:
         return _at(particles, int(np.argmax(speed)), f"is faster than V_p, {wave:.0f} m/s")
-    outside = _behind_walls(scene, particles, state.x[soil], state.y[soil])
+    outside = _behind_walls(scene, particles, state)
     if outside.any():
         return _at(particles, int(np.argmax(outside)), LEFT_THE_BOX)
     smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * wave) ** 2
@@ -57,17 +58,18 @@ def _at(particles: Particles, i: int, what: str) -> str:
     return f"particle {i}, at first at ({particles.x[i]:.4g}, {particles.y[i]:.4g}) m, {what}"
 
 
-def _behind_walls(scene: Scene, particles: Particles, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Which of the places (n,) lie behind the last layer of a wall (sides are as high as theirs) or below the base past its end."""
+def _behind_walls(scene: Scene, particles: Particles, state: State) -> np.ndarray:
+    """Which soil (n,) lies behind the last layer of a wall as it is now (sides are as high as theirs) or below the base past its end."""
     reach = 0.5 * scene.numerics.spacing
+    (x, wall_x), (y, wall_y) = (np.split(a, [particles.n_soil]) for a in (state.x, state.y))
     walls, behind = scene.walls, np.zeros(x.size, bool)
     if walls.base != "none":
-        behind |= y < particles.y.min() - reach
+        behind |= y < wall_y.min() - reach
     if walls.top != "none":
-        behind |= y > particles.y.max() + reach
-    if walls.sides in ("sticky", "free_slip"):
-        low = y < particles.y.max() + reach
-        behind |= low & ((x < particles.x.min() - reach) | (x > particles.x.max() + reach))
+        behind |= y > wall_y.max() + reach
+    if walls.sides in (*HOLDING, "absorbing"):
+        low = y < wall_y.max() + reach
+        behind |= low & ((x < wall_x.min() - reach) | (x > wall_x.max() + reach))
     return behind
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from sph.absorbing import kick_boundary, kick_free_field, strain_free_field
 from sph.contact import add_contact
 from sph.coupling import update_stress
 from sph.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
@@ -65,7 +66,7 @@ def _rate(term, new, old, dt):  # type: ignore[no-untyped-def]
 
 
 @jit
-def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
+def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
     """Move the soil among particles first to last by one step.
 
     Returns the works of shaking (or of a prescribed motion) and gravity and the energies taken by mass damping, by artificial
@@ -75,6 +76,7 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
     alpha = _mass_damping(terms.rayleigh)
     shaking = falling = damped = viscous = rubbed = 0.0
     gravity_x, gravity_y = gravity * terms.down_x, gravity * terms.down_y
+    fall_y = gravity_y - vertical
     for i in rows(first, min(last, terms.n_soil)):
         rate = alpha * state.beta[i] + extra_damping
         keep = 1.0 - 0.5 * rate * dt
@@ -82,7 +84,7 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
         vx_old = state.vx[i]
         vy_old = state.vy[i]
         free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
-        free_y = (vy_old * keep + (state.ay[i] + gravity_y) * dt) * lose
+        free_y = (vy_old * keep + (state.ay[i] + fall_y) * dt) * lose
         held_x, held_y = _rub(terms.friction, state, i, free_x, free_y, dt)
         vx, vy = _drive(terms.driven, state.x[i], state.y[i], held_x, held_y)
         state.vx[i] = vx
@@ -93,7 +95,7 @@ def kick_and_drift(state, terms, mass, ground, gravity, extra_damping, first, la
         mean_y = 0.5 * (vy + vy_old)
         # What a prescribed motion does counts as work of the shaking, what friction takes as energy taken by the walls.
         forced_x, forced_y = _rate(terms.driven, vx, held_x, dt), _rate(terms.driven, vy, held_y, dt)
-        shaking += mass[i] * ((forced_x - ground) * mean_x + forced_y * mean_y)
+        shaking += mass[i] * ((forced_x - ground) * mean_x + (forced_y - vertical) * mean_y)
         falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
         rubbed += mass[i] * (_rate(terms.friction, free_x, held_x, dt) * mean_x + _rate(terms.friction, free_y, held_y, dt) * mean_y)
         # Damping acts on the velocity that friction or a prescribed motion has not changed yet.
@@ -184,6 +186,8 @@ TERM_NAMES = (
     "artificial_stress",
     "prescribed_motion",
     "layers",
+    "absorbing_walls",
+    "free_field",
 )
 
 
@@ -209,6 +213,8 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
         _present(terms.tension),
         _present(terms.driven),
         _present(terms.layers),
+        _present(terms.absorbing),
+        _present(terms.free_field),
     )
 
 
@@ -222,7 +228,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
     renewed, it goes on from there with ``kicked``.  Fewer steps without that mean that a particle jumped
     further than the candidates' skin allows or to NaN.
     """
-    n_soil, n = terms.n_soil, state.x.size
+    n_soil, n_moving, n = terms.n_soil, terms.n_moving, state.x.size
     first_block, last_block = own_blocks(team)
     first_row, last_row = first_block * BLOCK, min(n, last_block * BLOCK)
     failed = done = 0
@@ -232,6 +238,8 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         sums = team.sums[s % 2]
         renew = kicked and s == step
         if not renew:
+            rate, vertical = _mass_damping(terms.rayleigh) + loading.extra_damping[s], loading.vertical[s]
+            kick_free_field(terms.free_field, state, terms.dt, rate, loading.ground[s], vertical, team)
             for block in range(first_block, last_block):
                 (
                     sums[block, SHAKING],
@@ -240,13 +248,37 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     sums[block, VISCOUS],
                     sums[block, WALLS],
                 ) = kick_and_drift(
-                    state, terms, mass, loading.ground[s], loading.gravity[s], loading.extra_damping[s], block * BLOCK, (block + 1) * BLOCK
+                    state,
+                    terms,
+                    mass,
+                    loading.ground[s],
+                    vertical,
+                    loading.gravity[s],
+                    loading.extra_damping[s],
+                    block * BLOCK,
+                    (block + 1) * BLOCK,
                 )
-            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_soil)
+                shaking, held, viscous, taken = kick_boundary(
+                    terms.absorbing,
+                    state,
+                    terms,
+                    mass,
+                    rate,
+                    loading.ground[s],
+                    vertical,
+                    loading.time[s],
+                    block * BLOCK,
+                    (block + 1) * BLOCK,
+                )
+                sums[block, SHAKING] += shaking
+                sums[block, GRAVITY] += held
+                sums[block, VISCOUS] += viscous
+                sums[block, WALLS] += taken
+            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_moving)
             wait(team)
             renew = not _moved(team, 0) <= terms.pairs_tolerance**2
             if renew:
-                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_soil)
+                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_moving)
                 wait(team)
                 move = _moved(team, 1)
                 spent = terms.candidates_tolerance**2 < move <= (terms.candidates_tolerance + terms.reach) ** 2
@@ -254,6 +286,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     break
         if renew:
             renew_pairs(state, candidates, pairs, terms, first_row, last_row)
+        strain_free_field(terms.free_field, terms.rayleigh, state, terms.dt, team)
         mirror_velocity(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
@@ -267,12 +300,12 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_soil))
+            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_moving))
             rubbed = set_friction(terms.friction, terms.layers, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
             taken = wall_work(terms.slip, terms.layers, state, pairs, terms.correction, terms.cell_mass, team.gradient, first, last)
             sums[block, WALLS] += terms.dt * (rubbed + taken)
-            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_soil))
-            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_soil, first, min(last, n_soil))
+            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_moving))
+            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_moving, first, min(last, n_moving))
             sums[block, REPULSION] += add_contact(terms.faces, terms.friction, state, mass, first, min(last, n_soil))
         wait(team)
         if team.rank == 0:

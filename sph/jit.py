@@ -35,9 +35,11 @@ state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
 
 
 def solver_digest() -> str:
-    """Digest of the solver's sources (the files beside this one but for the package's own text) and numba's version."""
+    """Digest of the solver's sources (the files beside this one, but for the package's own text, and the ground motions') and numba's
+    version."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in sorted(Path(__file__).parent.glob("[!_]*.py")):
+    here = Path(__file__).parent
+    for path in sorted([*here.glob("[!_]*.py"), *here.glob("ground_motion/*.py")]):
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 

@@ -13,7 +13,8 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sph.configuration import Section, key
-from sph.geometry import Coordinate, PolygonBody
+from sph.geometry import PolygonBody
+from sph.places import Coordinate
 from sph.soil import Soil
 
 Depth = Annotated[float, Field(ge=0, le=1e4)]

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.gravity import GravityStage
-from sph.motion import linear_ramp
+from sph.motion import linear_ramp, vertical_acceleration
 from sph.scene import Scene
 
 
@@ -15,7 +15,8 @@ class Loading(NamedTuple):
     """Loads at every time step; the box's frame is used, so shaking is a body force."""
 
     time: np.ndarray  # (steps + 1,) s
-    ground: np.ndarray  # (steps + 1,) horizontal acceleration of the box, m/s2
+    ground: np.ndarray  # (steps + 1,) horizontal acceleration of the box, m/s2; positive drives the soil towards the toe
+    vertical: np.ndarray  # (steps + 1,) vertical acceleration of the box, m/s2; positive upwards, presses the soil down
     gravity: np.ndarray  # (steps + 1,) downward acceleration, m/s2
     extra_damping: np.ndarray  # (steps + 1,) mass-proportional damping of the gravity stage, 1/s
 
@@ -31,4 +32,4 @@ def make_loading(scene: Scene, substeps: int = 1) -> Loading:
     """Histories for the whole run; one entry a step or part of a step, so a restarted run reads the same numbers."""
     time = np.arange(scene.steps(scene.duration) * substeps + 1) * (scene.numerics.time_step / substeps)
     gravity, extra = gravity_history(scene.gravity, time)
-    return Loading(time, scene.motion.acceleration(time), gravity, extra)
+    return Loading(time, scene.motion.acceleration(time), vertical_acceleration(scene.motion, time), gravity, extra)

@@ -97,12 +97,12 @@ def stress_accelerations(state, pairs, term, layers, first, last):  # type: igno
 
 
 @jit
-def add_repulsion(term, period, state, pairs, mass, n_soil, first, last):  # type: ignore[no-untyped-def]
+def add_repulsion(term, period, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
     """Add the short-range repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
 
     A linear spring that pushes once two particles are nearer than its range; a lattice at its
     initial spacing does not feel it.  It is conservative and cures pairing, where the gradient of
-    the cubic spline fades at short distance.  Soil shares a spring's energy with soil, and has that with the box.
+    the cubic spline fades at short distance.  What moves shares a spring's energy with what moves, and has that with what stands still.
     """
     if term is None:
         return 0.0
@@ -117,7 +117,7 @@ def add_repulsion(term, period, state, pairs, mass, n_soil, first, last):  # typ
                 if 0.0 < r < term.range:
                     overlap = term.range - r
                     force = term.stiffness * overlap / r
-                    energy += (0.25 if j < n_soil else 0.5) * term.stiffness * overlap * overlap
+                    energy += (0.25 if j < n_moving else 0.5) * term.stiffness * overlap * overlap
                     state.ax[i] += force * dx / mass[i]
                     state.ay[i] += force * dy / mass[i]
         return energy

@@ -8,6 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from sph.configuration import Section, key
+from sph.ground_motion.record import Record
 
 
 class TaperedSine(Section):
@@ -80,6 +81,46 @@ class ConstantAcceleration(Section):
         return np.where(time < self.start, 0.0, self.amplitude * linear_ramp(time - self.start, self.ramp))
 
 
+class VelocityPulse(Section):
+    """A near-fault velocity pulse: a harmonic under a raised cosine (Mavroeidis and Papageorgiou 2003, Eqs. 2 and 3).
+
+        v(t) = A / 2 (1 + cos(2 pi f s / gamma)) cos(2 pi f s + nu),  s = t - t0, |s| <= gamma / (2 f)
+
+    with f the prevailing frequency, gamma the number of half cycles and nu the phase; velocity and acceleration are 0 at both ends.
+    "A mathematical representation of near-fault ground motions", Bull. Seism. Soc. Am. 93 (3), 1099-1131.
+    """
+
+    kind: Literal["velocity_pulse"] = key("near-fault velocity pulse")
+    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e3)
+    frequency: float = key("prevailing frequency f", "Hz", gt=0, le=100)
+    cycles: float = key("oscillations in the pulse, gamma: 1 to 3 in records", gt=1, le=100, default=2.0)
+    phase: float = key("phase nu; 0: velocity symmetric about the middle, 90: antisymmetric", "degree", ge=-360, le=360, default=0.0)
+    start: float = key("start of the pulse", "s", ge=0, le=1e4)
+
+    @property
+    def end(self) -> float:
+        """End of the pulse, s."""
+        return self.start + self.cycles / self.frequency
+
+    @property
+    def peak_velocity(self) -> float:
+        """A, the largest velocity that the envelope allows, m/s."""
+        shape = np.abs(self._shape(np.linspace(-0.5, 0.5, 20_001) * self.cycles / self.frequency))
+        return self.amplitude / float(shape.max())
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2."""
+        since = time - self.start - 0.5 * self.cycles / self.frequency
+        return np.where((time < self.start) | (time > self.end), 0.0, self.peak_velocity * self._shape(since))
+
+    def _shape(self, since: np.ndarray) -> np.ndarray:
+        """Acceleration over A at times (s) from the middle of the pulse, 1/s."""
+        envelope, harmonic = 2.0 * np.pi * self.frequency * since / self.cycles, 2.0 * np.pi * self.frequency * since
+        harmonic = harmonic + np.radians(self.phase)
+        change = np.sin(envelope) * np.cos(harmonic) + self.cycles * np.sin(harmonic) * (1.0 + np.cos(envelope))
+        return -np.pi * self.frequency / self.cycles * change
+
+
 class NoMotion(Section):
     """No shaking."""
 
@@ -96,4 +137,16 @@ def linear_ramp(time: np.ndarray, length: float) -> np.ndarray:
         return np.clip(time / length, 0.0, 1.0) if length > 0 else np.where(time < 0.0, 0.0, 1.0)
 
 
-Motion = Annotated[TaperedSine | Ricker | ConstantAcceleration | NoMotion, Field(discriminator="kind")]
+Motion = Annotated[TaperedSine | Ricker | ConstantAcceleration | VelocityPulse | Record | NoMotion, Field(discriminator="kind")]
+
+
+def vertical_acceleration(motion: Motion, time: np.ndarray) -> np.ndarray:
+    """Vertical acceleration of the box at times (s), m/s2, positive upwards; only records have one."""
+    return motion.vertical_acceleration(time) if isinstance(motion, Record) else np.zeros_like(time)
+
+
+def reference_amplitude(motion: Motion) -> float:
+    """Amplitude to which the horizontal accelerations of a motion are in proportion, m/s2: of a record its peak; 0 without one."""
+    if isinstance(motion, NoMotion):
+        return 0.0
+    return motion.peak if isinstance(motion, Record) else motion.amplitude

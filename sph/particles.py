@@ -8,7 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.geometry import Bodies, Slope
+from sph.ground_line import GroundLine
 from sph.scene import Scene
+from sph.walls import HOLDING
 
 SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
 
@@ -23,6 +25,7 @@ class Particles(NamedTuple):
     layer: np.ndarray  # (n,) int: 0 for the scene's own soil, k for its k-th layer
     first_slip: int  # from this one on free-slip base and top
     first_slip_side: int  # from this one on free-slip side walls
+    first_fixed: int  # from this one on walls that stand still; boundary particles before it follow the soil
 
     @property
     def n_soil(self) -> int:
@@ -33,8 +36,8 @@ class Particles(NamedTuple):
 def place_particles(scene: Scene) -> Particles:
     """Lattice at half offsets filling the geometry, with boundary layers below, beside and above it.
 
-    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.  Free-slip
-    walls come last, base and top before sides.
+    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.  Absorbing walls come
+    first after the soil, their sides as high as the ground beside them, and free-slip walls last, base and top before sides.
     """
     dx = scene.numerics.spacing
     columns, rows = scene.lattice
@@ -46,28 +49,30 @@ def place_particles(scene: Scene) -> Particles:
 
     walls = scene.walls
     layers = np.arange(walls.layers)
-    with_sides = walls.sides in ("sticky", "free_slip")
-    overhang = walls.layers if with_sides else 0
+    overhang = walls.layers if walls.sides in (*HOLDING, "absorbing") else 0
+    left, right = (_ground(scene, row[inside & (column == c)]) for c in (0, columns - 1))
     whole_width = np.arange(-overhang, columns + overhang)
     wanted = [
         (walls.base, (*_grid(whole_width, -1 - layers), BASE)),
         (walls.top, (*_grid(whole_width, rows + layers), TOP)),
-        (walls.sides, (*_grid(-1 - layers, np.arange(rows)), SIDE)),
-        (walls.sides, (*_grid(columns + layers, np.arange(rows)), SIDE)),
+        (walls.sides, (*_grid(-1 - layers, left), SIDE)),
+        (walls.sides, (*_grid(columns + layers, right), SIDE)),
     ]
+    absorbing = [block for how, block in wanted if how == "absorbing"]
     sticky = [block for how, block in wanted if how == "sticky"]
     slip = [block for how, block in wanted[:2] if how == "free_slip"]
     slip_sides = [block for how, block in wanted[2:] if how == "free_slip"]
-    first_slip = sum(len(c) for c, _, _ in soil + sticky)
+    first_fixed = sum(len(c) for c, _, _ in soil + absorbing)
+    first_slip = first_fixed + sum(len(c) for c, _, _ in sticky)
     first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
-    blocks = soil + sticky + slip + slip_sides
+    blocks = soil + absorbing + sticky + slip + slip_sides
 
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
     kind = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
     layer = layer_index(scene, x, y)
     mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
-    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side)
+    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side, first_fixed)
 
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -76,10 +81,20 @@ def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     x = np.clip(x, half, scene.geometry.width - half)
     ground = np.interp(x, *scene.geometry.surface)
     y = np.clip(y, half, np.maximum(ground, half))
+    places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
     index = np.zeros(np.shape(x), int)
     for number, layer in enumerate(scene.layers.values(), 1):
-        index[layer.region.contains(x, y, ground)] = number
+        index[layer.region.contains(*places, ground)] = number
     return index
+
+
+def _ground(scene: Scene, soil: np.ndarray) -> np.ndarray:
+    """Rows of a side wall: all of the box, or those of the soil beside an absorbing one; ValueError if that is not one whole column."""
+    if scene.walls.sides != "absorbing":
+        return np.arange(scene.lattice[1])
+    if not soil.size or soil.size <= soil.max():
+        raise ValueError("walls.sides: absorbing needs soil at both sides, from the base to the ground without a gap (geometry)")
+    return np.arange(soil.size)
 
 
 def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -91,6 +106,8 @@ def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     geometry = scene.geometry
     if isinstance(geometry, Bodies):
         return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
+    if isinstance(geometry, GroundLine):
+        return y <= np.interp(x, *geometry.surface) + 1e-9 * scene.numerics.spacing
     if not isinstance(geometry, Slope):
         return np.ones(x.size, bool)
     face = (x - geometry.apron_length) * math.tan(math.radians(geometry.slope_angle))
@@ -103,9 +120,10 @@ def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
     soil_x, soil_y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
     found = {}
     for name, place in scene.probes.items():
-        px, py = places[place] if isinstance(place, str) else place
+        px, py = places[place] if isinstance(place, str) else scene.geometry.in_box(*place)
         distance = np.hypot(soil_x - px, soil_y - py)
         found[name] = int(np.argmin(distance))
         if distance.min() > 2.0 * scene.numerics.spacing:
+            px, py = scene.geometry.in_survey(px, py)
             raise ValueError(f"probes.{name}: ({px:g}, {py:g}) m lies {distance.min():.3g} m from the nearest soil particle")
     return found

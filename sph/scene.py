@@ -18,12 +18,14 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from sph.configuration import Section, key, merge, read_yaml, validated
-from sph.geometry import Geometry, Point
+from sph.configuration import Section, key, merge, read_scene, validated
+from sph.geometry import Geometry
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.ground_motion.record import Record, processed
 from sph.layers import Layer
-from sph.motion import Motion, NoMotion, Ricker
+from sph.motion import ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.numerics import Numerics
+from sph.places import Point
 from sph.soil import Coupling, Soil
 from sph.walls import Walls
 
@@ -34,7 +36,7 @@ MOST_PAIRS = 1_000_000_000
 """Most pairs of neighbours, whose lists take some 30 bytes each."""
 
 MOST_STEPS = 20_000_000
-"""Most time steps of a run; the loads of every step are kept, 32 bytes each."""
+"""Most time steps of a run; the loads of every step are kept, 40 bytes each."""
 
 MOST_SAMPLES = 1_000_000
 """Most samples of the series of a run."""
@@ -121,7 +123,8 @@ class Scene(Section):
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
     probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
-        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m; the nearest particle is taken",
+        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m, a survey's coordinates where it has one; "
+        "the nearest particle is taken",
         source="particle A: Figs. 6-7",
         default={"A": "crest_edge"},
     )
@@ -162,6 +165,8 @@ class Scene(Section):
         if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
+        if isinstance(self.motion, Record):
+            self._check_record(self.motion)
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
@@ -224,6 +229,14 @@ class Scene(Section):
                 f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
             )
 
+    def _check_record(self, record: Record) -> None:
+        interval = float(processed(record).time[1])
+        if self.numerics.time_step > interval * (1 + 1e-6):
+            raise ValueError(
+                f"numerics.time_step: {self.numerics.time_step:g} s would skip samples of motion, a record every {interval:.6g} s; "
+                "choose a shorter step, or a longer motion.resample.interval"
+            )
+
     def _check_walls(self) -> None:
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
         slip = {"base": "free_slip" in (walls.base, walls.top), "sides": walls.sides == "free_slip"}
@@ -232,6 +245,7 @@ class Scene(Section):
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
                 f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
             )
+        self._check_absorbing()
         for name, slips in slip.items():
             if walls.friction is not None and getattr(walls.friction, name) > 0 and not slips:
                 raise ValueError(f"walls.friction.{name}: {getattr(walls.friction, name)} needs a free_slip wall there")
@@ -240,6 +254,28 @@ class Scene(Section):
             least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
             if self.geometry.width < least:
                 raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
+
+    def _check_absorbing(self) -> None:
+        walls = self.walls
+        if walls.bedrock is not None and walls.base != "absorbing":
+            raise ValueError(f"walls.bedrock: needs walls.base: absorbing, not {walls.base}")
+        where = next((f"walls.{name}: absorbing" for name in ("base", "sides") if getattr(walls, name) == "absorbing"), "")
+        if not where:
+            return
+        if walls.layers < self.layers_filling_support:
+            raise ValueError(
+                f"walls.layers: {walls.layers} layers do not fill the kernel's support; {where} needs {self.layers_filling_support}"
+            )
+        if walls.top != "none":
+            raise ValueError(f"walls.top: {walls.top} with {where}; set walls.top: none")
+        if self.prescribed_velocity_gradient is not None:
+            raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
+        if isinstance(self.motion, ConstantAcceleration):
+            raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
+        if walls.sides == "absorbing" and walls.base not in ("sticky", "absorbing"):
+            raise ValueError(f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a sticky or absorbing base")
+        if walls.sides == "absorbing" and self.coupling.initial_state == "fluid":
+            raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
 
     @property
     def soils(self) -> tuple[Soil, ...]:
@@ -280,4 +316,4 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
     """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
-    return make_scene(merge(read_yaml(path), overrides or {}), str(path))
+    return make_scene(merge(read_scene(path), overrides or {}), str(path))

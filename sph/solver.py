@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
+from sph.configuration import one_line, without_files
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
 from sph.guard import likely_cause, trouble
@@ -55,6 +56,13 @@ FIRST_TURNS, TURNS = 60, 6
 
 BRANCH_KEYS = ("coupling.S_R", "coupling.gamma", "coupling.fluid_tension_limit")
 """Keys without effect before the first failure."""
+RESTART_DIMS = {
+    "work": ("row",),
+    "reaction_x": ("moving_boundary",),
+    "reaction_y": ("moving_boundary",),
+    "free_field": ("direction", "quantity", "node"),
+}
+"""Dimensions of the state's arrays in a restart; the others go over the particles."""
 FREE_KEYS = ("name", "title", "duration")
 """Keys that a restarted run may change at any time."""
 
@@ -276,8 +284,8 @@ class Run:
                 self.measure_limit(TURNS)
             self._record_frame()
             self._adapt()
-        soil = slice(0, n_soil)
-        speed_square = state.vx[soil] ** 2 + state.vy[soil] ** 2
+        soil, moving = slice(0, n_soil), slice(0, self.terms.n_moving)
+        speed_square = state.vx[moving] ** 2 + state.vy[moving] ** 2
         work = state.work
         elastic = elastic_energy(state, self.terms)
         at = np.array(list(self.probes.values()), dtype=int)
@@ -288,13 +296,14 @@ class Run:
             "probe_velocity_x": state.vx[at],
             "probe_velocity_y": state.vy[at],
             "ground_acceleration": self.loading.ground[self.step * self.substeps],
-            "kinetic_energy": 0.5 * float(self.particles.mass[soil] @ speed_square),
+            "ground_acceleration_y": self.loading.vertical[self.step * self.substeps],
+            "kinetic_energy": 0.5 * float(self.particles.mass[moving] @ speed_square),
             "elastic_energy": elastic + work[REPULSION],
             "potential_energy": -work[GRAVITY],
             "dissipated_energy": work[INTERNAL] - elastic + work[MASS_DAMPING] + work[VISCOUS] + work[WALLS],
             "shaking_work": work[SHAKING],
             "failed_fraction": float(np.mean(state.phase[soil] == FAILED)),
-            "maximum_speed": float(np.sqrt(speed_square.max())),
+            "maximum_speed": float(np.sqrt(speed_square[soil].max())),
         }
         for name, values in self._series.items():
             values.append(sample[name])
@@ -350,9 +359,13 @@ class Run:
             "active_terms": " ".join(n for n, on in zip(TERM_NAMES, self.wanted, strict=True) if on),
         }
         ds = trajectory.dataset(arrays, list(self.probes), attrs)
-        restart = xr.Dataset({name: (("row",) if name == "work" else ("particle",), a) for name, a in self.state._asdict().items()})
+        restart = xr.Dataset({name: (RESTART_DIMS.get(name, ("particle",)), a) for name, a in self._kept().items()})
         restart.attrs |= {"step": self.step, "substeps": self.substeps}
         return Result(ds, restart, status)
+
+    def _kept(self) -> dict[str, np.ndarray]:
+        """The arrays of the state by name, but those of terms that the scene does not have."""
+        return {name: array for name, array in self.state._asdict().items() if array.size}
 
     def _size(self, dim: str) -> int:
         return {"particle": self.particles.x.size, "probe": len(self.probes)}[dim]
@@ -365,22 +378,25 @@ class Run:
         A run that diverged stays diverged: it is taken over as it is and not run on.
         """
         old, restart = trajectory.read_run(path), trajectory.read_restart(path)
-        missing = [name for name in self.state._fields if name not in restart] + ["step"] * ("step" not in restart.attrs)
+        missing = [name for name in self._kept() if name not in restart] + ["step"] * ("step" not in restart.attrs)
         if missing:
             raise ValueError(f"{path}: its restart state lacks {', '.join(missing)}; it was written by another version, run it again")
         failed = bool((restart["phase"] == FAILED).any())
         time = float(old["sample_time"][-1])
         check_restart(trajectory.scene_of(old, str(path)), self.scene, time, failed, path)
         self.step = int(restart.attrs["step"])
-        wrong = [name for name, array in self.state._asdict().items() if restart[name].shape != array.shape]
+        wrong = [name for name, array in self._kept().items() if restart[name].shape != array.shape]
         if wrong or self.step != self.scene.steps(time):
             raise ValueError(f"{path}: its restart state does not belong to its trajectory ({', '.join(wrong) or f'step {self.step}'})")
-        for name, array in self.state._asdict().items():
+        for name, array in self._kept().items():
             array[...] = restart[name].values
         self._divide(int(restart.attrs.get("substeps", 1)))
         for store in (self._frames, self._series):
             for name in store:
                 store[name] = list(old[name].values)
+        # The last sample's kick is still to come, under this scene's motion, which may not be that of the gravity stage.
+        self._series["ground_acceleration"][-1] = self.loading.ground[self.step * self.substeps]
+        self._series["ground_acceleration_y"][-1] = self.loading.vertical[self.step * self.substeps]
         if old.attrs["status"] == "diverged":
             self.ended = ("diverged", str(old.attrs["status_reason"]))
         self.earlier_wall_time = float(old.attrs["wall_time_s"])
@@ -422,6 +438,8 @@ def wanted_terms(scene: Scene) -> tuple[bool, ...]:
         numerics.artificial_stress is not None,
         scene.prescribed_velocity_gradient is not None,
         bool(scene.layers),
+        "absorbing" in (scene.walls.base, scene.walls.sides),
+        scene.walls.sides == "absorbing",
     )
 
 
@@ -432,9 +450,9 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
         free += ("motion",)
     if time <= quiet_from(old) + 0.5 * old.numerics.time_step:
         free += ("early_stop",)
-    past, future = _flat(old.model_dump()), _flat(new.model_dump())
+    past, future = (_flat(without_files(scene.model_dump())) for scene in (old, new))
     bad = [
-        f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene"
+        one_line(f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene")
         for name in sorted(past.keys() | future.keys())
         if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
     ]

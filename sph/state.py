@@ -12,10 +12,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.absorbing import AbsorbingTerm, FreeFieldTerm, free_field_nodes, make_absorbing, make_free_field
 from sph.kernels import Kernel, central_value, evaluate, make_kernel
 from sph.material import LayersTerm, Material, make_layers, make_material
 from sph.particles import Particles
 from sph.scene import Scene
+from sph.walls import HOLDING
 
 UNARMED, ARMED, FAILED = 0, 1, 2
 """Phases of a particle: the failure criterion does not count yet, counts, was met."""
@@ -23,7 +25,8 @@ UNARMED, ARMED, FAILED = 0, 1, 2
 SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
 """Rows of ``State.work`` (J/m): work of the shaking (or of a prescribed motion) and of gravity on the soil, of strain on
 the stress, and energy taken by mass-proportional damping, by artificial viscosity and stress, and by free-slip
-walls and their friction; energy stored in the short-range repulsion and in the contact with walls (a level, not a sum)."""
+walls, their friction and absorbing walls; energy stored in the short-range repulsion and in the contact with walls (a level, not a
+sum).  The static reactions of absorbing walls are dead loads as gravity is, and their work counts with its."""
 FAILURES = REPULSION + 1
 """Column of ``Team.sums`` after those of the works: particles that failed in the step."""
 
@@ -71,6 +74,9 @@ class State(NamedTuple):
     y_candidates: np.ndarray
     mode_x: np.ndarray  # shape of the stiffest mode, see sph.timestep
     mode_y: np.ndarray
+    reaction_x: np.ndarray  # (boundary that moves,) acceleration that fixing balanced, m/s2; NaN in the gravity stage, see sph.absorbing
+    reaction_y: np.ndarray
+    free_field: np.ndarray  # (2, 5, nodes) see sph.absorbing
     work: np.ndarray  # (7,)
 
 
@@ -179,6 +185,7 @@ class Terms(NamedTuple):
     down_x: float  # direction of gravity
     down_y: float
     n_soil: int
+    n_moving: int  # the soil and the boundary particles that follow it
     n_stressed: int  # particles with a stress of their own; free-slip walls have none
     armed_from: float  # s, half a step before the end of the gravity stage
     pairs_tolerance: float  # m
@@ -201,6 +208,8 @@ class Terms(NamedTuple):
     period: PeriodTerm | None
     tension: TensionTerm | None
     driven: DrivenTerm | None
+    absorbing: AbsorbingTerm | None
+    free_field: FreeFieldTerm | None
 
 
 def initial_state(particles: Particles, scene: Scene) -> State:
@@ -223,6 +232,9 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "y_candidates": particles.y.copy(),
         "mode_x": generator.normal(size=n),
         "mode_y": generator.normal(size=n),
+        "reaction_x": np.full(particles.first_fixed - particles.n_soil, np.nan),
+        "reaction_y": np.full(particles.first_fixed - particles.n_soil, np.nan),
+        "free_field": np.zeros((2, 5, sum(free_field_nodes(scene, particles)))),
         "work": np.zeros(7),
     }
     state = State(**(zero | start))
@@ -239,12 +251,12 @@ def _faces(scene: Scene) -> FacesTerm | None:
     if not walls.hold:
         return None
     columns, rows = scene.lattice
-    sides = walls.sides in ("sticky", "free_slip")
+    sides = walls.sides in HOLDING
     overhang = math.inf if walls.sides == "periodic" else walls.layers * dx if sides else 0.0
     base, top, side = (CONTACT.get(how, 0.0) * dx for how in (walls.base, walls.top, walls.sides))
     return FacesTerm(
-        bottom=-math.inf if walls.base == "none" else 0.0,
-        top=math.inf if walls.top == "none" else rows * dx,
+        bottom=0.0 if walls.base in HOLDING else -math.inf,
+        top=rows * dx if walls.top in HOLDING else math.inf,
         left=0.0 if sides else -math.inf,
         right=columns * dx if sides else math.inf,
         begin=-overhang,
@@ -276,6 +288,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         down_x=-math.sin(tilt),
         down_y=-math.cos(tilt),
         n_soil=particles.n_soil,
+        n_moving=particles.first_fixed,
         n_stressed=particles.first_slip,
         armed_from=float(scene.gravity.duration - 0.5 * dt),
         pairs_tolerance=float(pairs_tolerance),
@@ -300,4 +313,6 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         period=PeriodTerm(round(scene.geometry.width / dx) * dx) if walls.sides == "periodic" else None,
         tension=None if tension is None else TensionTerm(tension.factor, tension.exponent, 1.0 / evaluate(kernel, dx)[0]),
         driven=None if driven is None else DrivenTerm(driven.xx, driven.xy, driven.yx, driven.yy),
+        absorbing=make_absorbing(scene, particles, kernel),
+        free_field=make_free_field(scene, particles, kernel),
     )

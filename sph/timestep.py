@@ -51,6 +51,15 @@ def lattice_wave_number(scene: Scene) -> float:
     return float(np.abs(volume * (factor * x) @ np.sin(np.outer(x, k))).max())
 
 
+def wave_speed_ratio(scene: Scene, wavelength: float) -> float:
+    """Speed of elastic waves of a length (m) on the initial lattice over that in the soil; 0 for waves that it cannot carry."""
+    x, volume, factor = _lattice(scene)
+    k = 2.0 * np.pi / wavelength
+    if wavelength < 2.0 * scene.numerics.spacing:
+        return 0.0
+    return max(float(-volume * (factor * x) @ np.sin(k * x)) / k, 0.0)
+
+
 def _lattice(scene: Scene) -> tuple[np.ndarray, float, np.ndarray]:
     numerics = scene.numerics
     kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
@@ -116,14 +125,14 @@ def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no
     n = state.x.size
     square = 0.0
     for _ in range(turns):
-        for i in range(terms.n_soil, n):
+        for i in range(terms.n_moving, n):
             state.vx[i] = 0.0
             state.vy[i] = 0.0
         norm = 0.0
-        for i in range(terms.n_soil):
+        for i in range(terms.n_moving):
             norm += state.vx[i] ** 2 + state.vy[i] ** 2
         scale = 1.0 / math.sqrt(norm)
-        for i in range(terms.n_soil):
+        for i in range(terms.n_moving):
             state.vx[i] *= scale
             state.vy[i] *= scale
         velocity_gradients(state, pairs, None, terms.layers, gradient, 0, n)
@@ -136,9 +145,9 @@ def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no
             rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, 0.5 * (l_xy + l_yx))
             mean = (soil.bulk_modulus * (l_xx + l_yy) - 0.5 * rate_z) * s * s
             store_stress(terms.correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s)
-        stress_accelerations(state, pairs, terms.correction, terms.layers, 0, terms.n_soil)
+        stress_accelerations(state, pairs, terms.correction, terms.layers, 0, terms.n_moving)
         square = 0.0
-        for i in range(terms.n_soil):
+        for i in range(terms.n_moving):
             square += state.ax[i] ** 2 + state.ay[i] ** 2
             state.vx[i] = -state.ax[i]
             state.vy[i] = -state.ay[i]

@@ -67,6 +67,7 @@ VARIABLES: tuple[Variable, ...] = (
     Variable("probe_velocity_x", PROBE, "f8", "m s-1", "horizontal velocity of the probe relative to the box"),
     Variable("probe_velocity_y", PROBE, "f8", "m s-1", "vertical velocity of the probe relative to the box"),
     Variable("ground_acceleration", SERIES, "f8", "m s-2", "horizontal acceleration of the box"),
+    Variable("ground_acceleration_y", SERIES, "f8", "m s-2", "vertical acceleration of the box, positive upwards"),
     Variable("kinetic_energy", SERIES, "f8", "J m-1", "kinetic energy relative to the box"),
     Variable("elastic_energy", SERIES, "f8", "J m-1", "stored energy of stress and repulsion"),
     Variable("potential_energy", SERIES, "f8", "J m-1", "energy of position minus its initial value; work done by the gravity ramp"),

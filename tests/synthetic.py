@@ -10,6 +10,7 @@ import xarray as xr
 
 from sph import trajectory
 from sph.analysis.tables import VALUES
+from sph.motion import vertical_acceleration
 from sph.particles import SOIL, locate_probes, place_particles
 from sph.scene import Scene, make_scene
 
@@ -74,6 +75,7 @@ def synthetic(
         "beta": np.ones((frames.size, mass.size)),
         "failed": np.zeros((frames.size, mass.size)),
         "ground_acceleration": scene.motion.acceleration(samples),
+        "ground_acceleration_y": vertical_acceleration(scene.motion, samples),
         "kinetic_energy": 0.5 * float(mass[soil] @ (final["x"] ** 2 + final["y"] ** 2)[soil]) * rate**2,
         "failed_fraction": np.zeros(samples.size),
         "maximum_speed": np.hypot(final["x"], final["y"])[soil].max() * np.abs(rate),

@@ -8,9 +8,11 @@ from pathlib import Path
 import pytest
 
 SPH = Path(__file__).resolve().parents[1] / "sph"
+SOLVER = ("sph.analysis", "sph.stability", "sph.command", "sph.page", "snakemake")
 FORBIDDEN = {
     "__init__.py": ("snakemake",),  # it names the public interface, and imports a part when it is used
-    "": ("sph.analysis", "sph.stability", "sph.command", "sph.page", "snakemake"),
+    "": SOLVER,
+    "ground_motion": SOLVER,
     "stability": ("sph.analysis", "sph.command", "sph.page", "snakemake"),
     "analysis": ("sph.validation", "sph.command", "sph.page", "snakemake"),
     "validation": ("sph.command", "sph.page", "snakemake"),

@@ -8,7 +8,7 @@ from scipy.optimize import brentq  # type: ignore[import-untyped]
 
 from sph.analysis.tables import BASELINE
 from sph.ground_motion import motion_of
-from sph.motion import NoMotion
+from sph.motion import reference_amplitude
 from sph.scene import Scene
 from sph.stability.newmark import sliding_block
 
@@ -33,10 +33,10 @@ def newmark_amplitude(scene: Scene, yield_acceleration: float, displacement: flo
     """
     if not yield_acceleration > 0.0:
         return yield_acceleration
-    if isinstance(scene.motion, NoMotion) or scene.motion.amplitude == 0.0:
+    if reference_amplitude(scene.motion) == 0.0:
         raise ValueError(f"motion: scene {scene.name} is not shaken, there is nothing to scale")
     motion = motion_of(scene)
-    shape = motion.acceleration / scene.motion.amplitude
+    shape = motion.acceleration / reference_amplitude(scene.motion)
 
     def excess(amplitude: float) -> float:
         return sliding_block(motion.time, amplitude * shape, yield_acceleration).permanent - displacement

@@ -20,12 +20,13 @@ from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 from sph.analysis.metrics import energy_gap, largest_mass, outline_area
 from sph.analysis.tables import ROW, number_column, read_csv
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
-from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.motion import NoMotion
 from sph.particles import SOIL
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step, limits
 from sph.trajectory import Variable, scene_of
+from sph.walls import HOLDING
 
 FOLDER = "results/extremes"
 """Where the results go, relative to the working folder."""
@@ -182,7 +183,7 @@ def load_extremes(path: Path | str = "config/extremes.yaml", folders: Sequence[P
     """Validate the configuration; ValueError names file, key and value.  Values that the schema refuses are rows, not errors."""
     extremes = validated(Extremes, read_yaml(found_file(folders, str(path), "extremes")), str(path))
     names = {extremes.scene, *(sweep.scene for sweep in extremes.sweeps.values() if sweep.scene)}
-    scenes = {name: read_yaml(found_file(folders, name, f"{path}: scene")) for name in names}
+    scenes = {name: read_scene(found_file(folders, name, f"{path}: scene")) for name in names}
     return ExtremeRuns(extremes, scenes, str(path))
 
 
@@ -196,9 +197,9 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
     walls, depth = scene.walls, np.zeros(1)
     width, height = (count * scene.numerics.spacing for count in scene.lattice)
     inside = (x >= 0.0) & (x <= width) if walls.sides == "none" else np.ones(x.shape, bool)
-    if walls.base != "none":
+    if walls.base in HOLDING:
         depth = np.append(depth, -y[inside])
-    if walls.sides in ("sticky", "free_slip"):
+    if walls.sides in HOLDING:
         beside = (y >= 0.0) & (y <= height)
         depth = np.append(depth, np.append(-x[beside], x[beside] - width))
     return float(np.nanmax(depth)) / scene.numerics.spacing

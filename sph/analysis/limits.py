@@ -16,7 +16,7 @@ from pydantic import model_validator
 from sph.analysis.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.analysis.tables import ROW, read_csv
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
-from sph.configuration import Section, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene import make_scene
 from sph.trajectory import Variable
 
@@ -70,7 +70,7 @@ class LimitRuns:
 def load_limits(path: Path | str = "config/limits.yaml", folders: Sequence[Path] = (Path(),)) -> LimitRuns:
     """Validate the configuration and every scene; ValueError names file, key and value."""
     limits = validated(Limits, read_yaml(found_file(folders, str(path), "limits")), str(path))
-    return LimitRuns(limits, read_yaml(found_file(folders, limits.scene, f"{path}: scene")), str(path))
+    return LimitRuns(limits, read_scene(found_file(folders, limits.scene, f"{path}: scene")), str(path))
 
 
 def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], settings: MetricSettings) -> pd.DataFrame:

@@ -13,10 +13,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from sph.analysis.dimensions import AXES
 from sph.analysis.metrics import CLASSES, GRID, UNDETERMINED
 from sph.analysis.points import classes_found, division, names
 from sph.analysis.refinement import Cell, leaves
-from sph.analysis.tables import AXES, count_column, number_column, read_csv, text_column
+from sph.analysis.tables import count_column, number_column, read_csv, text_column
 from sph.analysis.trigger import Lattice
 from sph.trajectory import Variable
 

@@ -14,9 +14,9 @@ Run-out
 The apron is itself soil, from the front wall to the toe, so that the most advanced *soil* particle says nothing.
 The front is that of the *slope material in the main mass*: soil particles that (1) belong to the largest set of
 soil particles linked by distances below ``link_length`` at the end, which leaves out single particles thrown
-ahead, (2) lay above the level of the toe initially, which leaves out apron and base, also where the mass pushes
+ahead, (2) lay behind the toe and above its level initially, which leaves out apron and base, also where the mass pushes
 them ahead as a heave, and (3) have moved more than ``moved_threshold``, so that elastic motion and settlement of a
-standing slope give no front.  Run-out is defined for the shape 'slope' only and is NaN for others.
+standing slope give no front.  Run-out is defined for shapes with a slope only ('slope', 'ground_line') and is NaN for others.
 """
 
 from __future__ import annotations
@@ -34,7 +34,8 @@ from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.analysis.fields import ProbeHistory, displacement, last_at, probe_history
 from sph.configuration import Section, key
-from sph.geometry import Slope
+from sph.geometry import SLOPES, Slope
+from sph.ground_line import GroundLine
 from sph.motion import NoMotion
 from sph.particles import SOIL
 from sph.scene import Scene
@@ -153,7 +154,7 @@ METRICS: tuple[Variable, ...] = (
         "runout",
         "m",
         "x of the initial toe minus x of the front, at least 0; front: smallest x, less half a spacing, of soil that is in the largest "
-        "linked mass, lay above the level of the toe initially and has moved more than moved_threshold; 0 if there is no such soil",
+        "linked mass, lay behind the toe and above its level initially and has moved more than moved_threshold; 0 if there is no such soil",
     ),
     _number("runout_over_height", "1", "runout over the height of the slope"),
     _number(
@@ -165,8 +166,8 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "deposit_height",
         "m",
-        "largest height above the initial apron, half a spacing included, of soil in the largest linked mass with x below the initial toe; "
-        "heave of the apron counts; at least 0",
+        "largest height above the initial ground, half a spacing included, of soil in the largest linked mass with x below the initial "
+        "toe; heave of the apron counts; at least 0",
     ),
     *(
         _number(name, "m2", f"area (number of soil particles times spacing squared) with a displacement above {limit} m, at the end")
@@ -268,7 +269,7 @@ def outline_area(x: np.ndarray, y: np.ndarray, spacing: float) -> float:
 
 def _height(scene: Scene) -> float:
     geometry = scene.geometry
-    return geometry.slope_height if isinstance(geometry, Slope) else geometry.height
+    return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
 
 
 def _facts(trajectory: xr.Dataset, scene: Scene, status: str) -> dict[str, Value]:
@@ -338,9 +339,10 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
         "nearest_neighbour_p05": _nearest_distance_p05(x, y) / spacing,
     }
     values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
-    if isinstance(scene.geometry, Slope):
-        slope_material = mass & (trajectory["y0"].values[soil] > scene.geometry.base_depth) & (moved > settings.moved_threshold)
-        values |= _runout_metrics(x, y, mass, slope_material, scene.geometry, spacing)
+    if isinstance(scene.geometry, SLOPES):
+        toe_x, toe_y = scene.geometry.toe
+        behind = (trajectory["x0"].values[soil] > toe_x) & (trajectory["y0"].values[soil] > toe_y)
+        values |= _runout_metrics(x, y, mass, mass & behind & (moved > settings.moved_threshold), scene.geometry, spacing)
     return values
 
 
@@ -355,7 +357,7 @@ def _nearest_distance_p05(x: np.ndarray, y: np.ndarray) -> float:
 
 
 def _runout_metrics(
-    x: np.ndarray, y: np.ndarray, mass: np.ndarray, slope_material: np.ndarray, geometry: Slope, spacing: float
+    x: np.ndarray, y: np.ndarray, mass: np.ndarray, slope_material: np.ndarray, geometry: Slope | GroundLine, spacing: float
 ) -> Mapping[str, Value]:
     toe_x, toe_y = geometry.toe
     runout, travel_angle = 0.0, math.nan
@@ -365,7 +367,8 @@ def _runout_metrics(
         runout = max(0.0, float(toe_x - front_x))
         travel_angle = math.degrees(math.atan2(geometry.crest[1] - front_y, geometry.crest[0] - front_x))
     on_apron = mass & (x < toe_x)
-    deposit = float(y[on_apron].max()) + 0.5 * spacing - toe_y if on_apron.any() else 0.0
+    above_ground = y[on_apron] - np.interp(x[on_apron], *geometry.surface)
+    deposit = float(above_ground.max()) + 0.5 * spacing if on_apron.any() else 0.0
     return {
         "runout": runout,
         "runout_over_height": runout / geometry.slope_height,

@@ -8,9 +8,10 @@ from typing import Any
 
 import pandas as pd
 
+from sph.analysis.dimensions import AXES
 from sph.analysis.metrics import GRID, METRIC_BY_NAME, UNDETERMINED
 from sph.analysis.refinement import Place, leaves
-from sph.analysis.tables import AXES, ROW, count_column, read_csv, text_column
+from sph.analysis.tables import ROW, count_column, read_csv, text_column
 from sph.analysis.trigger import Lattice, reached
 from sph.trajectory import Variable
 

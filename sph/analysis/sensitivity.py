@@ -22,7 +22,7 @@ from sph.analysis.metrics import METRIC_BY_NAME
 from sph.analysis.study import Plan
 from sph.analysis.tables import ROW, text_column
 from sph.analysis.trade import Label, Overrides
-from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, scene_files, validated
 from sph.particles import locate_probes, place_particles
 from sph.scene import make_scene
 from sph.timestep import check_time_step
@@ -213,6 +213,11 @@ class SensitivityPlan:
         """Number of points that are repeated at another fidelity."""
         own, other = self.fidelities
         return self.settings.confirm.points if self.settings.confirm and other != own else 0
+
+    @property
+    def files(self) -> list[str]:
+        """Files that the scenes of all runs name."""
+        return scene_files(list(self._bases.values()))
 
     def design(self, design: str, chosen: Sequence[str] = ()) -> dict[str, Point]:
         """Values of the factors of every run of a design, by name; ``chosen`` factors are varied in 'sobol' and 'confirm'."""

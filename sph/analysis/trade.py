@@ -16,7 +16,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import Field, model_validator
 
 from sph.analysis.study import NAME
-from sph.configuration import Section, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.particles import locate_probes, place_particles
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
@@ -224,7 +224,7 @@ def load_trade(config: Mapping[str, Any] | Path | str, fidelities: Mapping[str, 
     origin = "trade" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(found_file(folders, str(config), "trade"))
     trade = validated(Trade, data, origin)
-    return Ladder(trade, read_yaml(found_file(folders, trade.scene, f"{origin}: scene")), fidelities, origin)
+    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{origin}: scene")), fidelities, origin)
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

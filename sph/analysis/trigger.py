@@ -16,14 +16,17 @@ from typing import Any, Literal, get_args
 import pandas as pd
 from pydantic import model_validator
 
+from sph.analysis.dimensions import GRID_KEYS, point_name
 from sph.analysis.metrics import CLASSES, GRID
 from sph.analysis.refinement import Place, Span
-from sph.analysis.study import GRID_KEYS, MOST_RUNS, Axis, Plan
+from sph.analysis.study import Axis, Plan
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, read_yaml, validated
 
 FOLDER = "trigger"
 """Folder of the results, in that of the study at the searching fidelity."""
+MOST_RUNS = 10_000
+"""Most points of an undivided lattice."""
 MOST_LEVELS = 12
 """Most divisions of a cell."""
 LEAST_STEP = 1e-5
@@ -162,8 +165,8 @@ class TriggerPlan:
                 self.plans[plan.folder] = plan
                 self.folders[fidelity, case] = plan.folder
         self.folder = study.at(self.fidelity).folder
-        values = {name: tuple(dict.fromkeys(getattr(study.study.grid, name) + getattr(trigger, name))) for name in ("S_R", "gamma")}
-        self._written = {**values, "amplitude": study.study.grid.amplitude}
+        values = {name: tuple(dict.fromkeys(study.study.values[name] + getattr(trigger, name))) for name in ("S_R", "gamma")}
+        self._written = {**values, "amplitude": study.study.values["amplitude"]}
         self._validate()
 
     def _validate(self) -> None:
@@ -220,7 +223,7 @@ class TriggerPlan:
         """Files of the runs of a table of points, in its order, at the searching fidelity or another; ``pattern`` as of the rule."""
         points = pd.read_csv(path_to_points, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None)
         return [
-            pattern.format(folder=self.folders[fidelity or self.fidelity, case], **dict(zip(GRID, point, strict=True)))
+            pattern.format(folder=self.folders[fidelity or self.fidelity, case], run=point_name(dict(zip(GRID, point, strict=True))))
             for case, *point in points
         ]
 
@@ -250,6 +253,7 @@ class TriggerPlan:
 
 def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
     """Validate the configuration that a study names, and scenes at the ends of its lattices; ValueError names file, key and value."""
+    study.study.needs_the_paper("trigger and maps")
     path = study.study.trigger
     return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path)
 

@@ -6,6 +6,7 @@
 * ``repeat``: a trajectory in place of a scene file
 * ``status``: how far a study is, for a second terminal
 * ``job``: the log of a workflow's job
+* ``motion``: measures of a ground motion
 * ``newmark``: a sliding block on a ground motion
 * ``reference``: the table of scene keys in config/README.md
 """

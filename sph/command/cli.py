@@ -183,6 +183,44 @@ def info(scene: SceneFile, set_: Settings = None) -> None:
         print(f"{label:<{width}}  {text}")
 
 
+@app.command(epilog="Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --json")
+def check(
+    scene: SceneFile,
+    set_: Settings = None,
+    plot: Annotated[Path | None, typer.Option(help="picture of the scene to write (.png, .pdf, .svg)")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
+) -> None:
+    """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
+    from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
+    from sph.command.check import check as look_at
+    from sph.command.repeat import given_scene
+    from sph.files import whole
+
+    with refusals():
+        if plot is not None:
+            check_writable(plot, "--plot")
+        found = look_at(given_scene(scene, parse_settings(set_)))
+        if plot is not None:
+            with whole(plot) as temporary:
+                draw(found).savefig(temporary, dpi=200, format=plot.suffix[1:] or "png")
+    layers = layer_rows(found)
+    if as_json:
+        named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
+        print(json.dumps({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
+        return
+    width = max(len(label) for label, _ in rows(found))
+    for label, text in rows(found):
+        print(f"{label:<{width}}  {text}")
+    table = Table(*LAYER_COLUMNS)
+    for row in layers:
+        table.add_row(*row)
+    Console().print(table)
+    for concern in found.concerns:
+        print(f"warning: {concern.sentence()}")
+    if not found.concerns:
+        print("no warnings")
+
+
 @app.command(epilog="Examples:  sph plot slide.nc  |  sph plot slide.nc --field speed --time 6 --out slide.pdf")
 def plot(
     file: Trajectory,
@@ -382,7 +420,7 @@ def advise(
     epilog="Examples:  sph newmark config/scenes/paper.yaml --ay 0.25g  |  sph newmark record.csv --ay 2.5 --scale-to 0.6g --upslope 8"
 )
 def newmark(
-    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (CSV): time in s, acceleration in m/s2")],
+    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (.AT2, .EW .NS ..., .smc, .csv)")],
     ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration, 2.5 (m/s2) or 0.25g")],
     upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
@@ -427,6 +465,48 @@ def cost(
             plan, folder = plan.at(fidelity), folder.with_name(fidelity)
         found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
     print(json.dumps(record(found), indent=1) if as_json else "\n".join(lines(found)))
+
+
+@app.command(
+    epilog="Examples:  sph motion RSN6_ELC180.AT2 --plot elcentro.png  |  sph motion record.csv --unit g  |  "
+    "sph motion slope.yaml --set motion.amplitude=3.5 --plot motion.pdf"
+)
+def motion(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS .UD ..., .smc, .csv), scene (YAML) or trajectory (netCDF)")
+    ],
+    set_: Settings = None,
+    unit: Annotated[str | None, typer.Option(help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--plot", metavar="PICTURE", help="picture of histories and response spectrum (.png, .pdf, .svg)"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+) -> None:
+    """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
+    from sph.command.motion import measures, read_shaking, rows
+
+    with refusals():
+        if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
+            raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
+        if out is not None:
+            check_writable(out, "--plot")
+        shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
+        found = measures(shaking)
+        if out is not None:
+            from sph.analysis.figures.ground_motion import figure_ground_motion
+            from sph.analysis.figures.style import save
+
+            save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
+    for warning in shaking.warnings:
+        say(warning)
+    if as_json:
+        print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
+        return
+    table = Table("", *found)
+    for row in rows(found):
+        table.add_row(*row)
+    Console().print(table)
 
 
 @app.command(epilog="Example:  sph reference scene > keys.md")

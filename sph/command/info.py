@@ -6,6 +6,7 @@ import numpy as np
 
 from sph.analysis.advice import expected_sentence
 from sph.analysis.cost import cost, needs
+from sph.command.concerns import cut_off, thin_box
 from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
@@ -25,6 +26,8 @@ TERM_REASONS = {
     "artificial_stress": "numerics.artificial_stress: cures numerical fracture",
     "prescribed_motion": "prescribed_velocity_gradient",
     "layers": "layers: tables of materials",
+    "absorbing_walls": "walls.base, walls.sides",
+    "free_field": "walls.sides",
 }
 
 
@@ -67,9 +70,14 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     on = dict(zip(TERM_REASONS, wanted_terms(scene), strict=True))
     rows.append(("active terms", "; ".join(f"{name} [{TERM_REASONS[name]}]" for name in on if on[name]) or "none"))
     rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
+    if scene.walls.base == "absorbing":
+        depth = scene.walls.layers * numerics.spacing
+        below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
+        rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
     for name, index in locate_probes(scene, particles).items():
-        rows.append((f"probe {name}", f"particle {index} at ({particles.x[index]:g}, {particles.y[index]:g}) m"))
-    rows += [("warning", text) for text in warnings(scene)]
+        x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
+        rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
+    rows += [("warning", concern.sentence()) for concern in thin_box(scene) + cut_off(scene)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
         ("estimated cost", f"{expected.seconds:.3g} s on one core ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),
@@ -77,15 +85,3 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         ("asks of a cluster", f"{asked.mem_mb} MB, {asked.runtime} min"),
     ]
     return rows
-
-
-def warnings(scene: Scene) -> list[str]:
-    """What a user should know before trusting a scene's numbers."""
-    found = []
-    walled = (scene.walls.base, scene.walls.top) != ("none", "none") or scene.walls.sides in ("sticky", "free_slip")
-    if walled and scene.walls.layers < scene.layers_filling_support:
-        found.append(
-            f"{scene.walls.layers} layers of boundary particles do not fill the kernel's support: stresses beside the box alternate "
-            f"from row to row; walls.layers={scene.layers_filling_support} fills it, so does a smaller numerics.smoothing_ratio"
-        )
-    return found

@@ -34,7 +34,7 @@ def slide(path: Path, overrides: Mapping[str, Any], down: float, up: float | Non
         raise ValueError(f"{path}: the ground stands still, and a sliding block needs a motion")
     if peak is not None:
         motion = motion.scaled(peak)
-    block = sliding_block(*motion, down, up)
+    block = sliding_block(motion.time, motion.acceleration, down, up)
     extreme = float(motion.acceleration[np.abs(motion.acceleration).argmax()])
     return Answer(extreme, down, up, down / abs(extreme), block.permanent, block.sliding_time)
 

@@ -7,7 +7,6 @@ release: ``presets``, ``trade``, ``validation``, ``limits``, ``extremes`` and ``
 from __future__ import annotations
 
 import math
-import types
 import typing
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
@@ -20,6 +19,7 @@ from sph.analysis import advice
 from sph.analysis.advice import percent
 from sph.analysis.convergence import CONVERGENCE
 from sph.analysis.critical import CONFIRM, CRITICAL
+from sph.analysis.dimensions import named_sections, sections
 from sph.analysis.elementary_effects import MORRIS
 from sph.analysis.extremes import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
 from sph.analysis.limits import LIMITS, Limits, read_limits
@@ -47,10 +47,10 @@ def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, st
         extra = typing.cast(dict[str, Any], field.json_schema_extra or {})
         path = prefix + name
         yield path, extra["unit"], _default(field), _allowed(field), extra["source"], field.description or ""
-        sections = _sections(field.annotation)
-        for section in sections:
-            yield from key_rows(section, f"{path} ({_tag(section)})." if len(sections) > 1 else f"{path}.")
-        for section in _named_sections(field.annotation):
+        variants = sections(field.annotation)
+        for section in variants:
+            yield from key_rows(section, f"{path} ({_tag(section)})." if len(variants) > 1 else f"{path}.")
+        for section in named_sections(field.annotation):
             yield from key_rows(section, f"{path}.<name>.")
         listed = _listed_sections(field.annotation)
         for section in listed:
@@ -217,23 +217,9 @@ TABLES: dict[str, Callable[[], str]] = {
 """The tables by name."""
 
 
-def _sections(annotation: Any) -> list[type[BaseModel]]:
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    origin = typing.get_origin(annotation)
-    if origin in (typing.Union, types.UnionType, typing.Annotated):
-        return [section for part in typing.get_args(annotation) for section in _sections(part)]
-    return []
-
-
-def _named_sections(annotation: Any) -> list[type[BaseModel]]:
-    """Sections that a mapping holds under names of the user's choice."""
-    return _sections(typing.get_args(annotation)[1]) if typing.get_origin(annotation) is dict else []
-
-
 def _listed_sections(annotation: Any) -> list[type[BaseModel]]:
     """Sections of which a list holds any number."""
-    return _sections(typing.get_args(annotation)[0]) if typing.get_origin(annotation) is tuple else []
+    return sections(typing.get_args(annotation)[0]) if typing.get_origin(annotation) is tuple else []
 
 
 def _errors(rung: Summary) -> tuple[str, ...]:

@@ -43,7 +43,10 @@ def given_scene(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | 
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
         return load_scene(path, overrides)
-    return make_scene(merge(trajectory.scene_of(earlier, str(path)).model_dump(mode="json"), overrides), str(path))
+    kept = trajectory.scene_of(earlier, str(path)).model_dump(mode="json")
+    if {"file", "vertical", "unit"} & set(overrides.get("motion") or ()):
+        kept["motion"].pop("data", None)  # the samples are to be read anew
+    return make_scene(merge(kept, overrides), str(path))
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:

@@ -5,8 +5,8 @@ Without a file it is *running* while the process in its log runs (on another mac
 with a reason, *stopped* when it was killed (it goes on from its checkpoint), else *waiting*.  Whether edited sources ask for a
 rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.command.targets``).
 
-The time left is that which finished jobs of the kind took by their benchmarks (runs: those of the same amplitude, which share whether
-anything fails, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
+The time left is that which finished jobs of the kind took by their benchmarks (runs: those that share their shaking up to the first
+failure, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
 """
 
 from __future__ import annotations
@@ -27,10 +27,11 @@ from rich.live import Live
 from rich.text import Text
 
 import sph
+from sph.analysis.sampling import chosen_runs
 from sph.analysis.study import Plan, load_study
 from sph.command.job import read_log
 from sph.command.progress import LINE
-from sph.configuration import merge, read_yaml
+from sph.configuration import merge, read_yaml, without_files
 from sph.files import beside
 from sph.scene import Scene, make_scene
 
@@ -84,7 +85,8 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
         raise ValueError(f"{shipped}: no such file; go where the study was started, or name its folder of results or its --configfile")
     data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
     if configfile:
-        data = merge(data, read_yaml(configfile))
+        given = read_yaml(configfile)
+        data = chosen_runs(merge(data, given), given)
     if place:
         if data.get("study") != place.parent.name:
             raise ValueError(f"{folder}: the configuration's study is {data.get('study')!r}; name that of this one by --configfile")
@@ -95,16 +97,13 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
 
 def jobs(plan: Plan) -> list[Job]:
     """All simulations of a study, as the rules of ``workflow/rules`` make them."""
-    grid, point_name = plan.study.grid, plan.study.point_name
-    found = [Job("gravity stage", "gravity", "gravity", "stages/gravity.nc", plan.built())]
-    for amplitude in grid.amplitude:
-        name = f"amplitude-{amplitude}"
-        found.append(Job("shaking to the first failure", "trunk", name, f"stages/{name}.nc", plan.built(amplitude=amplitude)))
-    for row in plan.study.points.to_dict("records"):
-        point = {str(name): str(value) for name, value in row.items()}
-        name = point_name(point)
-        found.append(Job(RUNS, point["amplitude"], name, f"runs/{name}.nc", plan.built(**point)))
-    found.append(Job(SEARCH, SEARCH, "yield_acceleration", "stages/yield_acceleration.nc", plan.built()))
+    found = [Job("gravity stage", "gravity", name, f"stages/{name}.nc", make_scene(plan.stage(name))) for name in plan.gravities]
+    for name in plan.trunks:
+        found.append(Job("shaking to the first failure", "trunk", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
+    for name, point in plan.study.runs.items():
+        found.append(Job(RUNS, plan.stages(name).trunk, name, f"runs/{name}.nc", plan.built(**point)))
+    if plan.one_slope:
+        found.append(Job(SEARCH, SEARCH, "yield_acceleration", "stages/yield_acceleration.nc", make_scene(plan.slope)))
     return found
 
 
@@ -118,7 +117,7 @@ def look(job: Job, folder: Path) -> State:
         if not isinstance(error, FileNotFoundError):
             return State(job, "outdated", f"cannot be read: {error.strerror or error}")
     else:
-        same = scene == job.scene.model_dump_json() or _scene(scene) == job.scene
+        same = scene == job.scene.model_dump_json() or _content(_scene(scene)) == _content(job.scene)
         return State(
             job, "done" if same else "outdated", note if same else "of another scene", took=_benchmark(folder, job), computed=computed
         )
@@ -151,6 +150,11 @@ def _scene(text: str) -> Scene | None:
         return make_scene(json.loads(text))
     except ValueError:
         return None
+
+
+def _content(scene: Scene | None) -> Any:
+    """What decides a run, wherever its files lie."""
+    return None if scene is None else without_files(scene.model_dump())
 
 
 def _benchmark(folder: Path, job: Job) -> float:

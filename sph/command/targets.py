@@ -14,6 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 import sph
+from sph.analysis.dimensions import point_name
 from sph.analysis.metrics import GRID
 from sph.analysis.sensitivity import chosen_factors, load_sensitivity
 from sph.analysis.study import Plan
@@ -62,7 +63,7 @@ def _points(plan: Plan, trigger: TriggerPlan, wanted: Path, target: str, fidelit
         if at == plan.folder and tuple(values) in own:
             continue
         point = dict(zip(GRID, values, strict=True))
-        name, scene = plan.study.point_name(point), trigger.plans[at].built(**point)
+        name, scene = point_name(point), trigger.plans[at].built(**point)
         group = f"{target} {case} {point['amplitude']}"
         yield Job(f"{RUNS} of {target}", group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder))
 

@@ -20,12 +20,12 @@ from PIL import Image
 
 from sph import trajectory
 from sph.analysis.advice import expected_sentence
-from sph.analysis.metrics import CLASSES, GRID
-from sph.analysis.study import GRID_KEYS
-from sph.analysis.tables import read_table
+from sph.analysis.dimensions import CASE, Dimension, point_name, scene_key, title_of
+from sph.analysis.metrics import CLASSES
+from sph.analysis.tables import EXPECTED, Layout, read_table
 from sph.files import whole
 from sph.page.explorer import explorer
-from sph.page.sections import SECTIONS, Section, of
+from sph.page.sections import Section, of, sections_of
 from sph.page.tables import Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
 from sph.trajectory import scene_of
 
@@ -35,6 +35,12 @@ REST = 1000
 """Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
 """Place of the runs in the page."""
+MOST_VALUES = 12
+"""Most values of a dimension that a cell holds."""
+OVER = {"S_R": "strength ratio S_R", "gamma": "rate of the loss of strength γ", "amplitude": "amplitude of shaking"}
+"""The paper's dimensions in a sentence."""
+LEGENDS = {name: words[0].upper() + words[1:] for name, words in OVER.items()}
+EXPECTED_NAMES = [row.name for row in EXPECTED]
 MARKS = {"holds": "good", "fails": "bad", "misses": "bad", "diverged": "bad", "not yet": "open", "not covered": "open"}
 """Verdicts that tables mark, by the style of the mark."""
 
@@ -46,10 +52,11 @@ class StudyFiles(NamedTuple):
     fidelity: str
     folder: str  # of its results
     table: str  # study.csv
-    points: Sequence[Mapping[str, str]]  # grid point of every run, as written
-    runs: Sequence[str]  # in the order of the points
-    gravity: str  # the stage that all runs share
-    trunks: Mapping[str, str]  # the stages that the runs of an amplitude share
+    layout: Layout  # of the table
+    dimensions: Sequence[Dimension]
+    size: int  # number of its runs
+    runs: Mapping[str, str]  # files of those that the page shows, by name: all but in a large study
+    stages: Sequence[tuple[str, str]]  # gravity stage and trunk of each run shown, in the same order
     files: Sequence[str]  # of the sections
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure was drawn, by the stem of its file
     probe: str = "A"
@@ -93,54 +100,70 @@ class Part(NamedTuple):
 class Cost(NamedTuple):
     """What the runs cost: computing time of the solver on one core, diverged runs included."""
 
-    seconds: float  # stages that runs share counted once
+    seconds: float  # stages that runs share counted once; NaN where the page does not show all runs
     apart: float  # had every run been made from the start
     particle_steps_per_second: tuple[float, float]  # slowest and fastest run
 
 
-def write_page(path: Path | str, study: StudyFiles) -> int:
+def write_page(path: Path | str, study: StudyFiles, sections: Sequence[Section] | None = None) -> int:
     """Write the page of a study, whole or not at all; returns its size in bytes."""
-    page = build_page(study).encode("utf-8")
+    page = build_page(study, sections).encode("utf-8")
     with whole(path) as temporary:
         temporary.write_bytes(page)
     return len(page)
 
 
-def build_page(study: StudyFiles, sections: Sequence[Section] = SECTIONS, largest: int = LARGEST) -> str:
-    """HTML of the page of a study, at most ``largest`` characters unless tables and figures alone take more.
+def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, largest: int = LARGEST) -> str:
+    """HTML of the page of a study, at most ``largest`` characters unless tables and figures alone take more; ``sections`` are those of
+    a study over the paper's dimensions by default.
 
-    Raises ValueError for a file that cannot be read and for a table whose rows are not the points of the study.
+    Raises ValueError for a file that cannot be read and for a table whose rows are not the runs of the study.
     """
-    table = read_table(study.table)
-    run_at = {tuple(point[name] for name in GRID): run for point, run in zip(study.points, study.runs, strict=True)}
-    points = list(table[list(GRID)].itertuples(index=False, name=None))
-    if set(points) != set(run_at):
-        raise ValueError(f"{study.table}: its rows are not the {len(run_at)} runs of the study; run again what wrote it")
-    runs = [run_at[point] for point in points]
+    whole_table, axes = read_table(study.table, study.layout), [found.name for found in study.dimensions]
+    points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
+    whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
+    if len(whole_table) != study.size or not set(study.runs) <= set(whole_table.index):
+        raise ValueError(f"{study.table}: its rows are not the {study.size} runs of the study; run again what wrote it")
+    table = whole_table[whole_table.index.isin(list(study.runs))]
+    runs = [study.runs[name] for name in table.index]
     files = [Path(run).relative_to(study.folder).as_posix() for run in runs]
-    columns = run_columns(study.probe)
+    columns = run_columns(study.dimensions, study.probe)
     rows = [[text(row) for text in columns.values()] for row in table.to_dict("records")]
+    shown = list(table[axes].itertuples(index=False, name=None))
+    titles = [title_of(study.dimensions, dict(zip(axes, values, strict=True))) for values in shown]
+    # A grid of which every run is shown is chosen by its dimensions, anything else from a list of runs.
+    listed = not study.layout.labels or len(table) < study.size
+    keyed = list(table.index) if listed else list(map("|".join, shown))
     scene = scene_of(trajectory.read_run(runs[0]))
-    keys = scene_table(scene, {key: ", ".join(dict.fromkeys(table[column])) for column, key in GRID_KEYS.items()})
+    keys = scene_table(scene, {scene_key(name): _values(whole_table[name]) for name in axes})
     page = template().render(
         study=study,
         scene=scene,
         scene_table=keys,
         key_table=chosen_keys(keys),
-        classes={name: int((table["collapse_class"] == name).sum()) for name in CLASSES},
-        diverged=int(table["diverged"].sum()),
-        axes={column: list(dict.fromkeys(table[column])) for column in GRID},
+        classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
+        diverged=int(whole_table["diverged"].sum()),
+        over=[OVER.get(name, name) for name in axes],
+        axes=[] if listed else [(found, LEGENDS.get(found.name, found.symbol), _written(table[found.name])) for found in study.dimensions],
+        listed=list(zip(keyed, titles, strict=True)) if listed else [],
         columns=list(columns),
         run_rows=list(zip(files, rows, table["diverged"], strict=True)),
-        expected=expected_sentence(scene),
-        parts=[found_part(section, study) for section in sections],
-        cost=cost_of(table, study),
+        expected=expected_sentence(scene) if len(whole_table[EXPECTED_NAMES].drop_duplicates()) == 1 else "differs, see all runs",
+        parts=[found_part(section, study) for section in (sections_of(True) if sections is None else sections)],
+        cost=cost_of(whole_table, study),
         versions=versions_of(runs),
     )
     facts: dict[str, dict[str, Any]] = {
-        "|".join(point): {"facts": row, "file": file} for point, row, file in zip(points, rows, files, strict=True)
+        key: {"facts": row, "file": file, "title": title} for key, row, file, title in zip(keyed, rows, files, titles, strict=True)
     }
-    data: dict[str, Any] = {"columns": list(columns), "folder": study.folder, "points": facts}
+    numbers = [column for column in list(columns)[len(axes) :] if column.endswith(" (m)") or "error" in column]
+    data: dict[str, Any] = {
+        "columns": list(columns),
+        "numbers": numbers,
+        "axes": ["run"] if listed else axes,
+        "folder": study.folder,
+        "points": facts,
+    }
     data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST)
     for point, run in zip(facts.values(), data.pop("runs"), strict=False):
         point["run"] = run
@@ -185,13 +208,24 @@ def words(stem: str) -> str:
 
 def cost_of(table: pd.DataFrame, study: StudyFiles) -> Cost:
     """Cost of the runs of a study's table; a run's computing time holds that of its trunk, a trunk's that of the gravity stage."""
-    gravity = _seconds(study.gravity)
-    trunks = {amplitude: _seconds(path) for amplitude, path in study.trunks.items()}
-    apart = math.fsum(table["wall_time"])
-    own = math.fsum(table["wall_time"] - table["amplitude"].map(trunks))
-    shared = gravity + math.fsum(seconds - gravity for seconds in trunks.values())
-    speeds = table["particle_steps_per_second"]
-    return Cost(own + shared, apart, (float(speeds.min()), float(speeds.max())))
+    apart, speeds = math.fsum(table["wall_time"]), table["particle_steps_per_second"]
+    shared = math.nan
+    if len(study.runs) == study.size:
+        gravities = {gravity: _seconds(gravity) for gravity, _ in study.stages}
+        trunks = {trunk: (_seconds(trunk), gravities[gravity]) for gravity, trunk in study.stages}
+        own = apart - math.fsum(trunks[trunk][0] for _, trunk in study.stages)
+        shared = own + math.fsum(gravities.values()) + math.fsum(seconds - gravity for seconds, gravity in trunks.values())
+    return Cost(shared, apart, (float(speeds.min()), float(speeds.max())))
+
+
+def _written(values: pd.Series[str]) -> list[str]:
+    return list(dict.fromkeys(values))
+
+
+def _values(values: pd.Series[str]) -> str:
+    """Values of a dimension in a cell."""
+    written = _written(values)
+    return ", ".join(written) if len(written) <= MOST_VALUES else f"{len(written)} values, {written[0]} to {written[-1]}"
 
 
 def _seconds(path: str) -> float:

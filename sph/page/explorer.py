@@ -10,7 +10,7 @@ from __future__ import annotations
 import base64
 import json
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -65,24 +65,14 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
     ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is no run and a probe that it lacks.
     """
     first = trajectory.read_run(paths[0])
-    scene = trajectory.scene_of(first)
-    limits = np.array(frame_limits(first, 0))
-    low, high = limits[::2], limits[1::2]
-    quanta = Quanta(0.5 * (low + high), max(scene.numerics.spacing / QUANTA, float(np.max(high - low)) / RANGE))
-    box = first["kind"].values != SOIL
-    shared = {
+    surroundings, limits = surroundings_of(first), np.array(frame_limits(first, 0))
+    shared = surroundings | {
         "probe": probe,
-        "spacing": scene.numerics.spacing,
-        "quantum": quanta.size,
-        "middle": quanta.middle.tolist(),
-        "surface": [corners.tolist() for corners in surface_line(scene)],
-        "box": [np.round(first[name].values[box], 3).tolist() for name in ("x0", "y0")],
-        "shaking": None if isinstance(scene.motion, NoMotion) else [scene.motion.start, scene.motion.end],
         "colours": [to_hex(colour) for colour in colour_map()(np.linspace(0.0, 1.0, COLOURS))],
     }
     room -= _size(shared)
     for detail in DETAILS:
-        runs = list(_within(room, (run_data(trajectory.read_run(path), probe, detail, quanta) for path in paths)))
+        runs = list(_within(room, (run_data(trajectory.read_run(path), probe, detail, surroundings) for path in paths)))
         if len(runs) == len(paths):
             break
     else:
@@ -102,11 +92,28 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
     }
 
 
-def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dict[str, Any]:
+def surroundings_of(run: xr.Dataset) -> dict[str, Any]:
+    """What is drawn around the soil, and the grid of its positions (``quantum`` and ``middle``, m): the same for runs of one slope."""
+    scene, limits = trajectory.scene_of(run), np.array(frame_limits(run, 0))
+    low, high = limits[::2], limits[1::2]
+    box = run["kind"].values != SOIL
+    return {
+        "spacing": scene.numerics.spacing,
+        "quantum": max(scene.numerics.spacing / QUANTA, float(np.max(high - low)) / RANGE),
+        "middle": (0.5 * (low + high)).tolist(),
+        "surface": [corners.tolist() for corners in surface_line(scene)],
+        "box": [np.round(run[name].values[box], 3).tolist() for name in ("x0", "y0")],
+        "shaking": None if isinstance(scene.motion, NoMotion) else [scene.motion.start, scene.motion.end],
+    }
+
+
+def run_data(run: xr.Dataset, probe: str, detail: Detail, shared: Mapping[str, Any]) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
     (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
     picture and ``largest`` displacement (m) of a particle, none for a diverged run;
-    ``reason`` of its status."""
+    ``reason`` of its status; ``own``: its surroundings as far as they are not the ``shared`` ones."""
+    surroundings = surroundings_of(run)
+    quanta = Quanta(np.array(surroundings["middle"]), surroundings["quantum"])
     history = probe_history(run, probe)
     start, last = gravity_frame(run), run.sizes["frame"] - 1
     frames = np.array(sorted({start, last, *range(last, start, -(detail.frames or max(last, 1)))}))
@@ -122,6 +129,7 @@ def run_data(run: xr.Dataset, probe: str, detail: Detail, quanta: Quanta) -> dic
     return {
         "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),
         "largest": 0.0 if diverged else float(np.nanmax(moved)),
+        "own": {name: value for name, value in surroundings.items() if value != shared[name]},
         "reason": str(run.attrs["status_reason"]),
         "times": np.round(run["time"].values[frames], 6).tolist(),
         "particles": int(shown.size),

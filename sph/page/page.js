@@ -24,6 +24,7 @@
   }
 
   async function loaded(run) {
+    const scene = { ...study, ...run.own };
     const [positions, beta, curve] = await Promise.all([run.positions, run.beta, run.curve].map(unpacked));
     const n = run.particles, frames = run.times.length;
     const places = summed(new Int16Array(positions), 2 * n), samples = new Float32Array(curve);
@@ -32,11 +33,11 @@
     for (let f = 0; f < frames; f += 1) {
       for (let i = 0; i < n; i += 1) {
         const x = places[2 * n * f + i], y = places[2 * n * f + n + i];
-        if (x !== LOST && places[i] !== LOST) moved[n * f + i] = study.quantum * Math.hypot(x - places[i], y - places[n + i]);
+        if (x !== LOST && places[i] !== LOST) moved[n * f + i] = scene.quantum * Math.hypot(x - places[i], y - places[n + i]);
       }
     }
     return {
-      n, times: run.times, places, moved, beta: summed(new Uint8Array(beta), n),
+      n, scene, times: run.times, places, moved, beta: summed(new Uint8Array(beta), n),
       t: samples.subarray(0, count), u: samples.subarray(count, 2 * count), v: samples.subarray(2 * count),
     };
   }
@@ -134,15 +135,15 @@
     box.h = (box.w * (study.upper - study.lower)) / (study.right - study.left); // equal aspect
     const ink = pen(canvas, box.h + 108);
     const [X, Y] = axes(ink, box, [study.left, study.right], [study.lower, study.upper], ["horizontal position (m)", "height (m)"], false);
-    const radius = (0.5 * study.spacing * box.w) / (study.right - study.left), scale = colouring(frame);
-    const { n, places } = chosen.run, bins = study.colours.map(() => []);
+    const { n, places, scene: own } = chosen.run, bins = study.colours.map(() => []);
+    const radius = (0.5 * own.spacing * box.w) / (study.right - study.left), scale = colouring(frame);
     let lost = 0;
     for (let i = 0; i < n; i += 1) {
       const x = places[2 * n * frame + i], y = places[2 * n * frame + n + i], value = scale.of(i);
       if (x === LOST || Number.isNaN(value)) lost += 1;
       else {
         const bin = Math.min(bins.length - 1, Math.floor((value / scale.end) * bins.length));
-        bins[bin].push([X(study.middle[0] + study.quantum * x), Y(study.middle[1] + study.quantum * y)]);
+        bins[bin].push([X(own.middle[0] + own.quantum * x), Y(own.middle[1] + own.quantum * y)]);
       }
     }
     ink.save();
@@ -150,17 +151,17 @@
     ink.rect(box.x, 0, box.w, box.y + box.h);
     ink.clip();
     ink.lineWidth = 0.6;
-    circles(ink, study.box[0].map((x, i) => [X(x), Y(study.box[1][i])]), radius, SOFT, "#fff");
+    circles(ink, own.box[0].map((x, i) => [X(x), Y(own.box[1][i])]), radius, SOFT, "#fff");
     ink.lineWidth = 0.25;
     bins.forEach((centres, bin) => circles(ink, centres, radius * Math.sqrt(study.stride), INK, study.colours[bin]));
     ink.lineWidth = 1.2;
     ink.strokeStyle = INK;
     ink.beginPath();
-    study.surface[0].forEach((x, i) => ink.lineTo(X(x), Y(study.surface[1][i])));
+    own.surface[0].forEach((x, i) => ink.lineTo(X(x), Y(own.surface[1][i])));
     ink.stroke();
     const [x, y] = [places[2 * n * frame], places[2 * n * frame + n]];
     if (x !== LOST) {
-      const at = [X(study.middle[0] + study.quantum * x), Y(study.middle[1] + study.quantum * y)];
+      const at = [X(own.middle[0] + own.quantum * x), Y(own.middle[1] + own.quantum * y)];
       ink.lineWidth = 1.6;
       circles(ink, [at], 4.5, INK, "#fff");
       ink.font = `bold ${FONT}`;
@@ -186,7 +187,7 @@
   }
 
   function drawCurve(frame) {
-    const canvas = byId("curve"), { t, u, v, times } = chosen.run;
+    const canvas = byId("curve"), { t, u, v, times, scene: own } = chosen.run;
     const box = { x: 58, y: 26, w: canvas.parentElement.clientWidth - 70, h: 190 };
     const ink = pen(canvas, box.y + box.h + 44);
     const finite = [0, ...u, ...v].filter(Number.isFinite);
@@ -194,10 +195,10 @@
     const pad = Math.max(0.06 * (high - low), 0.01);
     [low, high] = [low - pad, high + pad];
     const X = (x) => box.x + ((x - study.start) / (study.end - study.start)) * box.w;
-    if (study.shaking) {
+    if (own.shaking) {
       ink.fillStyle = BAND;
-      ink.fillRect(X(study.shaking[0]), box.y, X(study.shaking[1]) - X(study.shaking[0]), box.h);
-      write(ink, "shaking", (X(study.shaking[0]) + X(study.shaking[1])) / 2, box.y + box.h - 6, "center", "bottom", SOFT);
+      ink.fillRect(X(own.shaking[0]), box.y, X(own.shaking[1]) - X(own.shaking[0]), box.h);
+      write(ink, "shaking", (X(own.shaking[0]) + X(own.shaking[1])) / 2, box.y + box.h - 6, "center", "bottom", SOFT);
     }
     const [, Y] = axes(ink, box, [study.start, study.end], [low, high], ["time (s)", `displacement of ${study.probe} (m)`], true);
     ink.strokeStyle = SOFT;
@@ -245,7 +246,7 @@
   function describe({ facts, file, run }, title) {
     const named = Object.fromEntries(study.columns.map((column, i) => [column, facts[i]]));
     const diverged = named.status === "diverged", path = `${study.folder}/${file}`;
-    const numbers = Object.entries(named).filter(([name]) => / \(m\)$|error/.test(name));
+    const numbers = study.numbers.map((name) => [name, named[name]]);
     byId("title").textContent = title;
     byId("class").textContent = named.class;
     byId("result").className = diverged ? "bad" : "";
@@ -254,11 +255,11 @@
   }
 
   async function choose() {
-    const values = ["S_R", "gamma", "amplitude"].map((name) => form.elements[name].value);
-    const point = study.points[values.join("|")];
+    const point = study.points[study.axes.map((name) => form.elements[name].value).join("|")];
+    if (!point) return undefined; // nothing found
     if (chosen && chosen.point === point) return draw();
     const before = chosen && chosen.run ? chosen.run.times[Number(slider.value)] : Infinity;
-    const next = { point, run: null, title: `S_R ${values[0]}, γ ${values[1]} 1/s, amplitude ${values[2]} m/s²` };
+    const next = { point, run: null, title: point.title };
     chosen = next;
     describe(point, next.title);
     byId("drawings").hidden = !point.run;
@@ -270,6 +271,16 @@
     slider.dataset.end = run.times[run.times.length - 1];
     slider.value = wasAtEnd ? slider.max : run.times.filter((time) => time <= before).length - 1;
     return draw();
+  }
+
+  // Only the runs of a list whose words hold all those wanted.
+  const find = byId("find"), all = find ? [...form.elements.run.options] : [];
+  function narrow() {
+    const wanted = find.value.toLowerCase().split(/\s+/), select = form.elements.run;
+    const selected = select.value;
+    select.replaceChildren(...all.filter((option) => wanted.every((word) => option.text.toLowerCase().includes(word))));
+    if (study.points[selected] && [...select.options].some((option) => option.value === selected)) select.value = selected;
+    choose();
   }
 
   function stop() {
@@ -292,6 +303,8 @@
     return undefined;
   });
   slider.addEventListener("input", () => { stop(); draw(); });
+  form.addEventListener("submit", (event) => event.preventDefault());
+  if (find) find.addEventListener("input", () => { stop(); narrow(); });
   form.addEventListener("change", () => { stop(); choose(); });
   byId("detail").textContent = `This page holds ${study.detail} of every run, positions to ${(1000 * study.quantum).toPrecision(2)} mm; the run's file holds the rest.`;
   new ResizeObserver(() => draw()).observe(byId("profile").parentElement);

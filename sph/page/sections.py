@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import NamedTuple
 
-from sph.analysis.figures import FIGURES
+from sph.analysis.figures import FIGURES, figure_profiles, figure_study
 from sph.analysis.figures import caption as caption_of
 from sph.trajectory import Variable
 
@@ -26,6 +26,7 @@ class Section(NamedTuple):
     variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
     measured: Mapping[str, str] = {}  # caption by name in sph.command.reference.TABLES: what the release holds
     always: bool = False  # made with every study
+    of_the_paper: bool | None = None  # only for studies over the paper's dimensions, or only for others; None: for all
 
 
 SECTIONS: tuple[Section, ...] = (
@@ -35,6 +36,7 @@ SECTIONS: tuple[Section, ...] = (
         "snakemake --cores 2",
         tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
         always=True,
+        of_the_paper=True,
     ),
     Section(
         "Figures",
@@ -42,6 +44,19 @@ SECTIONS: tuple[Section, ...] = (
         "snakemake --cores 2",
         figures={f"{{fidelity}}/figures/fig{number}.png": caption_of(draw) for number, draw in FIGURES.items()},
         always=True,
+        of_the_paper=True,
+    ),
+    Section(
+        "Figures",
+        "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
+        "snakemake --cores 2",
+        figures={
+            "{fidelity}/figures/study.png": caption_of(figure_study),
+            "{fidelity}/figures/profiles.png": caption_of(figure_profiles),
+            **{f"{{fidelity}}/figures/fig{number}.png": caption_of(FIGURES[number]) for number in (1, 2, 3)},
+        },
+        always=True,
+        of_the_paper=False,
     ),
     Section(
         "Trigger",
@@ -53,6 +68,7 @@ SECTIONS: tuple[Section, ...] = (
             "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
         },
         figures={"*/trigger/figures/trigger.png": "Critical amplitude of shaking against strength ratio."},
+        of_the_paper=True,
     ),
     Section(
         "Maps",
@@ -63,6 +79,7 @@ SECTIONS: tuple[Section, ...] = (
             "*/trigger/figures/shares.png": "Shares of strength ratio and rate that reach each class.",
             "*/trigger/figures/map-*.png": "Map over strength ratio and amplitude.",
         },
+        of_the_paper=True,
     ),
     Section(
         "Sensitivity",
@@ -113,6 +130,11 @@ SECTIONS: tuple[Section, ...] = (
     ),
 )
 """The sections in their order on the page."""
+
+
+def sections_of(of_the_paper: bool) -> list[Section]:
+    """The sections of a study over the paper's dimensions, or over others."""
+    return [section for section in SECTIONS if section.of_the_paper in (None, of_the_paper)]
 
 
 def existing(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:

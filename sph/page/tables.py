@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
+import operator
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 
 from sph.analysis.advice import percent
+from sph.analysis.dimensions import Dimension
 from sph.command.reference import TABLES
 from sph.trajectory import Variable
 
@@ -22,6 +24,8 @@ KEYS = (
     "numerics.spacing", "numerics.smoothing_ratio", "numerics.time_step",
 )  # fmt: skip
 """Beginnings of the scene keys that the page shows at once."""
+MOST_NUMBERS = 100
+"""Most numbers that the page shows of a list of them: those of a record are counted."""
 NOTHING = "–"
 """Stands for NaN."""
 
@@ -89,12 +93,10 @@ def _status(row: Mapping[Any, Any]) -> str:
     return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "")
 
 
-def run_columns(probe: str) -> dict[str, Callable[[Mapping[Any, Any]], str]]:
+def run_columns(dimensions: Iterable[Dimension], probe: str) -> dict[str, Callable[[Mapping[Any, Any]], str]]:
     """Columns of the table of runs: heading, and the words from a row of a study's table."""
-    return {
-        "S_R": lambda row: row["S_R"],
-        "γ (1/s)": lambda row: row["gamma"],
-        "amplitude (m/s²)": lambda row: row["amplitude"],
+    points: dict[str, Callable[[Mapping[Any, Any]], str]] = {found.label: operator.itemgetter(found.name) for found in dimensions}
+    return points | {
         "class": lambda row: row["collapse_class"],
         "status": _status,
         f"displacement of {probe} (m)": lambda row: metres(row["displacement_magnitude"]),
@@ -114,6 +116,8 @@ def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str
         else:
             unit = str(extra.get("unit", "-")) if isinstance(extra, dict) else "-"
             text = "null" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
+            if isinstance(value, tuple) and len(value) > MOST_NUMBERS:
+                text = f"{len(value):,} numbers"
             yield f"{path}{name}", text, unit, field.description or ""
 
 

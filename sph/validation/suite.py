@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from sph.analysis.study import NAME
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
-from sph.configuration import Section, found_file, key, merge, read_yaml, validated
+from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
 from sph.validation import CASES
@@ -127,5 +127,5 @@ def _checked(scene: Mapping[str, Any], where: str) -> Scene:
 def load_suite(path: Path | str = "config/validation.yaml", folders: Sequence[Path] = (Path(),)) -> Suite:
     """Validate a suite and every scene in it; ValueError names file, key and value.  ``folders`` are searched in order for the files."""
     validation = validated(Validation, read_yaml(found_file(folders, str(path), "validation")), str(path))
-    scenes = {name: read_yaml(found_file(folders, case.scene, f"{path}: cases.{name}.scene")) for name, case in validation.cases.items()}
+    scenes = {name: read_scene(found_file(folders, case.scene, f"{path}: cases.{name}.scene")) for name, case in validation.cases.items()}
     return Suite(validation, scenes, str(path))

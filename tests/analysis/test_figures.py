@@ -7,6 +7,7 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -14,6 +15,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from synthetic import step_ramp, synthetic, translation
 
+from sph.analysis.dimensions import Dimension
 from sph.analysis.fields import FIELDS, displacement
 from sph.analysis.figures import (
     FIGURES,
@@ -24,11 +26,13 @@ from sph.analysis.figures import (
     figure_motion,
     figure_profiles,
     figure_strength_histories,
+    figure_study,
     plot_trajectory,
     save,
 )
 from sph.analysis.figures.profile import field_norm
 from sph.analysis.figures.style import LINE_STYLES
+from sph.analysis.metrics import UNDETERMINED
 from sph.particles import SOIL
 
 BLOCK = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
@@ -248,3 +252,39 @@ def test_a_diverged_run_says_so_in_its_figures() -> None:
     assert end in texts(profiles) and end in texts(histories) and texts(profiles).count("diverged") == 1
     crosses = [line for line in axes(histories).lines if line.get_marker() == "x"]
     assert len(crosses) == 1 and crosses[0].get_xdata()[0] == float(runs["broken"]["sample_time"][-1])
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_surveyed_slope_keeps_its_coordinates(turned: bool) -> None:
+    line = [[120, 440], [175, 440], [190, 465], [224, 465]]
+    ground = {"shape": "ground_line", "points": [[300 - x, y] for x, y in line] if turned else line, "base": 430}
+    run = synthetic(overrides={"geometry": ground | ({"downhill": "right"} if turned else {})})
+    for figure in (figure_geometry(run), figure_arrangement(run), plot_trajectory(run)):
+        FigureCanvasAgg(figure).draw()
+        ax = axes(figure)
+        assert ax.get_ylabel() == "elevation (m)"
+        for axis, origin, direction in ((ax.xaxis, 180 if turned else 120, -1 if turned else 1), (ax.yaxis, 430, 1)):
+            ticks = {float(label.get_text()): place for label, place in zip(axis.get_ticklabels(), axis.get_ticklocs(), strict=True)}
+            assert len(ticks) >= 3
+            assert all(place == pytest.approx(direction * (value - origin)) for value, place in ticks.items())
+    assert {"toe", "crest", "H = 25 m"} <= set(texts(figure_geometry(run)).split("\n"))
+
+
+def test_a_study_of_any_dimensions_at_a_glance(tmp_path: Path) -> None:
+    """Every run lies in every panel of a metric that it has; words stand side by side, wide ranges on a logarithmic axis."""
+    cohesion, kernel = Dimension("soil.cohesion", "kPa", "", False), Dimension("numerics.kernel", "-", "", True)
+    rows = [(1.0, "b", "stable", 0.05, 0.0), (10.0, "a", "collapse", 9.0, 8.0), (100.0, "b", UNDETERMINED, np.nan, np.nan)]
+    columns = ["soil.cohesion", "numerics.kernel", "collapse_class", "displacement_magnitude", "runout"]
+    table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str})
+    figure = figure_study(table, [cohesion, kernel], note="study x")
+    assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear", "log", "linear"]
+    assert [ax.get_ylabel() for ax in figure.axes] == ["displacement of A (m)", "", "run-out (m)", ""]
+    assert [label.get_text() for label in figure.axes[3].get_xticklabels()] == ["b", "a"]
+    assert figure.axes[2].get_xlabel() == "soil.cohesion (kPa)"
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["stable", "collapse", "diverged"]
+    for ax, values in zip(figure.axes, ([0.05, 9.0], [0.05, 9.0], [0.0, 8.0], [0.0, 8.0]), strict=True):
+        assert [float(line.get_ydata()[0]) for line in ax.lines[:-1]] == values and len(ax.lines) == 3
+    save(figure, tmp_path / "study.png")
+    assert len(figure_study(table.assign(runout=np.nan), [cohesion]).axes) == 1, "no run has a run-out"
+    with pytest.raises(ValueError, match="no run to draw"):
+        figure_study(table.iloc[:0], [cohesion])

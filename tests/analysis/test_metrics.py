@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from synthetic import step_ramp, synthetic, translation
 
 from sph.analysis.metrics import METRICS, MetricSettings, collapse_class, largest_mass, measure, outline_area
 from sph.particles import SOIL
-from sph.scene import make_scene
+from sph.scene import Scene, make_scene
 
 SAMPLE = 0.05  # s
 
@@ -264,3 +265,31 @@ class TestVerdicts:
 def test_synthetic_scene_is_the_papers() -> None:
     scene = make_scene({"name": "paper", "geometry": {"shape": "slope"}})
     assert synthetic().sizes["particle"] == 2404 and scene.geometry.toe == (55.0, 10.0)
+
+
+GROUND: dict[str, Any] = {"shape": "ground_line", "points": [[120, 440], [175, 440], [190, 465], [224, 465]], "base": 430}
+
+
+class TestGroundLine:
+    def test_a_slide_of_3_m_is_that_of_the_plane_slope(self) -> None:
+        plane = {"shape": "slope", "slope_angle": math.degrees(math.atan2(25, 15)), "slope_height": 25.0, "base_depth": 10.0}
+        theirs = measure(synthetic(translation(-3.0), overrides={"geometry": plane | {"apron_length": 55.0, "crest_length": 34.0}}))
+        for turned in (False, True):
+            line = {"points": [[-x, y] for x, y in GROUND["points"]], "downhill": "right"} if turned else {}
+            own = measure(synthetic(translation(-3.0), overrides={"geometry": GROUND | line}))
+            assert own["runout"] == pytest.approx(3.0)
+            assert own == pytest.approx(theirs, abs=1e-9, nan_ok=True)
+
+    def test_soil_before_the_toe_is_not_the_slopes(self) -> None:
+        valley = GROUND | {"points": [[100, 450], [120, 440], [175, 440], [190, 465], [224, 465]]}
+
+        def other_side(scene: Scene, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            return np.where((x < 20.0) & (y > 10.0), 3.0, 0.0), np.zeros(x.size)
+
+        values = measure(synthetic(other_side, overrides={"geometry": valley}))
+        assert values["runout"] == 0.0
+
+    def test_the_deposit_counts_from_the_ground_below_it(self) -> None:
+        inclined = GROUND | {"points": [[120, 450], [175, 440], [190, 465], [224, 465]]}
+        values = measure(synthetic(overrides={"geometry": inclined}))
+        assert 0.0 <= float(values["deposit_height"]) <= 0.5, "half a spacing, where the ground is its own initial line"

@@ -48,7 +48,7 @@ def part_calls(run: Run) -> dict[str, Callable[[int], Any]]:
     terms, mass, loading, team = run.terms, run.particles.mass, run.loading, run.team[0]
     still, strained, moved, pushed = (twin(run) for _ in range(4))
     pairs, now = still.pairs, min(run.step, loading.time.size - 1)
-    loads = float(loading.ground[now]), float(loading.gravity[now]), float(loading.extra_damping[now])
+    loads = [float(history[now]) for history in (loading.ground, loading.vertical, loading.gravity, loading.extra_damping)]
     state = still.state
     return {
         "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms.viscosity, terms.layers, team.gradient, 0, n),

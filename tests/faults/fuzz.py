@@ -77,9 +77,11 @@ BODIES = {
         {"kind": "ring", "centre": [4.0, 2.0], "outer_radius": 1.5, "inner_radius": 0.5},
     ],
 }
+GROUND = {"shape": "ground_line", "points": [[10.0, 102.0], [13.0, 102.0], [16.0, 105.0], [19.0, 105.0]], "base": 100.0}
 SCENES = [
     TINY,
     TINY | {"geometry": SLOPE, "motion": {"kind": "tapered_sine", "start": 0.01, "ramp": 0.0, "decay_start": 0.02, "end": 0.02}},
+    TINY | {"geometry": GROUND, "motion": {"kind": "ricker", "amplitude": 1.0, "frequency": 300.0, "peak": 0.015}},
     TINY
     | {
         "layers": {
@@ -89,7 +91,30 @@ SCENES = [
         }
     },
     TINY
+    | {
+        "motion": {
+            "kind": "record",
+            "start": 0.01,
+            "amplitude": 2.0,
+            "vertical": {"factor": 0.5},
+            "baseline": {},
+            "band_pass": {"low": 1.0, "high": 20.0},
+            "trim": {"taper": 0.01},
+            "resample": {"interval": 0.02},
+            "data": {"interval": 0.01, "x": [0.0, 1.0, -2.0, 1.0, 0.5, 0.0], "y": [0.0, 1.0, 0.0, -1.0, 0.0, 0.0]},
+        }
+    },
+    TINY
     | {"geometry": BODIES, "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}}, "early_stop": {"window": 0.01}},
+    TINY
+    | {
+        "geometry": SLOPE,
+        "walls": {
+            "base": "absorbing",
+            "sides": "absorbing",
+            "bedrock": {"density": 2e3, "s_wave_speed": 1e3, "p_wave_speed": 2e3},
+        },
+    },
     merge(
         TINY,
         {
@@ -117,6 +142,13 @@ STUDY = {
     "fidelities": {"a": {}, "b": {"numerics": {"spacing": 0.5}}},
     "figures": {"strengths": ["0.1"], "gamma": "1", "compared_gammas": ["1"], "compared_strengths": ["0.25"]},
 }
+ANY = {name: value for name, value in STUDY.items() if name not in ("grid", "figures")}
+FREE = [
+    ANY | {"grid": {"S_R": ["0.1", "0.25"], "soil.cohesion": [20, "150"], "numerics.kernel": ["cubic_spline", "wendland_c2"]}},
+    ANY | {"cases": [{"S_R": "0.1", "walls.layers": 2}, {"S_R": 0.25, "walls.layers": "3"}], "figures": {"runs": ["case-000002"]}},
+    ANY | {"sample": {"method": "random", "size": 5, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [1, 9], "scale": "log"}}}},
+]
+"""Studies over other dimensions than the paper's."""
 TRADE = {
     "scene": "tiny.yaml",
     "cases": {"weak": {"coupling": {"S_R": 0.1}}, "strong": {"coupling": {"S_R": 0.5}}},
@@ -186,6 +218,7 @@ WORDS = {name for model in MODELS.values() for path, _ in keys(model) for name i
 READING = (
     "--",
     ", line ",
+    ", lines ",
     "cannot be read",
     "must hold a mapping",
     "Keys should be strings",
@@ -294,6 +327,7 @@ def scene(data: Any, folder: Path) -> str:
     with warnings.catch_warnings(), mock.patch("sph.analysis.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
+        call("check", path)
         if loaded.steps(loaded.duration) < MANY:
             motion_of(loaded)
     if columns * rows > FEW or loaded.walls.layers * (columns + rows) > FEW:
@@ -326,6 +360,11 @@ def study(data: Any, folder: Path) -> str:
     """Load a study; its results stay where they belong."""
     plan = load_study(write(folder / "study.yaml", data), [folder])
     _stays(plan.folder, "results")
+    for name in (*plan.study.runs, *plan.gravities, *plan.trunks):
+        _stays(f"{plan.folder}/runs/{name}.nc", f"{plan.folder}/runs")
+    for name in plan.study.runs:
+        assert plan.gravity_of(plan.stages(name).trunk) == plan.stages(name).gravity
+    assert len(plan.layout.names) == len(set(plan.layout.names))
     return "accepted"
 
 
@@ -391,14 +430,25 @@ def _stays(path: str, folder: str) -> None:
     assert all(0 < len(part.encode()) <= 250 for part in whole.parts) and path.isprintable(), f"{path[:80]} is no file name"
 
 
-def record(text: str, folder: Path) -> str:
-    """Slide a block on a record."""
-    path = folder / "record.csv"
+def record(example: tuple[str, str], folder: Path) -> str:
+    """Slide a block on a record, and measure it."""
+    ending, text = example
+    path = folder / f"record.{ending}"
     path.write_text(text, encoding="utf-8", errors="surrogateescape")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        shown = call("newmark", path, "--ay", "0.1", "--upslope", "0.3", "--json")
+        shown = call("newmark", path, "--ay", "0.1", "--upslope", "0.3", "--json") + call("motion", path, "--json")
     assert "NaN" not in shown and "Infinity" not in shown, shown
+    return "accepted"
+
+
+def survey(text: str, folder: Path) -> str:
+    """Look at a scene whose ground is in a file."""
+    (folder / "ground").write_text(text, encoding="utf-8", errors="surrogateescape")
+    ground = {"shape": "ground_line", "file": "ground", "base": -1100.0}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        call("check", write(folder / "survey.yaml", TINY | {"geometry": ground, "numerics": TINY["numerics"] | {"spacing": 5.0}}))
     return "accepted"
 
 
@@ -465,7 +515,33 @@ cells = st.one_of(st.floats(-1e3, 1e3).map(str), st.sampled_from(list(map(text, 
 rising = st.lists(st.tuples(st.floats(1e-9, 10.0), st.floats(-1e3, 1e3)), min_size=2, max_size=20).map(
     lambda rows: "\n".join(f"{t},{a}" for t, a in zip(np.cumsum([row[0] for row in rows]).tolist(), [row[1] for row in rows], strict=True))
 )
-records = st.one_of(
+PEER = "A\nB\nACCELERATION TIME SERIES IN UNITS OF G\nNPTS= 7, DT= .01 SEC\n .1E-1 -.2E-1 .3E+0 -.1E-5 0.0\n .1E-1 -.2E-1\n"
+SMC = "\n".join(
+    ["2 CORRECTED ACCELEROGRAM", *["*"] * 10]
+    + [f"{0:10d}" * 7 + f"{1:10d}" if line == 1 else f"{4 if line == 2 else 0:10d}" + f"{0:10d}" * 7 for line in range(6)]
+    + ["".join(f"{100.0 if line == 0 and at == 1 else 0.0:15.7E}" for at in range(5)) for line in range(10)]
+    + ["| comment", "   -1.0000   20.0000  -30.00001000.00000"]
+)
+KNET = """Origin Time       2000/01/01 00:00:00
+Lat.              38.920
+Long.             140.630
+Depth. (km)       7
+Mag.              5.9
+Station Code      AKT013
+Station Lat.      39.6069
+Station Long.     140.3213
+Station Height(m) 34
+Record Time       2000/01/01 00:00:39
+Sampling Freq(Hz) 4Hz
+Duration Time(s)  1
+Dir.              E-W
+Scale Factor      2000(gal)/8388608
+Max. Acc. (gal)   4.383
+Last Correction   2000/01/01 00:00:00
+Memo.
+   1800000  -1700000    10000         0
+"""
+comma_separated = st.one_of(
     rising,
     st.lists(st.lists(cells, min_size=1, max_size=3).map(",".join), max_size=6).map("\n".join),
     st.lists(st.tuples(st.floats(), st.floats()).map(lambda row: f"{row[0]},{row[1]}"), min_size=2, max_size=5).map("\n".join),
@@ -473,9 +549,9 @@ records = st.one_of(
 )
 
 
-def broken(base: Mapping[str, Any]) -> st.SearchStrategy[str]:
-    """A YAML text with a piece cut out and something put in."""
-    whole = yaml.safe_dump(base)
+def broken(base: Mapping[str, Any] | str) -> st.SearchStrategy[str]:
+    """A text, that of a mapping as YAML, with a piece cut out and something put in."""
+    whole = base if isinstance(base, str) else yaml.safe_dump(base)
     inserted = st.one_of(
         st.text(max_size=5),
         st.sampled_from(["&a ", "*a", "<<: ", "!!bool ", "\t", "? ", "- ", "{", "[" * 2000, "'", "|", "%", "2001-99-99"]),
@@ -485,13 +561,23 @@ def broken(base: Mapping[str, Any]) -> st.SearchStrategy[str]:
     )
 
 
+surveys = st.one_of(
+    broken("x,y\n120,440\n150,440\n170,465\n200,465\n"),
+    broken("LINESTRING Z (0 0 440, 30 0 440, 50 0 465, 80 0 465)"),
+    broken('{"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": [[0, 440], [30, 440], [50, 465]]}}'),
+)
+
+records = st.one_of(
+    st.tuples(st.just("csv"), comma_separated),
+    *(st.tuples(st.just(ending), st.one_of(st.just(text), broken(text))) for ending, text in (("at2", PEER), ("smc", SMC), ("EW", KNET))),
+)
 EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any]]] = {
     "scene": (
         50,
         scene,
         st.one_of([changed(Scene, base, most) for base in SCENES for most in (1, 2, 4)] + [section(Scene), broken(SCENES[1])]),
     ),
-    "study": (8, study, st.one_of(changed(Study, STUDY, 1), changed(Study, STUDY), broken(STUDY))),
+    "study": (8, study, st.one_of([changed(Study, base, most) for base in (STUDY, STUDY, *FREE) for most in (1, 3)] + [broken(STUDY)])),
     "trade": (6, trade, st.one_of(changed(Trade, TRADE, 1), changed(Trade, TRADE), broken(TRADE))),
     "limits": (6, limits, st.one_of(changed(Limits, LIMITS, 1), changed(Limits, LIMITS), broken(LIMITS))),
     "sensitivity": (
@@ -502,6 +588,7 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
     "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
     "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
+    "survey": (9, survey, st.one_of(surveys, comma_separated)),
     "line": (10, line, lines.map(list)),
 }
 """Share in per cent, what is done and examples of each kind."""

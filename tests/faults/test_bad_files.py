@@ -15,7 +15,8 @@ from typer.testing import CliRunner, Result
 
 from sph import trajectory
 from sph.command.cli import REFUSED, app
-from sph.ground_motion import LARGEST_RECORD, read_record
+from sph.ground_motion import read_record
+from sph.ground_motion.text import LARGEST_RECORD
 from sph.scene import Scene
 from sph.solver import Run, run
 

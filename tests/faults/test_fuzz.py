@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from configurations import changed, keys, section
-from fuzz import FEW, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER, VALIDATION
+from fuzz import FEW, FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER, VALIDATION
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from pydantic import BaseModel
@@ -22,7 +22,7 @@ from sph.scene import Scene, make_scene
 
 BASES: dict[str, list[dict[str, Any]]] = {
     "scene": SCENES,
-    "study": [STUDY],
+    "study": [STUDY, *FREE],
     "trade": [TRADE],
     "limits": [LIMITS],
     "sensitivity": [SENSITIVITY],

@@ -11,15 +11,17 @@ from synthetic import Displacement, study_row, synthetic
 
 from sph import trajectory
 from sph.analysis.claims import write_claims
+from sph.analysis.dimensions import CASE, Dimension
 from sph.analysis.metrics import METRIC_BY_NAME, measure
-from sph.analysis.tables import read_study, study_table, write_study
+from sph.analysis.tables import Layout, read_study, read_table, study_table, write_csv, write_study
 from sph.page.build import StudyFiles
-from sph.page.sections import certain, existing
+from sph.page.sections import certain, existing, sections_of
 from sph.scene import Scene
 
 FOLDER = "results/made/up"
 SLIPS = {("0.10", "4.0"): -3.0, ("0.10", "6.0"): -8.0, ("0.50", "4.0"): 0.0, ("0.50", "6.0"): -1.0}
 """Horizontal motion (m) of the soil above the toe, give or take a third, by S_R and amplitude; the last run diverges."""
+DIMENSIONS = [Dimension("S_R", "-", "", False), Dimension("gamma", "1/s", "", False), Dimension("amplitude", "m/s2", "", False)]
 TITLE = "A slope <b>& more</b>"
 
 
@@ -66,12 +68,34 @@ def made_study() -> StudyFiles:
     for name, seconds in {"gravity": 0.5, "amplitude-4.0": 0.75, "amplitude-6.0": 1.0}.items():
         gravity.attrs["wall_time_s"] = seconds
         trajectory.write(f"{FOLDER}/stages/{name}.nc", gravity)
-    for path in certain(FOLDER):
+    for path in certain(FOLDER, sections_of(True)):
         if path.endswith(".png"):
             Path(path).parent.mkdir(exist_ok=True)
             Image.linear_gradient("L").save(path)
-    trunks = {amplitude: f"{FOLDER}/stages/amplitude-{amplitude}.nc" for amplitude in ("4.0", "6.0")}
-    shown = {"fig4": runs[1:3]}
+    stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/amplitude-{point['amplitude']}.nc") for point in points]
+    by_name = {Path(run).stem: run for run in runs}
+    labels = (("0.10", "0.50"), ("100",), ("4.0", "6.0"))
     return StudyFiles(
-        "made", "up", FOLDER, f"{FOLDER}/study.csv", points, runs, f"{FOLDER}/stages/gravity.nc", trunks, existing(FOLDER), shown
-    )
+        "made", "up", FOLDER, f"{FOLDER}/study.csv", Layout(labels=labels), DIMENSIONS, 4, by_name, stages,
+        existing(FOLDER, sections_of(True)), {"fig4": runs[1:3]},
+    )  # fmt: skip
+
+
+def listed_study() -> StudyFiles:
+    """The same runs as a list of cases, that of S_R 0.50 and 4.0 m/s2 in a larger box."""
+    study = made_study()
+    layout = Layout(tuple(found.variable(True) for found in DIMENSIONS), (), True)
+    frame = read_table(study.table)
+    frame.insert(0, CASE, [f"case-{number:06d}" for number in range(1, 5)])
+    write_csv(frame, study.table)
+    runs = dict(zip(frame[CASE], study.runs.values(), strict=True))
+    wider = {
+        "numerics": {"spacing": 5.0},
+        "coupling": {"S_R": 0.5},
+        "geometry": {"shape": "slope", "crest_length": 60.0},
+        "motion": {"kind": "tapered_sine", "amplitude": 4.0, "end": 11.0},
+    }
+    run = synthetic(uneven(-2.0), overrides=wider)
+    run.attrs["particle_steps"] = 6_000_000
+    trajectory.write(runs["case-000003"], run)
+    return study._replace(layout=layout, runs=runs)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from made import FOLDER, made_study
+from made import FOLDER, listed_study, made_study
 
 from sph.analysis.tables import read_table
 from sph.page.build import StudyFiles, write_page
@@ -204,3 +204,29 @@ def test_print_shows_the_chosen_run_without_controls(browser: Browser) -> None:
     assert pdf.startswith(b"%PDF") and len(pdf) > 50_000
     widths = [int(width) for width in re.findall(rb"/Subtype /Image\s+/Width (\d+)", pdf)]
     assert widths.count(browser.run("return document.getElementById('profile').width")) == 2, "profile and curve"
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_a_run_of_a_list_is_found_by_its_words(tmp_path: Path, size: tuple[int, int]) -> None:
+    with chdir(tmp_path):
+        write_page(f"{FOLDER}/report.html", listed_study())
+        browser = Browser(Path(FOLDER, "report.html"))
+        try:
+            browser.open(*size)
+            first = browser.shown("S_R 0.10, γ 100 1/s, amplitude 4.0")
+            assert browser.run("return document.documentElement.scrollWidth <= innerWidth")
+            browser.run("document.getElementById('find').focus()")
+            for letter in "0.50 4.0":
+                browser.press(letter)
+            assert browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0") != first
+            assert browser.run("return [...document.querySelector('select[name=run]').options].map((o) => o.value)") == ["case-000003"]
+            browser.run("document.getElementById('find').value = ''; document.getElementById('find').dispatchEvent(new Event('input'))")
+            assert browser.run("return document.querySelector('select[name=run]').value") == "case-000003", "what is shown stays chosen"
+            browser.run("document.querySelector('select[name=run]').focus()")
+            browser.press("\ue013")  # arrow up
+            browser.shown("S_R 0.10, γ 100 1/s, amplitude 6.0")
+            for letter in "\ue004zzz":
+                browser.press(letter)
+            assert not [entry for entry in browser.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+        finally:
+            browser.driver.quit()

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from made import FOLDER, TITLE
+from made import FOLDER, TITLE, listed_study
 
 from sph import trajectory
 from sph.analysis.fields import displacement
@@ -86,7 +86,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
     assert sum(tag == "tr" and attrs.get("class") == "bad" for tag, attrs in words.elements) == 1
     assert "1 diverged" in words.text
     # Nor does it take part in the common scale of colours.
-    moved = [np.hypot(*displacement(trajectory.read(run))).max() for run in study.runs[:-1]]
+    moved = [np.hypot(*displacement(trajectory.read(run))).max() for run in list(study.runs.values())[:-1]]
     assert words.runs["largest"] == pytest.approx(max(moved))
 
 
@@ -130,14 +130,14 @@ def test_a_section_names_its_command_until_its_files_exist(study: StudyFiles) ->
 
 
 def test_the_order_of_the_runs_does_not_matter(study: StudyFiles) -> None:
-    turned = study._replace(points=study.points[::-1], runs=study.runs[::-1])
+    turned = study._replace(runs=dict(list(study.runs.items())[::-1]), stages=study.stages[::-1])
     assert build_page(turned) == build_page(study)
 
 
 def test_positions_come_back_to_half_a_quantum(study: StudyFiles) -> None:
     data = Words(build_page(study)).runs
     held = data["points"]["0.10|100|6.0"]["run"]
-    run = trajectory.read(study.runs[1])
+    run = trajectory.read(list(study.runs.values())[1])
     soil = np.flatnonzero(run["kind"].values == SOIL)
     probe = int(run["probe_particle"].values[0])
     order = [probe, *soil[soil != probe]]
@@ -185,7 +185,34 @@ def test_cost_counts_shared_stages_once(study: StudyFiles) -> None:
 
 def test_a_table_of_other_runs_is_refused(study: StudyFiles) -> None:
     with pytest.raises(ValueError, match="study.csv: its rows are not the 3 runs"):
-        build_page(study._replace(points=study.points[1:], runs=study.runs[1:]))
+        build_page(study._replace(size=3, runs=dict(list(study.runs.items())[1:])))
+
+
+def test_a_list_is_chosen_by_run(study: StudyFiles) -> None:
+    listed = listed_study()
+    words = Words(build_page(listed))
+    assert words.runs["axes"] == ["run"] and list(words.runs["points"]) == [f"case-{number:06d}" for number in range(1, 5)]
+    assert words.runs["points"]["case-000002"]["title"] == "S_R 0.10, γ 100 1/s, amplitude 6.0 m/s²"
+    assert "case-000002: S_R 0.10, γ 100 1/s, amplitude 6.0 m/s²" in words.text
+    options = [attrs["value"] for tag, attrs in words.elements if tag == "option" and (attrs["value"] or "").startswith("case-")]
+    assert options == list(words.runs["points"])
+
+
+def test_a_run_of_another_slope_is_drawn_with_its_own_surroundings(study: StudyFiles) -> None:
+    data = Words(build_page(listed_study())).runs
+    own = {name: point["run"]["own"] for name, point in data["points"].items()}
+    assert [name for name, changed in own.items() if changed] == ["case-000003"]
+    assert set(own["case-000003"]) == {"spacing", "quantum", "middle", "surface", "box", "shaking"}
+    assert own["case-000003"]["spacing"] == 5.0 and own["case-000003"]["shaking"] == [3.0, 11.0]
+    assert data["right"] > max(data["surface"][0]) + 20.0, "the picture holds the widest"
+
+
+def test_a_page_of_a_part_of_the_runs_says_so(study: StudyFiles) -> None:
+    few = study._replace(runs=dict(list(study.runs.items())[:3]), stages=study.stages[:3])
+    words = Words(build_page(few))
+    assert words.runs["axes"] == ["run"] and len(words.runs["points"]) == 3
+    assert "4 runs over" in words.text and "3 of 4 runs" in words.text and "1 diverged" in words.text
+    assert "stages that runs share counted once" not in words.text
 
 
 @pytest.mark.parametrize("name", ["claims.csv", "figures/fig4.png", "runs/S_R-0.10_gamma-100_amplitude-6.0.nc"])

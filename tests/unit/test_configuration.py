@@ -4,12 +4,28 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 
 from sph.command.cli import parse_settings
-from sph.configuration import DEEPEST, LARGEST_FILE, LONGEST_LINE, MOST_LINES, Section, key, parse_yaml, read_yaml, validated
+from sph.configuration import (
+    DEEPEST,
+    LARGEST_FILE,
+    LONGEST_LINE,
+    MOST_LINES,
+    FileSection,
+    Section,
+    key,
+    merge,
+    parse_yaml,
+    read_scene,
+    read_text,
+    read_yaml,
+    scene_files,
+    validated,
+    without_files,
+)
 
 ALIASES = "a0: &a0 [1, 2]\n" + "".join(f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
 MERGES = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
@@ -101,3 +117,71 @@ def test_a_key_that_is_no_text_is_refused() -> None:
     for name in (1, None, (1, 2)):
         with pytest.raises(ValueError, match=r"some\.yaml: .*Keys should be strings"):
             validated(Small, {name: 1}, "some.yaml")
+
+
+class Line(FileSection):
+    content: ClassVar[tuple[str, ...]] = ("points",)
+    points: tuple[float, ...] = key("numbers", min_length=2)
+
+    @classmethod
+    def read_content(cls, path: Path, keys: Any) -> dict[str, Any]:
+        return {"points": [float(word) for word in read_text(path).split()]}
+
+
+class Holder(Section):
+    line: Line = key("a section with a file")
+
+
+def test_content_of_a_file_is_kept_with_the_section(tmp_path: Path) -> None:
+    file = tmp_path / "numbers.txt"
+    file.write_text("1 2 3")
+    line = validated(Line, {"file": str(file)}, "s.yaml")
+    assert line.points == (1.0, 2.0, 3.0)
+    file.unlink()
+    assert validated(Line, line.model_dump(mode="json"), "s.yaml") == line  # a stored scene needs no file
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [(None, "no such file"), (b"1 x", "could not convert"), (b"1\x00\x00", "not a text file"), (b"1 " * LARGEST_FILE, "larger than")],
+)
+def test_a_bad_file_is_named_with_its_key(tmp_path: Path, content: bytes | None, message: str) -> None:
+    file = tmp_path / "numbers.txt"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(ValueError, match=rf"^s.yaml: line: file: {file}: .*{message}"):
+        validated(Holder, {"line": {"file": str(file)}}, "s.yaml")
+
+
+def test_file_and_content_replace_each_other() -> None:
+    stored = {"line": {"file": "old.txt", "points": [1, 2]}}
+    assert merge(stored, {"line": {"file": "new.txt"}}) == {"line": {"file": "new.txt"}}
+    assert merge(stored, {"line": {"points": [3, 4]}}) == {"line": {"points": [3, 4]}}
+    assert merge(stored, {"line": {"other": 1}}) == {"line": {"file": "old.txt", "points": [1, 2], "other": 1}}
+
+
+def test_files_lie_beside_the_scene_or_in_the_working_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "scenes").mkdir()
+    (tmp_path / "work").mkdir()
+    (tmp_path / "scenes" / "beside.txt").write_text("1 2")
+    scene = tmp_path / "scenes" / "scene.yaml"
+    scene.write_text("one: {file: beside.txt}\nparts: [{file: ../work/here.txt}]\nother: {file: nowhere.txt}\n")
+    (tmp_path / "work" / "here.txt").write_text("1 2")
+    monkeypatch.chdir(tmp_path)
+    data = read_scene(scene)
+    assert data == {"one": {"file": "scenes/beside.txt"}, "parts": [{"file": "work/here.txt"}], "other": {"file": "nowhere.txt"}}
+    assert scene_files(data | {"stored": {"file": "gone.txt", "points": [1, 2]}}) == ["nowhere.txt", "scenes/beside.txt", "work/here.txt"]
+    monkeypatch.chdir(tmp_path / "work")
+    assert read_scene("../scenes/scene.yaml")["one"] == {"file": (tmp_path / "scenes" / "beside.txt").as_posix()}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_encodings_of_text(tmp_path: Path, encoding: str) -> None:
+    file = tmp_path / "numbers.txt"
+    file.write_bytes("höhe 1,5\r\n".encode(encoding))
+    assert read_text(file).split() == ["höhe", "1,5"]
+
+
+def test_scenes_are_compared_without_the_names_of_files() -> None:
+    one = {"line": {"file": "a.csv", "points": [1, 2]}, "parts": [{"file": "b"}], "name": "file"}
+    assert without_files(one) == {"line": {"points": [1, 2]}, "parts": [{}], "name": "file"}

@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sph.gravity import GravityStage
+from sph.ground_motion.processing import integral
 from sph.loading import gravity_history, make_loading
-from sph.motion import ConstantAcceleration, NoMotion, Ricker, TaperedSine
+from sph.motion import ConstantAcceleration, NoMotion, Ricker, TaperedSine, VelocityPulse, reference_amplitude, vertical_acceleration
 from sph.scene import make_scene
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
@@ -155,3 +156,42 @@ def test_loading_of_the_other_kinds(small_slope) -> None:
         loading = make_loading(make_scene(data))
         assert not loading.ground[:1000].any()
         assert loading.ground[2000] == pytest.approx(motion["amplitude"], rel=1e-9)
+
+
+@given(
+    st.builds(
+        VelocityPulse,
+        kind=st.just("velocity_pulse"),
+        amplitude=st.floats(0.1, 100.0),
+        frequency=st.floats(0.1, 10.0),
+        cycles=st.floats(1.01, 5.0),
+        phase=st.floats(-180.0, 180.0),
+        start=st.floats(0.0, 10.0),
+    )
+)
+def test_a_velocity_pulse_is_the_derivative_of_its_published_velocity(pulse: VelocityPulse) -> None:
+    # v = A/2 (1 + cos(2 pi f s / gamma)) cos(2 pi f s + nu): the acceleration integrates to it, has its peak, and the ground stops.
+    time = np.linspace(pulse.start, pulse.end, 20_001)
+    since = time - 0.5 * (time[0] + time[-1])
+    envelope = 0.5 * pulse.peak_velocity * (1 + np.cos(2 * np.pi * pulse.frequency * since / pulse.cycles))
+    velocity = envelope * np.cos(2 * np.pi * pulse.frequency * since + np.radians(pulse.phase))
+    a = pulse.acceleration(time)
+    np.testing.assert_allclose(integral(a, time[1] - time[0]), velocity, atol=1e-5 * pulse.peak_velocity)
+    assert np.abs(a).max() == pytest.approx(pulse.amplitude, rel=1e-6)
+    assert abs(a[1]) < 1e-2 * pulse.amplitude and abs(a[-2]) < 1e-2 * pulse.amplitude
+    assert not pulse.acceleration(np.array([0.0, pulse.start - 1e-6, pulse.end + 1e-6, 1e4]) - 1e-9).any()
+
+
+def test_a_velocity_pulse_by_hand() -> None:
+    # gamma = 2, nu = 0, f = 1: v = A/2 (1 + cos(pi s)) cos(2 pi s) is A in the middle, -A/2 half a second beside it.
+    pulse = VelocityPulse(kind="velocity_pulse", amplitude=1.0, frequency=1.0, cycles=2.0, start=1.0)
+    time = np.linspace(1.0, 3.0, 20_001)
+    velocity = integral(pulse.acceleration(time), time[1] - time[0])
+    np.testing.assert_allclose(velocity[[5_000, 10_000, 15_000, 20_000]] / pulse.peak_velocity, [-0.5, 1.0, -0.5, 0.0], atol=1e-6)
+    assert pulse.end == 3.0
+
+
+def test_only_records_shake_vertically() -> None:
+    for motion in (PAPER, NoMotion(), VelocityPulse(kind="velocity_pulse", amplitude=1.0, frequency=1.0, start=0.0)):
+        assert not vertical_acceleration(motion, np.linspace(0.0, 10.0, 11)).any()
+    assert [reference_amplitude(motion) for motion in (PAPER, NoMotion())] == [6.0, 0.0]

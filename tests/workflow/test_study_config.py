@@ -9,7 +9,10 @@ import pytest
 import yaml
 
 from sph.analysis.study import Plan, load_study
+from sph.analysis.trigger import load_trigger
 from sph.configuration import merge
+from sph.scene import make_scene
+from sph.solver import check_restart
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -29,7 +32,7 @@ def test_the_shipped_study_covers_the_papers_cases() -> None:
 
 def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:
     chosen = plan({"grid": {"S_R": ["0.10", 0.25, "0.350", 0.5]}, "figures": {"strengths": [0.1]}})
-    assert chosen.study.grid.S_R == ("0.10", "0.25", "0.350", "0.5")
+    assert chosen.study.grid is not None and chosen.study.grid["S_R"] == ("0.10", "0.25", "0.350", "0.5")
     assert chosen.built(S_R="0.10", gamma="1", amplitude="4.0").coupling.S_R == 0.1
     assert [point["S_R"] for _, point in chosen.study.figure_runs(4)] == ["0.10"]
 
@@ -59,10 +62,10 @@ def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
         ),
         ({"fidelity": "best"}, ("fidelity", "best", "draft, standard, paper, fine")),
         ({"grid": {"S_R": []}}, ("grid.S_R", "at least 1")),
-        ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "one number twice")),
-        ({"grid": {"gamma": ["fast"]}}, ("grid.gamma", "fast")),
-        ({"grid": {"gamma": ["-1"]}}, ("grid.gamma", "-1")),
-        ({"grid": {"depth": ["1"]}}, ("grid.depth", "no such key")),
+        ({"grid": {"S_R": ["0.1", "0.10"]}}, ("grid", "S_R", "one value twice")),
+        ({"grid": {"gamma": ["fast"]}}, ("gamma = fast", "coupling.gamma", "valid number")),
+        ({"grid": {"gamma": ["-1"]}}, ("gamma = -1", "coupling.gamma", "greater than or equal to 0")),
+        ({"grid": {"depth": ["1"]}}, ("grid.depth", "no such key in a scene")),
         ({"grid": {"S_R": ["0.10", "0.25", "0.35", "0.50", "1.5"]}}, ("S_R = 1.5", "coupling.S_R", "less than or equal to 1")),
         ({"grid": {"S_R": ["0.10"]}}, ("grid.S_R", "0.25", "figures")),
         ({"claims": {"amplitude": 5.0}}, ("grid.amplitude", "5.0")),
@@ -86,3 +89,143 @@ def test_a_fidelity_is_checked_over_the_scene_and_not_over_the_chosen_fidelity()
     dense = {"fidelities": {"dense": {"outputs": {"series_interval": 1e-4}}}}
     assert plan(dense | {"fidelity": "draft"}).built().outputs.series_interval == 0.01
     assert plan(dense | {"fidelity": "dense"}).built().outputs.series_interval == 1e-4
+
+
+# ---------------------------------------------------------------- any dimensions
+
+
+def free(**runs: Any) -> Plan:
+    """The shipped scene with other runs than the shipped grid."""
+    return load_study({name: value for name, value in GOOD.items() if name != "grid"} | runs, [ROOT])
+
+
+def test_a_grid_over_any_keys() -> None:
+    chosen = free(grid={"numerics.kernel": ["wendland_c2", "cubic_spline"], "soil.cohesion": [150, "20"], "S_R": ["0.10", "0.5"]})
+    assert list(chosen.study.runs)[:3] == [
+        "S_R-0.10_numerics.kernel-wendland_c2_soil.cohesion-20",
+        "S_R-0.10_numerics.kernel-wendland_c2_soil.cohesion-150",
+        "S_R-0.10_numerics.kernel-cubic_spline_soil.cohesion-20",
+    ], "numbers increase, words stay in their order"
+    scene = chosen.built(**chosen.study.runs["S_R-0.5_numerics.kernel-wendland_c2_soil.cohesion-20"])
+    assert (scene.coupling.S_R, scene.soil.cohesion, scene.numerics.kernel) == (0.5, 20.0, "wendland_c2")
+    assert [axis.dtype for axis in chosen.layout.axes] == ["f8", "str", "f8"] and not chosen.study.of_the_paper
+    assert chosen.study.figures_made == ["fig1", "fig2", "fig3", "study", "profiles"]
+
+
+def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:
+    chosen = free(grid={"S_R": [0.1, 0.5], "gamma": [1, 100], "amplitude": [2, 6], "motion.frequency": [1, 2], "soil.cohesion": [20, 150]})
+    assert len(chosen.study.runs) == 32
+    assert chosen.gravities == ["gravity_soil.cohesion-20", "gravity_soil.cohesion-150"]
+    assert len(chosen.trunks) == 8 and chosen.trunks[0] == "trunk_amplitude-2_motion.frequency-1_soil.cohesion-20"
+    name = "S_R-0.5_gamma-1_amplitude-6_motion.frequency-2_soil.cohesion-150"
+    gravity, trunk = chosen.stages(name)
+    assert chosen.gravity_of(trunk) == gravity
+    stage = make_scene(chosen.stage(gravity))
+    assert (stage.soil.cohesion, stage.coupling.S_R, stage.motion.amplitude) == (150.0, 0.25, 6.0)
+
+
+@pytest.mark.parametrize(
+    "key",
+    [
+        "S_R", "gamma", "coupling.fluid_tension_limit", "amplitude", "motion.decay_start", "duration", "soil.viscosity", "walls.layers",
+        "numerics.time_step", "outputs.frame_interval", "gravity.damping", "damping.ratio", "geometry.slope_angle",
+    ],
+)  # fmt: skip
+def test_the_solver_accepts_every_stage_that_is_shared(key: str) -> None:
+    """By the comparison that it makes itself: of a gravity stage at its end, of a trunk in which nothing failed until then."""
+    values = {"walls.layers": [2, 3], "duration": [12, 15], "numerics.time_step": ["1e-4", "5e-5"], "geometry.slope_angle": [50, 60]}
+    values |= {"motion.decay_start": [8, 9], "outputs.frame_interval": [0.25, 0.5], "gravity.damping": [10, 20]}
+    chosen = free(grid={key: values.get(key, ["0.1", "0.2"]), "S_R" if key != "S_R" else "gamma": ["0.3", "0.4"]})
+    for name in chosen.study.runs:
+        gravity, trunk = chosen.stages(name)
+        scenes = [make_scene(chosen.stage(gravity)), make_scene(chosen.stage(trunk)), make_scene(chosen.run_scene(name))]
+        check_restart(scenes[0], scenes[1], scenes[0].gravity.duration, False, gravity)
+        check_restart(scenes[1], scenes[2], scenes[1].duration, False, trunk)
+
+
+def test_a_stage_that_does_not_stand_alone_is_not_shared() -> None:
+    """A gravity stage of 4 s ends after the shaking of the scene file has begun."""
+    cases = [{"gravity.duration": 4, "motion.start": 4, "motion.decay_start": 10, "motion.end": 11, "S_R": S_R} for S_R in (0.1, 0.5)]
+    chosen = free(cases=cases)
+    assert chosen.gravities == ["gravity_case-000001", "gravity_case-000002"] and chosen.trunks == ["trunk_case-000001"]
+    assert make_scene(chosen.stage("gravity_case-000002")).coupling.S_R == 0.5
+
+
+def test_cases_and_samples_are_numbered_and_share_stages() -> None:
+    cases = [{"S_R": "0.10", "soil.cohesion": "20"}, {"S_R": "0.50", "soil.cohesion": 20}, {"soil.cohesion": 150, "S_R": "0.50"}]
+    chosen = free(cases=cases)
+    assert chosen.study.runs["case-000002"] == {"S_R": "0.50", "soil.cohesion": "20"}
+    assert chosen.gravities == ["gravity_case-000001", "gravity_case-000003"]
+    assert chosen.stages("case-000002") == ("gravity_case-000001", "trunk_case-000001")
+    few, more = (free(sample={"size": size, "ranges": {"soil.cohesion": [5, 50], "S_R": [0.1, 0.5]}}) for size in (5, 9))
+    assert list(more.study.runs.items())[:5] == list(few.study.runs.items()), "a larger sample keeps its runs"
+
+
+def test_cases_from_a_file(tmp_path: Path) -> None:
+    (tmp_path / "mine.csv").write_text("S_R,numerics.kernel\n0.10,cubic_spline\n0.5,wendland_c2\n")
+    data = {name: value for name, value in GOOD.items() if name != "grid"} | {"cases": "mine.csv"}
+    chosen = load_study(data, [tmp_path, ROOT])
+    assert [point["numerics.kernel"] for point in chosen.study.runs.values()] == ["cubic_spline", "wendland_c2"]
+
+
+def test_a_dimension_set_to_null_is_none() -> None:
+    chosen = plan({"grid": {"gamma": None, "amplitude": None, "soil.cohesion": [20]}})
+    assert chosen.study.names == ["S_R", "soil.cohesion"]
+
+
+def test_names_that_would_be_too_long_are_numbers() -> None:
+    keys = (
+        "geometry.slope_height",
+        "geometry.base_depth",
+        "geometry.apron_length",
+        "geometry.crest_length",
+        "gravity.damping",
+        "gravity.duration",
+    )
+    chosen = free(grid={key: [1, 2] for key in keys})
+    assert len(chosen.study.runs) == 64 and "case-000064" in chosen.study.runs and chosen.layout.named and chosen.layout.labels
+    assert max(map(len, chosen.gravities)) < 40
+
+
+def test_large_studies_are_measured_in_parts() -> None:
+    chosen = free(sample={"size": 1201, "method": "random", "ranges": {"S_R": [0.1, 0.5]}})
+    assert chosen.parts == ["0001", "0002", "0003"] and [len(chosen.part(part)) for part in chosen.parts] == [500, 500, 201]
+    shown = chosen.study.page_runs
+    assert len(shown) <= 200 and {"case-000001", "case-001201"} <= set(shown)
+
+
+@pytest.mark.parametrize(
+    ("runs", "wanted"),
+    [
+        ({}, ("one of grid, cases, sample", "found none")),
+        ({"grid": {"S_R": [0.1]}, "cases": [{"S_R": 0.1}]}, ("one of grid, cases, sample", "grid and cases")),
+        ({"grid": {"soil.cohesoin": [1]}}, ("grid.soil.cohesoin", "the nearest is soil.cohesion")),
+        ({"grid": {"soil.cohesion": [20, -1]}}, ("soil.cohesion = -1", "greater than or equal to 0")),
+        ({"grid": {"numerics.kernel": ["cubic"]}}, ("numerics.kernel = cubic", "'cubic_spline' or 'wendland_c2'", "cubic")),
+        ({"grid": {"soil.cohesion": [20, "20.0"]}}, ("grid.soil.cohesion", "one value twice")),
+        ({"grid": {"soil.cohesion": ["a/b"]}}, ("grid.soil.cohesion", "a/b")),
+        ({"grid": {"soil.cohesion": [True]}}, ("grid.soil.cohesion", "not values of any key")),
+        ({"grid": {}}, ("grid", "at least 1")),
+        ({"grid": {"S_R": [0.1, 0.2], "soil.cohesion": list(range(1, 60_001))}}, ("the grid has 120,000 points", "100,000")),
+        ({"cases": [{"S_R": 0.1}, {"gamma": 1}]}, ("cases: number 2 sets gamma, the first S_R",)),
+        ({"cases": [{"S_R": "0.1"}, {"S_R": "0.10"}]}, ("case-000001 and case-000002 are one run", "S_R = 0.10")),
+        ({"cases": "absent.csv"}, ("cases", "absent.csv")),
+        ({"sample": {"size": 4, "ranges": {"S_R": [0.5, 0.1]}}}, ("sample.ranges.S_R", "must increase")),
+        ({"sample": {"size": 4, "ranges": {"S_R": {"bounds": [0.0, 0.1], "scale": "log"}}}}, ("sample.ranges.S_R", "positive")),
+        ({"sample": {"size": 4, "ranges": {"S_R": [0.1, 3.0]}}}, ("S_R = ", "less than or equal to 1")),
+        ({"sample": {"size": 0, "ranges": {"S_R": [0.1, 0.3]}}}, ("sample.size", "0")),
+        ({"grid": {"S_R": [0.1, 0.5]}, "figures": {"runs": ["S_R-0.2"]}}, ("figures.runs", "S_R-0.2", "S_R-0.1")),
+    ],
+)  # fmt: skip
+def test_refusals_of_free_studies_name_key_and_value(runs: dict[str, Any], wanted: tuple[str, ...]) -> None:
+    with pytest.raises(ValueError) as error:
+        free(**runs)
+    for text in wanted:
+        assert text in str(error.value)
+
+
+def test_what_needs_the_papers_dimensions_says_so() -> None:
+    chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]})
+    for ask in (lambda: list(chosen.study.figure_runs(4)), lambda: load_trigger(chosen, [ROOT]), lambda: chosen.study.needs_the_paper("x")):
+        with pytest.raises(ValueError, match=r"need a grid over exactly S_R, gamma, amplitude; study 'paper' varies S_R, soil.cohesion"):
+            ask()

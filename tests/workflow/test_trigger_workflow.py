@@ -92,7 +92,7 @@ def test_runs_share_trunks_and_those_of_the_study(searched: Path) -> None:
         assert trajectory.scene_of(trunk).walls.sides == sides
         assert (folder / "runs/S_R-0.10_gamma-100_amplitude-8.0.nc").exists()
     jobs = planned_jobs(searched, *write(searched), "results/small/draft/study.csv")
-    assert jobs == {"trunk": 1, "simulate": 4, "study": 1}, "0.1 m/s2 alone is new: the maps ran the four corners at 8 m/s2"
+    assert jobs == {"trunk": 1, "simulate": 4, "measure": 1, "study": 1}, "0.1 m/s2 alone is new: the maps ran the four corners at 8 m/s2"
     assert STUDY["grid"]["amplitude"] == ["0.1", "8.0"]
 
 

@@ -74,7 +74,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, "numerics.spacing": 2.5, "numerics.time_step": 5e-4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
-    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1, "page": 1}
+    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
     assert planned_jobs(folder, *config) == once | {"trunk": 2, "simulate": 8, "figure": 7}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
@@ -83,7 +83,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
-    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "study": 1, "claims": 1, "page": 1}
+    once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
     assert jobs == once | {"trunk": 3, "simulate": 24, "figure": 7}
 
 
@@ -165,11 +165,24 @@ def test_a_finished_study_has_nothing_to_do(finished: Path) -> None:
 
 def test_a_new_grid_value_runs_only_what_is_new(finished: Path) -> None:
     grid = STUDY["grid"] | {"S_R": ["0.10", "0.30", "0.50"]}
-    assert planned_jobs(finished, *write_config(finished, grid=grid)) == {"all": 1, "simulate": 4, "study": 1, "claims": 1, "page": 1}
+    assert planned_jobs(finished, *write_config(finished, grid=grid)) == {
+        "all": 1,
+        "simulate": 4,
+        "measure": 1,
+        "study": 1,
+        "claims": 1,
+        "page": 1,
+    }
 
 
 def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:
-    assert planned_jobs(finished, *write_config(finished, metrics={"link_length": 3.0})) == {"all": 1, "study": 1, "claims": 1, "page": 1}
+    assert planned_jobs(finished, *write_config(finished, metrics={"link_length": 3.0})) == {
+        "all": 1,
+        "measure": 1,
+        "study": 1,
+        "claims": 1,
+        "page": 1,
+    }
 
 
 def test_a_scene_key_reruns_the_stages(finished: Path) -> None:

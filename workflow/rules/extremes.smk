@@ -27,6 +27,7 @@ rule extremes_run:
     """Run the scene with one key at one value, from the start to the end, on one core."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(SWEEPS().runs[wildcards.run]),
     output:
         f"{EXTREMES}/runs/{{run}}.nc",
     log:

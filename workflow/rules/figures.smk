@@ -1,6 +1,6 @@
-# Purpose: Figures 1-7 of the paper.
-# Inputs:  the runs each figure shows (config: figures, claims.amplitude); the drawing code.
-# Outputs: figures/fig1 to fig7, PNG and PDF
+# Purpose: Figures 1-7 of the paper; of a study over other dimensions Figs. 1-3, its results against them and some profiles.
+# Inputs:  the runs each figure shows (config: figures, claims.amplitude), study.csv; the drawing code.
+# Outputs: figures/fig1 to fig7, study, profiles, PNG and PDF
 
 
 rule figure:
@@ -8,7 +8,7 @@ rule figure:
     input:
         sources=SOLVER + DRAWING,
         runs=lambda wildcards: [
-            RUN.format(folder=RESULTS, **point)
+            RUN.format(folder=RESULTS, run=PLAN.study.name_of(point))
             for _, point in PLAN.study.figure_runs(int(wildcards.number))
         ],
     output:
@@ -24,9 +24,57 @@ rule figure:
     wildcard_constraints:
         number="[1-7]",
     params:
+        figure=lambda wildcards: int(wildcards.number),
         titles=lambda wildcards: [
             list(titles) for titles, _ in PLAN.study.figure_runs(int(wildcards.number))
         ],
+        fidelity=PLAN.study.fidelity,
+    script:
+        "../scripts/draw_figure.py"
+
+
+rule study_figure:
+    """Draw displacement and run-out of all runs against each dimension."""
+    input:
+        sources=DRAWING,
+        table=f"{RESULTS}/study.csv",
+    output:
+        png=report(
+            f"{RESULTS}/figures/study.png",
+            caption="../report/study_figure.rst",
+            category="Figures",
+            labels={"shows": "every run"},
+        ),
+        pdf=f"{RESULTS}/figures/study.pdf",
+    log:
+        f"{RESULTS}/logs/study_figure.log",
+    params:
+        layout=lambda wildcards: PLAN.layout._replace(labels=()),
+        dimensions=lambda wildcards: PLAN.dimensions,
+        probe=PLAN.study.metrics.probe,
+        note=lambda wildcards: PLAN.note,
+    script:
+        "../scripts/draw_study.py"
+
+
+rule profiles:
+    """Draw profiles at the end of some runs."""
+    input:
+        sources=SOLVER + DRAWING,
+        runs=lambda wildcards: expand(RUN, folder=RESULTS, run=PLAN.study.profile_runs),
+    output:
+        png=report(
+            f"{RESULTS}/figures/profiles.png",
+            caption="../report/profiles.rst",
+            category="Figures",
+            labels={"shows": "profiles"},
+        ),
+        pdf=f"{RESULTS}/figures/profiles.pdf",
+    log:
+        f"{RESULTS}/logs/profiles.log",
+    params:
+        figure=4,
+        titles=lambda wildcards: [[title] for title in PLAN.profile_titles],
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/draw_figure.py"

@@ -18,6 +18,7 @@ rule limits_run:
     """Run the scene with one choice changed, from the start to the end, on one core."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(CHANGES().runs[wildcards.run]),
     output:
         f"{LIMITS}/runs/{{run}}.nc",
     log:

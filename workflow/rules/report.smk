@@ -2,7 +2,9 @@
 # Inputs:  study.csv, claims.csv, figures, all runs and stages; the tables and figures of other targets that exist
 #          (sph/page/sections.py lists them); the page's sources and the tables that the release holds.
 # Outputs: report.html
-from sph.page.sections import certain, existing
+from sph.page.sections import certain, existing, sections_of
+
+SECTIONS = sections_of(PLAN.study.of_the_paper)
 
 
 rule page:
@@ -10,17 +12,13 @@ rule page:
     input:
         sources=SOLVER + PAGE,
         study=f"{RESULTS}/study.csv",
-        runs=[
-            RUN.format(folder=RESULTS, **point)
-            for point in PLAN.study.points.to_dict("records")
-        ],
-        gravity=f"{RESULTS}/stages/gravity.nc",
-        trunks=expand(
-            "{results}/stages/amplitude-{amplitude}.nc",
-            results=RESULTS,
-            amplitude=PLAN.study.grid.amplitude,
+        runs=lambda wildcards: expand(RUN, folder=RESULTS, run=PLAN.study.page_runs),
+        stages=lambda wildcards: expand(
+            "{results}/stages/{stage}.nc", results=RESULTS, stage=PLAN.page_stages
         ),
-        files=list(dict.fromkeys(certain(RESULTS) + existing(RESULTS))),
+        files=list(
+            dict.fromkeys(certain(RESULTS, SECTIONS) + existing(RESULTS, SECTIONS))
+        ),
     output:
         report(
             f"{RESULTS}/report.html",
@@ -33,15 +31,19 @@ rule page:
     params:
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,
-        points=PLAN.study.points.to_dict("records"),
-        amplitudes=PLAN.study.grid.amplitude,
+        layout=lambda wildcards: PLAN.layout,
+        dimensions=lambda wildcards: PLAN.dimensions,
+        size=lambda wildcards: len(PLAN.study.runs),
+        names=lambda wildcards: PLAN.study.page_runs,
+        stages=lambda wildcards: [
+            tuple(f"{RESULTS}/stages/{name}.nc" for name in PLAN.stages(run))
+            for run in PLAN.study.page_runs
+        ],
         probe=PLAN.study.metrics.probe,
-        shown={
-            f"fig{number}": [
-                RUN.format(folder=RESULTS, **point)
-                for _, point in PLAN.study.figure_runs(number)
-            ]
-            for number in range(1, 8)
+        shown=lambda wildcards: {
+            figure: expand(RUN, folder=RESULTS, run=runs)
+            for figure, runs in PLAN.study.figure_files.items()
         },
+        of_the_paper=PLAN.study.of_the_paper,
     script:
         "../scripts/write_page.py"

@@ -15,8 +15,13 @@ def asked(scene, stage=lambda wildcards: "end"):
 
 
 def stage_scene(wildcards):
-    """The scene of a stage or run: that of its plan, with what its name sets."""
-    named = {
-        name: wildcards[name] for name in PLAN.study.points if name in wildcards.keys()
-    }
-    return PLANS(wildcards.folder).scene(**named)
+    """The scene of a gravity stage, a trunk or a run, of the plan of its folder."""
+    plan, named = PLANS(wildcards.folder), dict(wildcards.items())
+    if "run" in named:
+        return plan.run_scene(named["run"])
+    return plan.stage(named["trunk"] if "trunk" in named else named["gravity"])
+
+
+def searched_scene(wildcards):
+    """The scene whose yield acceleration is searched."""
+    return PLANS(wildcards.folder).slope

@@ -51,6 +51,7 @@ rule sensitivity_run:
     """Run a point of a design from the start to the end, on one core."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: DESIGNS().files,
         factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
     output:
         f"{SENSITIVITY}/runs/{{design}}/{{run}}.nc",

@@ -1,18 +1,21 @@
-# Purpose: simulate every point of the grid, work that points share done once.
-# Inputs:  the scene; the solver's sources.
-# Outputs: stages/gravity.nc, stages/amplitude-*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
+# Purpose: simulate every run, work that runs share done once.
+# Inputs:  the scene, with the files of its ground line and motion; the solver's sources.
+# Outputs: stages/gravity*.nc, stages/amplitude-*.nc or trunk*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
 
 
 rule gravity:
-    """Bring gravity on; shared by all runs."""
+    """Bring gravity on; shared by all runs that agree in what acts before the shaking."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(
+            PLANS(wildcards.folder).stage(wildcards.gravity)
+        ),
     output:
-        "{folder}/stages/gravity.nc",
+        "{folder}/stages/{gravity}.nc",
     log:
-        "{folder}/logs/gravity.log",
+        "{folder}/logs/{gravity}.log",
     benchmark:
-        "{folder}/benchmarks/gravity.tsv"
+        "{folder}/benchmarks/{gravity}.tsv"
     resources:
         **asked(stage_scene, lambda wildcards: "gravity"),
     params:
@@ -23,16 +26,22 @@ rule gravity:
 
 
 rule trunk:
-    """Shake at one amplitude until the first failure; shared by all S_R and gamma."""
+    """Shake until the first failure; shared by all runs that differ in what acts after it: S_R and gamma."""
     input:
         sources=SOLVER,
-        restart="{folder}/stages/gravity.nc",
+        files=lambda wildcards: scene_files(
+            PLANS(wildcards.folder).stage(wildcards.trunk)
+        ),
+        restart=lambda wildcards: "{folder}/stages/{gravity}.nc".format(
+            folder=wildcards.folder,
+            gravity=PLANS(wildcards.folder).gravity_of(wildcards.trunk),
+        ),
     output:
-        "{folder}/stages/amplitude-{amplitude}.nc",
+        "{folder}/stages/{trunk}.nc",
     log:
-        "{folder}/logs/amplitude-{amplitude}.log",
+        "{folder}/logs/{trunk}.log",
     benchmark:
-        "{folder}/benchmarks/amplitude-{amplitude}.tsv"
+        "{folder}/benchmarks/{trunk}.tsv"
     priority: 10
     resources:
         **asked(stage_scene),
@@ -44,16 +53,24 @@ rule trunk:
 
 
 rule simulate:
-    """Run one point of the grid from its trunk to the end; a trunk in which nothing failed is taken over as it is."""
+    """Simulate a run from its trunk to the end; a trunk in which nothing failed is taken over as it is."""
     input:
         sources=SOLVER,
-        restart="{folder}/stages/amplitude-{amplitude}.nc",
+        files=lambda wildcards: scene_files(
+            PLANS(wildcards.folder).run_scene(wildcards.run)
+        ),
+        restart=lambda wildcards: "{folder}/stages/{trunk}.nc".format(
+            folder=wildcards.folder,
+            trunk=PLANS(wildcards.folder).stages(wildcards.run).trunk,
+        ),
     output:
         RUN,
     log:
-        f"{{folder}}/logs/{GRID.wildcard_pattern}.log",
+        "{folder}/logs/{run}.log",
     benchmark:
-        f"{{folder}}/benchmarks/{GRID.wildcard_pattern}.tsv"
+        "{folder}/benchmarks/{run}.tsv"
+    wildcard_constraints:
+        run="[^/]+",
     resources:
         **asked(stage_scene),
     params:

@@ -1,12 +1,13 @@
 # Purpose: from runs to numbers.
 # Inputs:  runs/*.nc; the analysis' sources.
-# Outputs: stages/yield_acceleration.nc, study.nc, study.csv, claims.csv
+# Outputs: stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv, claims.csv
 
 
 rule yield_acceleration:
     """Search the constant acceleration at which the slope fails: the strength of the sliding block beside every run."""
     input:
         sources=SEARCHING,
+        files=lambda wildcards: scene_files(PLANS(wildcards.folder).scene()),
     output:
         "{folder}/stages/yield_acceleration.nc",
     log:
@@ -14,21 +15,49 @@ rule yield_acceleration:
     benchmark:
         "{folder}/benchmarks/yield_acceleration.tsv"
     resources:
-        **asked(stage_scene, lambda wildcards: "yield_acceleration"),
+        **asked(searched_scene, lambda wildcards: "yield_acceleration"),
     params:
-        scene=stage_scene,
+        scene=searched_scene,
         by="yield_acceleration",
     script:
         "../scripts/simulate.py"
 
 
-rule study:
-    """Measure every run and put the metrics into one table, as netCDF and CSV."""
+rule measure:
+    """Measure the runs of a part of the study."""
     input:
         sources=SEARCHING + ANALYSIS,
-        yields=f"{RESULTS}/stages/yield_acceleration.nc",
-        runs=expand(
-            "{results}/runs/{point}.nc", results=RESULTS, point=GRID.instance_patterns
+        yields=lambda wildcards: (
+            f"{RESULTS}/stages/yield_acceleration.nc" if PLAN.one_slope else []
+        ),
+        runs=lambda wildcards: expand(
+            RUN, folder=RESULTS, run=PLAN.part(wildcards.part)
+        ),
+    output:
+        f"{RESULTS}/parts/{{part}}.csv",
+    log:
+        f"{RESULTS}/logs/part-{{part}}.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/part-{{part}}.tsv"
+    wildcard_constraints:
+        part="[0-9]+",
+    params:
+        points=lambda wildcards: PLAN.part(wildcards.part),
+        layout=lambda wildcards: PLAN.layout._replace(labels=()),
+        settings=PLAN.study.metrics.model_dump(),
+    script:
+        "../scripts/measure_study.py"
+
+
+rule study:
+    """Put the metrics of all runs into one table, as netCDF and CSV."""
+    input:
+        sources=ANALYSIS,
+        run=lambda wildcards: RUN.format(
+            folder=RESULTS, run=next(iter(PLAN.study.runs))
+        ),
+        parts=lambda wildcards: expand(
+            "{results}/parts/{part}.csv", results=RESULTS, part=PLAN.parts
         ),
     output:
         nc=f"{RESULTS}/study.nc",
@@ -43,19 +72,19 @@ rule study:
     benchmark:
         f"{RESULTS}/benchmarks/study.tsv"
     params:
-        points=PLAN.study.points.to_dict("records"),
-        settings=PLAN.study.metrics.model_dump(),
+        layout=lambda wildcards: PLAN.layout,
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/measure_study.py"
+        "../scripts/join_study.py"
 
 
 rule claims:
     """Decide the paper's twelve claims by numbers."""
     input:
         sources=ANALYSIS,
-        study=f"{RESULTS}/study.nc",
+        study=lambda wildcards: PLAN.study.needs_the_paper("the claims")
+        or f"{RESULTS}/study.nc",
     output:
         report(
             f"{RESULTS}/claims.csv",

@@ -29,6 +29,7 @@ rule trade_run:
     """Run a rung of the ladder from the start to the end, on its own, on one core."""
     input:
         sources=SOLVER,
+        files=lambda wildcards: scene_files(LADDER().runs[wildcards.run]),
     output:
         f"{TRADE}/runs/{{run}}.nc",
     log:

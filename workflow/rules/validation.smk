@@ -30,6 +30,9 @@ rule validation_run:
     """One run of a case, or one search by many runs, on one core."""
     input:
         sources=SEARCHING,
+        files=lambda wildcards: scene_files(
+            SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene
+        ),
     output:
         f"{VALIDATION}/runs/{{case}}/{{run}}.nc",
     log:

@@ -1,4 +1,4 @@
-"""Draw one of Figures 1-7."""
+"""Draw one of Figures 1-7, or profiles of other runs."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -24,7 +24,7 @@ def draw_figure(
 if __name__ == "__main__":
     with job_log(snakemake.log[0]):  # type: ignore[name-defined]
         draw_figure(
-            int(snakemake.wildcards.number),  # type: ignore[name-defined]
+            snakemake.params.figure,  # type: ignore[name-defined]
             snakemake.input.runs,  # type: ignore[name-defined]
             snakemake.params.titles,  # type: ignore[name-defined]
             snakemake.params.fidelity,  # type: ignore[name-defined]

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from sph.command.job import job_log
 from sph.page.build import StudyFiles, write_page
+from sph.page.sections import sections_of
 
 if __name__ == "__main__":
     with job_log(snakemake.log[0]) as log:  # type: ignore[name-defined]
@@ -13,13 +14,14 @@ if __name__ == "__main__":
             params.fidelity,
             str(Path(snakemake.output[0]).parent),  # type: ignore[name-defined]
             given.study,
-            params.points,
-            given.runs,
-            given.gravity,
-            dict(zip(params.amplitudes, given.trunks, strict=True)),
+            params.layout,
+            params.dimensions,
+            params.size,
+            dict(zip(params.names, given.runs, strict=True)),
+            params.stages,
             given.files,
             params.shown,
             params.probe,
         )
-        size = write_page(snakemake.output[0], study)  # type: ignore[name-defined]
+        size = write_page(snakemake.output[0], study, sections_of(params.of_the_paper))  # type: ignore[name-defined]
         print(f"{snakemake.output[0]}: {size / 1e6:.1f} MB", file=log)  # type: ignore[name-defined]

@@ -5,6 +5,8 @@
 * ``history``: motion of a probe against time (Figs. 6-7)
 * ``overview``: one trajectory at a chosen time (``sph plot``)
 * ``film``: one trajectory through time (``sph animate``)
+* ``scene``: a scene before it is run (``sph check``)
+* ``study``: a study of any dimensions: results against each
 * ``trade``: the ladder: error against cost, results against spacing
 * ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
 * ``style``: sizes, fonts, colours, the note on every figure, saving
@@ -22,6 +24,7 @@ from sph.analysis.figures.arrangement import figure_arrangement, figure_geometry
 from sph.analysis.figures.history import figure_gamma_histories, figure_strength_histories
 from sph.analysis.figures.overview import plot_trajectory
 from sph.analysis.figures.profile import figure_profiles
+from sph.analysis.figures.study import figure_study
 from sph.analysis.figures.style import save
 
 __all__ = [
@@ -33,6 +36,7 @@ __all__ = [
     "figure_motion",
     "figure_profiles",
     "figure_strength_histories",
+    "figure_study",
     "plot_trajectory",
     "save",
 ]

@@ -10,10 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Polygon, Rectangle
 
 from sph.analysis.figures.history import shade_shaking
-from sph.analysis.figures.profile import mark_probes, stack_of_profiles, surface_line
+from sph.analysis.figures.profile import mark_probes, stack_of_profiles, surface_line, survey_axes
 from sph.analysis.figures.style import GREY, WIDTH, add_note, styled
-from sph.geometry import Slope
-from sph.motion import NoMotion
+from sph.geometry import SLOPES, Slope
+from sph.ground_line import GroundLine
+from sph.motion import NoMotion, reference_amplitude
 from sph.scene import Scene
 from sph.trajectory import scene_of
 
@@ -24,30 +25,61 @@ SOIL_COLOUR, WALL_COLOUR = "#d9c9a8", "0.75"
 def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     """Geometry of the slope, its material and the box that holds it; A is the particle at the crest edge whose motion is followed.
 
-    ``trajectory`` of any run of the scene (Fig. 1).  Raises ValueError for a shape other than 'slope'.
+    ``trajectory`` of any run of the scene (Fig. 1).  Raises ValueError for a shape without a slope.
     """
     scene = scene_of(trajectory)
     geometry = scene.geometry
-    if not isinstance(geometry, Slope):
-        raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope'")
+    if not isinstance(geometry, SLOPES):
+        raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
     reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, -0.22 * geometry.height
-    figure = Figure(figsize=(WIDTH, WIDTH * (top - bottom) / (geometry.width + 2 * reach) + 0.25), layout="constrained")
+    figure = Figure(
+        figsize=(WIDTH, WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.25 if isinstance(geometry, Slope) else 0.9)),
+        layout="constrained",
+    )
     ax = figure.subplots()
-    _draw_box(ax, scene)
-    x, y = surface_line(scene)
-    outline = [*zip(x, y, strict=True), (geometry.width, 0.0), (0.0, 0.0)]
-    ax.add_patch(Polygon(outline, facecolor=SOIL_COLOUR, edgecolor="black", linewidth=1.0))
-    _draw_dimensions(ax, geometry)
+    draw_box(ax, scene)
+    draw_ground(ax, scene, facecolor=SOIL_COLOUR)
     mark_probes(ax, trajectory, 0)
-    _write_material(ax, scene)
-    ax.set(xlim=(-reach, geometry.width + reach), ylim=(bottom, top))
     ax.set_aspect("equal")
-    ax.axis("off")
+    if isinstance(geometry, Slope):
+        place = 0.03 * geometry.width, 1.0 * geometry.height
+        ax.text(*place, "\n".join(_material(scene)), va="top", linespacing=1.5)
+        _draw_dimensions(ax, geometry)
+        ax.set(xlim=(-reach, geometry.width + reach), ylim=(bottom, top))
+        ax.axis("off")
+    else:
+        mark_slope(ax, geometry)
+        ax.set_title("\n".join(" · ".join(lines) for lines in (_material(scene)[:2], _material(scene)[2:])), loc="left", linespacing=1.5)
+        ax.set(xlim=(-reach, geometry.width + reach), ylim=(0.5 * bottom, top), xlabel="horizontal position (m)")
+        survey_axes(ax, scene)
     add_note(figure, [scene], fidelity)
     return figure
 
 
-def _draw_box(ax: Axes, scene: Scene) -> None:
+def draw_ground(ax: Axes, scene: Scene, facecolor: str = "none") -> None:
+    """Outline of the soil down to the base."""
+    x, y = surface_line(scene)
+    outline = [*zip(x, y, strict=True), (scene.geometry.width, 0.0), (0.0, 0.0)]
+    ax.add_patch(Polygon(outline, facecolor=facecolor, edgecolor="black", linewidth=1.0))
+
+
+def mark_slope(ax: Axes, geometry: Slope | GroundLine) -> None:
+    """Toe and crest edge, and the height between them."""
+    (toe_x, toe_y), (crest_x, crest_y) = geometry.toe, geometry.crest
+    ax.plot([toe_x, crest_x], [toe_y, crest_y], linestyle="none", marker="^", markersize=5, color="black", zorder=4)
+    halo = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+    ax.annotate("toe", (toe_x, toe_y), xytext=(0, -7), textcoords="offset points", ha="center", va="top", bbox=halo)
+    ax.annotate("crest", (crest_x, crest_y), xytext=(7, 5), textcoords="offset points", ha="left", va="bottom")
+    x = toe_x - 0.04 * geometry.width
+    ax.plot([x, crest_x], [crest_y, crest_y], color=GREY, linewidth=0.4)
+    ax.plot([x, toe_x], [toe_y, toe_y], color=GREY, linewidth=0.4)
+    _dimension(ax, (x, toe_y), (x, crest_y), "")
+    middle = (x, 0.5 * (toe_y + crest_y))
+    text = f"H = {geometry.slope_height:.3g} m"
+    ax.annotate(text, middle, xytext=(-5, 0), textcoords="offset points", ha="right", va="center")
+
+
+def draw_box(ax: Axes, scene: Scene) -> None:
     """Walls as hatched strips of their layers of particles; a free-slip wall is a thin line on rollers' side."""
     thick = scene.walls.layers * scene.numerics.spacing
     width, height = scene.geometry.width, scene.geometry.height
@@ -56,9 +88,10 @@ def _draw_box(ax: Axes, scene: Scene) -> None:
         ax.add_patch(Rectangle((-thick, -thick), width + 2 * thick, thick, **style))
     if scene.walls.sides in ("none", "periodic"):
         return
-    for left in (-thick, width):
-        ax.add_patch(Rectangle((left, 0.0), thick, height, **style))
-    text = {"sticky": "fixed side wall", "free_slip": "free-slip side wall"}[scene.walls.sides]
+    ground = scene.geometry.surface[1] if scene.walls.sides == "absorbing" else (height, height)
+    for left, top in ((-thick, ground[0]), (width, ground[-1])):
+        ax.add_patch(Rectangle((left, 0.0), thick, top, **style))
+    text = {"sticky": "fixed side wall", "free_slip": "free-slip side wall", "absorbing": "absorbing side"}[scene.walls.sides]
     for x, side in ((-1.6 * thick, "right"), (width + 1.6 * thick, "left")):
         ax.text(x, 0.5 * height, text, rotation=90, ha=side, va="center", color=GREY)
 
@@ -90,16 +123,15 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
     ax.text(toe_x + 0.6 * size, toe_y + 0.05 * size, f"{geometry.slope_angle:g}°", ha="left", va="bottom")
 
 
-def _write_material(ax: Axes, scene: Scene) -> None:
-    """Tables 1 and 2 in a few lines, above the apron."""
+def _material(scene: Scene) -> list[str]:
+    """Tables 1 and 2 in four lines."""
     soil = scene.soil
-    lines = [
+    return [
         f"ρ = {soil.density:g} kg/m³",
         f"E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}",
         f"solid: c = {soil.cohesion:g} kPa, φ = {soil.friction_angle:g}°",
         f"fluid: $S_R$ c, $S_R$ φ, η = {soil.viscosity:g} Pa·s",
     ]
-    ax.text(0.03 * scene.geometry.width, 1.0 * scene.geometry.height, "\n".join(lines), va="top", linespacing=1.5)
 
 
 @styled
@@ -115,7 +147,7 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     ax.plot(trajectory["sample_time"].values, trajectory["ground_acceleration"].values, color="black", linewidth=0.9)
     shade_shaking(ax, scene)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
-    peak = 1.0 if isinstance(scene.motion, NoMotion) else abs(scene.motion.amplitude) or 1.0
+    peak = abs(reference_amplitude(scene.motion)) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     _name_stages(ax, scene)
     add_note(figure, [scene], fidelity)

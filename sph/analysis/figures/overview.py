@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from textwrap import fill
+
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -33,7 +35,7 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
     mark_probes(axes[0], trajectory, frame)
     chosen = FIELDS[field]
     beside = axes[0].inset_axes((1.015, 0.0, 0.02, 1.0))
-    figure.colorbar(circles, cax=beside, label=f"{chosen.label}\n({chosen.units})")
+    figure.colorbar(circles, cax=beside, label=fill(f"{chosen.label} ({chosen.units})", max(12, int(15 * panel))))
     status = trajectory.attrs["status"]
     coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} 1/s"
     axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling}, {status}", loc="left")

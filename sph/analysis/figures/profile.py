@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,11 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import AutoLocator
 
 from sph.analysis.fields import FIELDS, with_end
 from sph.analysis.figures.style import WIDTH, add_note, colour_map, label_panels, styled
+from sph.ground_line import GroundLine
 from sph.particles import SOIL
 from sph.scene import Scene
 from sph.trajectory import scene_of
@@ -68,19 +70,52 @@ def draw_profile(ax: Axes, trajectory: xr.Dataset, frame: int, field: str, norm:
     ax.plot(np.minimum(surface_x, end_of_soil), surface_y, color="black", linewidth=0.7)
     ax.set_aspect("equal")
     left, right, lower, upper = frame_limits(trajectory, frame)
-    ax.set(xlim=(left, right), ylim=(lower, upper), ylabel="height (m)")
+    ax.set(xlim=(left, right), ylim=(lower, upper))
+    survey_axes(ax, scene)
     return circles
+
+
+class SurveyTicks(AutoLocator):
+    """Ticks at round numbers of a survey's coordinate, which runs from ``start`` (m) at the box's 0 in a ``direction`` of 1 or -1."""
+
+    def __init__(self, start: float, direction: int) -> None:
+        super().__init__()
+        self.start, self.direction = start, direction
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Places of the ticks in the box's coordinate."""
+        ends = sorted(self.start + self.direction * value for value in (vmin, vmax))
+        return sorted(self.direction * (tick - self.start) for tick in super().tick_values(*ends))
+
+    def label(self, value: float, _: float = 0.0) -> str:
+        """The survey's coordinate of a place."""
+        return f"{round(self.start + self.direction * value, 6) + 0.0:.12g}".replace("-", "\N{MINUS SIGN}")
+
+
+def survey_axes(ax: Axes, scene: Scene) -> None:
+    """Show a survey's own coordinates along both axes; those of a slope that falls to the right decrease to the right."""
+    geometry = scene.geometry
+    if not isinstance(geometry, GroundLine):
+        ax.set_ylabel("height (m)")
+        return
+    for axis, ticks in ((ax.xaxis, SurveyTicks(geometry.origin[0], geometry.direction)), (ax.yaxis, SurveyTicks(geometry.origin[1], 1))):
+        axis.set_major_locator(ticks)
+        axis.set_major_formatter(ticks.label)
+    ax.set_ylabel("elevation (m)")
 
 
 def mark_probes(ax: Axes, trajectory: xr.Dataset, frame: int) -> None:
     """A ring and the name at every probe."""
     for name, particle in zip(trajectory["probe"].values, trajectory["probe_particle"].values, strict=True):
         x, y = (float(trajectory[axis].values[frame, particle]) for axis in ("x", "y"))
-        ax.plot(x, y, marker="o", markersize=5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=1.0, zorder=4)
-        halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
-        ax.annotate(
-            str(name), (x, y), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom", weight="bold", bbox=halo, zorder=5
-        )
+        mark_place(ax, str(name), x, y)
+
+
+def mark_place(ax: Axes, name: str, x: float, y: float) -> None:
+    """A ring and a name."""
+    ax.plot(x, y, marker="o", markersize=5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=1.0, zorder=4)
+    halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
+    ax.annotate(name, (x, y), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom", weight="bold", bbox=halo, zorder=5)
 
 
 def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:

@@ -1,0 +1,80 @@
+"""A scene before it is run: what it amounts to, and what to know before trusting its numbers (``sph check``)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from matplotlib.figure import Figure
+
+from sph.analysis.cost import cost
+from sph.analysis.figures.scene import figure_scene
+from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of
+from sph.geometry import SLOPES
+from sph.particles import Particles, locate_probes, place_particles
+from sph.scene import Scene
+
+
+class Check(NamedTuple):
+    """A scene's particles and what was found."""
+
+    scene: Scene
+    particles: Particles
+    probes: dict[str, int]
+    layers: list[Layer]
+    concerns: list[Concern]
+
+
+def check(scene: Scene) -> Check:
+    """Place the particles and look; ValueError for a probe away from the soil."""
+    particles = place_particles(scene)
+    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), concerns(scene, particles))
+
+
+def rows(found: Check) -> list[tuple[str, str]]:
+    """Pairs of label and text: the slope, sizes and cost."""
+    scene, particles = found.scene, found.particles
+    n, soil, geometry = particles.x.size, particles.n_soil, scene.geometry
+    expected = cost(scene)
+    lines = [
+        ("scene", f"{scene.name}: {scene.title}"),
+        ("box", f"{geometry.width:.6g} x {geometry.height:.6g} m, base {scene.walls.base}, sides {scene.walls.sides}"),
+    ]
+    if isinstance(geometry, SLOPES):
+        toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
+        steep = f"{geometry.slope_height:.4g} m high, 1 : {(geometry.crest[0] - geometry.toe[0]) / geometry.slope_height:.2g}"
+        lines.append(("slope", f"toe ({toe[0]:.10g}, {toe[1]:.10g}) m, crest ({crest[0]:.10g}, {crest[1]:.10g}) m, {steep}"))
+    for name, particle in found.probes.items():
+        x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
+        lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))
+    frequency = highest_frequency(scene)
+    shaking = f"{scene.motion.kind}, 95 % of its energy below {frequency:.3g} Hz" if frequency else f"{scene.motion.kind}, no waves"
+    return [
+        *lines,
+        ("particles", f"{n:,} ({soil:,} soil, {n - soil:,} of the box), spacing {scene.numerics.spacing:g} m"),
+        ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {expected.neighbours:.0f} neighbours"),
+        ("motion", shaking),
+        ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),
+        ("computing time", f"{expected.seconds:,.3g} s on one core, if the soil fails"),
+        ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),
+    ]
+
+
+LAYER_COLUMNS = ("layer", "particles", "across", "V_s (m/s)", "λ (m)", "λ/spacing", "λ/h")
+
+
+def layer_rows(found: Check) -> list[tuple[str, ...]]:
+    """A row of ``LAYER_COLUMNS`` a material; λ: length of shear waves at the motion's highest significant frequency."""
+    scene, frequency = found.scene, highest_frequency(found.scene)
+    table: list[tuple[str, ...]] = []
+    for layer in found.layers:
+        speed = layer.soil.s_wave_speed
+        length = speed / frequency if frequency else 0.0
+        waves = (f"{length:.3g}", f"{length / scene.numerics.spacing:.3g}", f"{in_wave(scene, layer.soil, frequency):.3g}")
+        row = (layer.name, f"{layer.particles:,}", f"{layer.thickness:g}", f"{speed:.0f}")
+        table.append(row + (waves if frequency else ("-",) * 3))
+    return table
+
+
+def draw(found: Check) -> Figure:
+    """The scene as a figure."""
+    return figure_scene(found.scene, found.particles, found.probes)

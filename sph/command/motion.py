@@ -1,0 +1,67 @@
+"""What ``sph motion`` computes and prints: the measures of a ground motion, as recorded or as a scene feels it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from sph.command.concerns import cut_off
+from sph.command.repeat import given_scene
+from sph.gravity import GRAVITY
+from sph.ground_motion import LONGEST_INTERVAL, RECORDS
+from sph.ground_motion.measures import Measures, measure
+from sph.ground_motion.record import read_even
+from sph.ground_motion.units import Unit
+from sph.loading import make_loading
+
+
+class Shaking(NamedTuple):
+    """Accelerations of the ground by component."""
+
+    name: str
+    interval: float  # s
+    components: dict[str, np.ndarray]  # each (n,) m/s2
+    warnings: tuple[str, ...] = ()  # what a user of the scene should know
+
+
+def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) -> Shaking:
+    """The shaking in a record as it is, or in a scene (YAML or trajectory) over its duration, processed and scaled; by the ending.
+
+    ValueError for a file that is neither, for overrides of a record and a unit of a scene.
+    """
+    if path.suffix.lower() in RECORDS:
+        if overrides:
+            raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
+        interval, columns = read_even(str(path), unit)
+        return Shaking(path.name, interval, dict(zip(("horizontal", "vertical"), columns, strict=False)))
+    if unit is not None:
+        raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
+    scene = given_scene(path, overrides)
+    parts = math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9)
+    loading = make_loading(scene, parts)
+    components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
+    heed = tuple(concern.sentence() for concern in cut_off(scene))
+    return Shaking(scene.name, scene.numerics.time_step / parts, components, heed)
+
+
+def measures(shaking: Shaking) -> dict[str, Measures]:
+    """Measures by component."""
+    return {name: measure(values, shaking.interval) for name, values in shaking.components.items()}
+
+
+def rows(found: Mapping[str, Measures]) -> list[list[str]]:
+    """Rows of text: measure, then its value for every component."""
+    texts = {
+        "peak acceleration (PGA)": [f"{m.peak_acceleration:.4g} m/s2 ({m.peak_acceleration / GRAVITY:.3g} g)" for m in found.values()],
+        "peak velocity (PGV)": [f"{m.peak_velocity:.4g} m/s" for m in found.values()],
+        "peak displacement (PGD)": [f"{m.peak_displacement:.4g} m" for m in found.values()],
+        "Arias intensity": [f"{m.arias_intensity:.4g} m/s" for m in found.values()],
+        "significant duration D5-75": [f"{m.duration_5_75:.4g} s" for m in found.values()],
+        "significant duration D5-95": [f"{m.duration_5_95:.4g} s" for m in found.values()],
+        "velocity at the end": [f"{m.final_velocity:.2g} m/s" for m in found.values()],
+    }
+    return [[name, *values] for name, values in texts.items()]

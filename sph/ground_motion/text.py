@@ -1,0 +1,81 @@
+"""Text of a record, whatever the system it was written on: lines, and blocks of samples; every refusal names file and line."""
+
+from __future__ import annotations
+
+import codecs
+import math
+import re
+from pathlib import Path
+
+import numpy as np
+
+LARGEST_RECORD = 100_000_000
+"""Largest file of a record, bytes."""
+LARGEST_TIME, LARGEST_ACCELERATION, SHORTEST_INTERVAL = 1e6, 1e6, 1e-9
+"""Largest time (s) and acceleration (m/s2) of a record, either sign, and the shortest interval between its samples (s)."""
+
+
+def read_lines(path: Path | str) -> list[str]:
+    """Lines of a text in UTF-8, UTF-16 with its mark, or Latin-1, that end in LF, CR LF or CR; ValueError names the file."""
+    try:
+        with Path(path).open("rb") as file:
+            data = file.read(LARGEST_RECORD + 1)
+        if len(data) > LARGEST_RECORD:
+            raise ValueError(f"it is larger than {LARGEST_RECORD:,} bytes")
+        text = _decoded(data)
+        if "\0" in text:
+            raise ValueError("it is binary")
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path}: cannot be read as text: {error}") from error
+    return re.split(r"\r\n|\r|\n", text)
+
+
+def _decoded(data: bytes) -> str:
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return data.decode("utf-16")
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def number(text: str) -> float | None:
+    """A number, also with the exponent D of Fortran; None for anything else."""
+    try:
+        return float(text.replace("D", "E").replace("d", "e"))
+    except ValueError:
+        return None
+
+
+def samples(path: Path | str, lines: list[str], first: int, width: int, scale: float, announced: int) -> np.ndarray:
+    """Samples (n,) in m/s2 from line index ``first`` on: numbers apart, or in columns of a width where they touch.
+
+    ``scale`` turns them into m/s2; ValueError for what is no finite number, and for another count than the ``announced`` one.
+    """
+    found: list[float] = []
+    for index in range(first, len(lines)):
+        words = lines[index].split()
+        values = [number(word) for word in words]
+        if None in values:
+            line = lines[index].rstrip()
+            values = [number(line[at : at + width]) for at in range(0, len(line), width)]
+        for value in values:
+            if value is None or not abs(value * scale) <= LARGEST_ACCELERATION:
+                raise ValueError(
+                    f"{path}, line {index + 1}: must be finite numbers up to {LARGEST_ACCELERATION:g} m/s2 (found {lines[index][:80]!r})"
+                )
+            found.append(value)
+    if len(found) != announced:
+        raise ValueError(f"{path}: must hold the {announced:,} samples that its head announces, holds {len(found):,}; is it whole?")
+    return scale * np.array(found)
+
+
+def check_head(path: Path | str, count: float, interval: float) -> None:
+    """Refuse a number of samples below two, and an interval (s) that is none."""
+    if not count >= 2:
+        raise ValueError(f"{path}: must hold at least two samples (its head announces {count:g})")
+    if not (math.isfinite(interval) and interval >= SHORTEST_INTERVAL and count * interval <= LARGEST_TIME):
+        raise ValueError(
+            f"{path}: the interval of its samples must be from {SHORTEST_INTERVAL:g} s on, its end at most {LARGEST_TIME:g} s "
+            f"(its head has {count:,.0f} samples every {interval:g} s)"
+        )

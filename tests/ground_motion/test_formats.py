@@ -1,0 +1,145 @@
+"""Readers of records: the same sine in every format, and what is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from record_files import at2, knet, smc
+
+from sph.ground_motion import read_components, read_record
+
+INTERVAL, RATE = 0.01, 100
+TIME = np.arange(1000) * INTERVAL
+SINE = 2.0 * np.sin(2 * np.pi * TIME)
+TEXTS = {
+    "new.AT2": at2(SINE, INTERVAL),
+    "old.at2": at2(SINE, INTERVAL, "{n:6d} {dt:8.5f} NPTS, DT"),
+    "a.smc": smc(SINE, INTERVAL),
+    "none.SMC": smc(SINE, INTERVAL, comments=0),
+    "a.csv": "time (s), ax (cm/s2)\n" + "\n".join(f"{t:.2f},{100 * float(a)!r}" for t, a in zip(TIME, SINE, strict=True)),
+    "g.csv": "t [s],g\n" + "\n".join(f"{t:.2f},{float(a) / 9.81!r}" for t, a in zip(TIME, SINE, strict=True)),
+}
+ROUNDING = 2e-6
+"""AT2 has seven digits of g, SMC four decimals of cm/s2."""
+
+
+@pytest.mark.parametrize("name", TEXTS)
+def test_a_sine_in_every_format(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text(TEXTS[name])
+    time, acceleration = read_record(tmp_path / name)
+    np.testing.assert_allclose(time, TIME, atol=1e-12)
+    np.testing.assert_allclose(acceleration, SINE, atol=ROUNDING)
+
+
+@pytest.mark.parametrize("ending", ["EW", "ns", "UD2", "knet"])
+def test_a_record_of_k_net_keeps_the_offset_of_its_recorder(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"AKT0130001010000.{ending}"
+    path.write_text(knet(SINE, RATE))
+    time, acceleration = read_record(path)
+    count = 2000 / 8388608 / 100  # m/s2
+    np.testing.assert_allclose(time, TIME, atol=1e-12)
+    np.testing.assert_allclose(acceleration, SINE + 1234 * count, atol=0.5001 * count)
+
+
+def test_a_csv_with_a_vertical_component(tmp_path: Path) -> None:
+    path = tmp_path / "two.csv"
+    path.write_text("time,ax (g),ay (gal)\n0,0.1,10\n0.5,0.2,20\n")
+    for component, wanted in zip(read_components(path), ([0, 0.5], [0.981, 1.962], [0.1, 0.2]), strict=True):
+        np.testing.assert_allclose(component, wanted, rtol=1e-12)
+    path.write_text("0,1,2\n1,3,4\n")
+    np.testing.assert_array_equal(read_components(path, "cm/s2")[2], [0.02, 0.04])
+
+
+ENDINGS = {"CR LF": "\r\n", "CR": "\r", "LF": "\n"}
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "latin-1"])
+@pytest.mark.parametrize("ending", ENDINGS)
+@pytest.mark.parametrize("name", ["new.AT2", "a.smc", "a.csv", "a.EW"])
+def test_other_systems_texts(tmp_path: Path, name: str, ending: str, encoding: str) -> None:
+    text = TEXTS.get(name) or knet(SINE, RATE)
+    text = text.replace("Nowhere", "Köln").replace("a comment", "Señal").replace("Memo.", "Memo. Zürich")
+    (tmp_path / "plain").with_suffix(Path(name).suffix).write_text(text, encoding="utf-8")
+    path = tmp_path / name
+    path.write_bytes(text.replace("\n", ENDINGS[ending]).encode(encoding))
+    for one, other in zip(read_record(path), read_record((tmp_path / "plain").with_suffix(path.suffix)), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_numbers_that_touch(tmp_path: Path) -> None:
+    # Ten columns are full from -1000 cm/s2 on; exponents may be Fortran's.
+    path = tmp_path / "strong.smc"
+    path.write_text(smc(np.array([-12.345678, -23.456789, -1e-4]), INTERVAL))
+    assert "-1234.5678-2345.6789" in path.read_text()
+    np.testing.assert_allclose(read_record(path).acceleration, [-12.345678, -23.456789, -1e-4], atol=1e-6)
+    fortran = tmp_path / "fortran.at2"
+    fortran.write_text(at2(np.array([9.81, -9.81]), INTERVAL).replace("E+00", "D+00"))
+    np.testing.assert_allclose(read_record(fortran).acceleration, [9.81, -9.81])
+
+
+def replaced(name: str, old: str, new: str) -> tuple[str, str]:
+    text = TEXTS.get(name) or knet(SINE, RATE)
+    assert old in text
+    return name, text.replace(old, new, 1)
+
+
+LAST = f"{SINE[-1] / 9.81:15.7E}"
+BAD = [
+    (*replaced("new.AT2", "NPTS=   1000", "NPTS=   1001"), ("1,001 samples", "holds 1,000", "whole")),
+    (*replaced("new.AT2", "NPTS=   1000", "NPTS=    999"), ("999 samples", "holds 1,000")),
+    (*replaced("new.AT2", "NPTS=   1000", "NPTS=      1"), ("at least two samples", "1")),
+    (*replaced("new.AT2", "NPTS=   1000", "NPTS=  1.5e3"), ("line 4", "NPTS= 5372, DT= .0100 SEC", "1.5e3")),
+    (*replaced("new.AT2", "DT=", "EVERY"), ("line 4", "NPTS= 5372, DT=")),
+    (*replaced("new.AT2", "0.01000", "0.00000"), ("interval", "every 0 s")),
+    (*replaced("new.AT2", "0.01000", "1e99999"), ("interval", "every inf s")),
+    (*replaced("new.AT2", " IN UNITS OF G", ""), ("does not say its unit", "unit: m/s2, cm/s2, gal, g")),
+    (*replaced("new.AT2", "OF G", "OF FURLONGS"), ("line 3", "'FURLONGS'", "no unit")),
+    (*replaced("new.AT2", "ACCELERATION", "VELOCITY"), ("line 3", "record of acceleration", "VELOCITY")),
+    (*replaced("new.AT2", LAST, f"{'NaN':>15}"), ("line 15", "finite numbers")),
+    (*replaced("new.AT2", LAST, f"{'Infinity':>15}"), ("line 15", "finite numbers")),
+    (*replaced("new.AT2", LAST, f"{'x':>15}"), ("line 15", "finite numbers")),
+    ("empty.at2", "", ("line 4", "NPTS")),
+    (*replaced("a.smc", "2 CORRECTED ACCELEROGRAM", "3 VELOCITY"), ("line 1", "'2 CORRECTED ACCELEROGRAM'", "3 VELOCITY")),
+    (*replaced("a.smc", "      1000", "      1001"), ("1,001 samples", "holds 1,000")),
+    (*replaced("a.smc", "    -32768", "    -3276x"), ("line 12", "columns of 10")),
+    (*replaced("a.smc", f"{100.0:15.7E}", f"{0.0:15.7E}"), ("interval", "every inf s")),
+    ("short.smc", "\n".join(TEXTS["a.smc"].split("\n")[:20]), ("27 lines of headers", "has 20")),
+    ("empty.smc", "", ("line 1", "CORRECTED")),
+    (*replaced("a.csv", "cm/s2", "furlong"), ("line 1", "'furlong'", "m/s2, cm/s2, gal, g")),
+    (*replaced("a.csv", "time (s)", "time (ms)"), ("line 1", "time must be in s", "time (ms)")),
+    (*replaced("a.csv", "0.02,", "0.01,"), ("line 4", "greater than 0.01 s")),
+    (*replaced("a.csv", "0.02,", "nan,"), ("line 4", "two finite numbers")),
+    ("names.csv", "t,ax (g),ay (g)\n0,1\n1,1\n", ("line 1", "names 3 columns", "have 2")),
+    (*replaced("a.EW", "Origin Time", "Origin"), ("lines 1-17", "'Origin Time' to 'Memo.'")),
+    (*replaced("a.EW", "Memo.", "Nemo."), ("lines 1-17", "Memo")),
+    (*replaced("a.EW", "Time(s)  10", "Time(s)  60"), ("6,000 samples", "lines 11 and 12", "holds 1,000")),
+    (*replaced("a.EW", "100Hz", "fast"), ("lines 1-17", "no K-NET head")),
+    (*replaced("a.EW", "2000(gal)/8388608", "2000(gal)/0"), ("K-NET head",)),
+    (*replaced("a.EW", "2000(gal)", "0(gal)"), ("line 14", "scale factor")),
+    (*replaced("a.EW", "     1234", "    12c34"), ("line 18", "must be numbers")),
+    ("empty.EW", "", ("lines 1-17",)),
+]
+
+
+@pytest.mark.parametrize(("name", "text", "words"), BAD, ids=lambda v: v if isinstance(v, str) and len(v) < 20 else "")
+def test_bad_records_are_refused_with_file_and_line(tmp_path: Path, name: str, text: str, words: tuple[str, ...]) -> None:
+    path = tmp_path / name
+    path.write_text(text)
+    with pytest.raises(ValueError) as error:
+        read_components(path)
+    for word in (str(path), *words):
+        assert word in str(error.value)
+
+
+def test_a_unit_is_the_users_only_where_the_file_says_none(tmp_path: Path) -> None:
+    path = tmp_path / "a.at2"
+    path.write_text(TEXTS["new.AT2"].replace(" IN UNITS OF G", ""))
+    np.testing.assert_allclose(read_record(path, "g").acceleration, SINE, atol=ROUNDING)
+    np.testing.assert_allclose(read_record(path, "gal").acceleration, SINE / 981, atol=ROUNDING)
+    for name in ("new.AT2", "a.smc", "a.csv"):
+        path = tmp_path / name
+        path.write_text(TEXTS[name])
+        with pytest.raises(ValueError, match="by its own words, unit: m/s2 contradicts it"):
+            read_record(path, "m/s2")

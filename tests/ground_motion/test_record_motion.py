@@ -1,0 +1,254 @@
+"""A record as the motion of a scene: found, embedded, processed, scaled, refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+from record_files import at2, knet
+from small_scenes import SLOPE
+from typer.testing import CliRunner
+
+from sph.analysis.baseline import newmark_amplitude
+from sph.analysis.study import load_study
+from sph.command.cli import app
+from sph.configuration import merge, read_scene, scene_files
+from sph.ground_motion import motion_of, read_motion
+from sph.ground_motion.record import processed
+from sph.loading import make_loading
+from sph.page.tables import key_rows
+from sph.scene import Scene, load_scene, make_scene
+from sph.stability.newmark import sliding_block
+
+INTERVAL = 0.005
+TIME = np.arange(400) * INTERVAL
+BURST = 3.0 * np.sin(2 * np.pi * 4.0 * TIME) * np.sin(np.pi * TIME / 2.0) ** 2
+PROCESSED = {"baseline": {}, "band_pass": {"low": 0.5, "high": 50.0}, "trim": {}, "resample": {"interval": 0.01}}
+ROUNDING = 2e-6
+"""AT2 has seven digits of g."""
+VERTICAL = {"file": "records/v.AT2"}
+
+
+def shaken(**motion: Any) -> dict[str, Any]:
+    return SLOPE | {"motion": {"kind": "record", "start": 1.0} | motion}
+
+
+def written(folder: Path, **motion: Any) -> Path:
+    path = folder / "slope.yaml"
+    path.write_text(yaml.safe_dump(shaken(file="records/h.AT2", **motion)))
+    return path
+
+
+def test_the_record_lies_beside_the_scene_and_acts_from_its_start_on(records: Path) -> None:
+    scene = load_scene(written(records, vertical=VERTICAL))
+    loading = make_loading(scene)
+    wanted = np.interp(loading.time - 1.0, TIME, BURST, left=0.0, right=0.0)
+    np.testing.assert_allclose(loading.ground, wanted, atol=ROUNDING)
+    np.testing.assert_allclose(loading.vertical, -0.5 * wanted, atol=ROUNDING)
+    assert (scene.motion.start, scene.motion.end) == (1.0, pytest.approx(1.0 + TIME[-1]))
+    assert not make_loading(load_scene(written(records))).vertical.any(), "no vertical shaking unless it is wanted"
+
+
+def test_the_record_lies_in_the_working_folder(records: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (records / "scenes").mkdir()
+    monkeypatch.chdir(records)
+    np.testing.assert_allclose(motion_of(load_scene(written(records / "scenes"))).peak, np.abs(BURST).max(), atol=ROUNDING)
+
+
+def test_a_validated_scene_needs_no_file(records: Path) -> None:
+    # A trajectory holds its scene as JSON and is repeated from it.
+    scene = load_scene(written(records, vertical=VERTICAL, trim={}))
+    text = scene.model_dump_json()
+    assert str(records) not in text and '"file":"h.AT2"' in text and '"file":"v.AT2"' in text
+    for name in ("h", "v"):
+        (records / "records" / f"{name}.AT2").unlink()
+    again = make_scene(json.loads(text))
+    assert again == scene == Scene.model_validate_json(text)
+    for one, other in zip(make_loading(scene), make_loading(again), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_a_scene_with_samples_names_no_folder(records: Path) -> None:
+    # A validated scene in a file beside a record of the name: what it holds counts.
+    path = written(records)
+    scene = load_scene(path)
+    (records / "h.AT2").write_text(at2(9.0 * BURST, INTERVAL))
+    path.write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    assert load_scene(path) == scene
+    assert str(records) not in load_scene(path).model_dump_json()
+    key, text, *_ = next(row for row in key_rows(scene) if row[0] == "motion.data.x")
+    assert text == "400 numbers", "the page counts the samples"
+
+
+def test_a_record_that_has_changed_is_read_again(records: Path) -> None:
+    path = written(records)
+    assert motion_of(load_scene(path)).peak == pytest.approx(np.abs(BURST).max())
+    (records / "records" / "h.AT2").write_text(at2(2.0 * BURST[:300], INTERVAL))
+    assert motion_of(load_scene(path)).peak == pytest.approx(2.0 * np.abs(BURST).max())
+
+
+@pytest.mark.parametrize("factor", [1.0, -1.0])
+@pytest.mark.parametrize("sections", [{}, PROCESSED])
+def test_the_amplitude_is_the_horizontal_peak_after_processing(records: Path, sections: dict[str, Any], factor: float) -> None:
+    as_recorded = processed(load_scene(written(records, vertical=VERTICAL, **sections)).motion)
+    scaled = processed(load_scene(written(records, vertical=VERTICAL | {"factor": 2.0}, amplitude=7.0, factor=factor, **sections)).motion)
+    ratio = factor * 7.0 / np.abs(as_recorded.horizontal).max()
+    assert np.abs(scaled.horizontal).max() == pytest.approx(7.0, rel=1e-12)
+    np.testing.assert_allclose(scaled.horizontal, ratio * as_recorded.horizontal, rtol=1e-12)
+    np.testing.assert_allclose(scaled.vertical, 2.0 * ratio * as_recorded.vertical, rtol=1e-12)
+
+
+def test_a_factor_and_no_amplitude(records: Path) -> None:
+    np.testing.assert_allclose(processed(load_scene(written(records, factor=-2.0)).motion).horizontal, -2.0 * BURST, atol=2 * ROUNDING)
+    assert not processed(load_scene(written(records, amplitude=0.0)).motion).horizontal.any()
+
+
+def test_components_of_other_lengths_end_together(records: Path) -> None:
+    (records / "records" / "v.AT2").write_text(at2(BURST[:390], INTERVAL))
+    data = load_scene(written(records, vertical=VERTICAL)).motion.data
+    assert len(data.x) == len(data.y) == 390
+
+
+def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None:
+    # What `sph run old.nc --set motion.file=...` does: the samples of the old one must not stay.
+    import xarray as xr
+
+    from sph.command.repeat import given_scene
+    from sph.trajectory import run_attributes
+
+    earlier = xr.Dataset(attrs=run_attributes(load_scene(written(records))))
+    other = records / "other.AT2"
+    other.write_text(at2(2.0 * BURST, INTERVAL))
+    assert given_scene(records / "old.nc", {}, earlier).motion.peak == pytest.approx(np.abs(BURST).max())
+    assert given_scene(records / "old.nc", {"motion": {"file": str(other)}}, earlier).motion.peak == pytest.approx(2 * np.abs(BURST).max())
+
+
+BAD: list[tuple[dict[str, Any], list[str]]] = [
+    ({}, ["motion: file: is required where there are no data"]),
+    ({"file": "absent.at2"}, ["motion: file: 'absent.at2'", "No such file"]),
+    ({"file": "records"}, ["records", "must be a record (.csv, .at2, .smc"]),
+    ({"file": "a\0b"}, ["motion: file: ", "null"]),
+    ({"file": 3}, ["motion.file: ", "string", "3"]),
+    ({"file": "records/h.AT2", "unit": "furlong"}, ["motion.unit: ", "'m/s2'", "furlong"]),
+    ({"file": "records/h.AT2", "unit": "gal"}, ["h.AT2", "contradicts"]),
+    ({"file": "records/h.AT2", "vertical": {}}, ["motion: vertical: ", "neither a second file nor a third column"]),
+    ({"file": "records/h.AT2", "vertical": {"file": "absent"}}, ["motion: file: 'absent'", "No such file"]),
+    ({"file": "records/h.AT2", "vertical": {"file": "slow.AT2"}}, ["vertical.file", "slow.AT2", "0.02 s", "0.005 s"]),
+    ({"file": "records/h.AT2", "vertical": 3}, ["motion.vertical: "]),
+    ({"file": "records/h.AT2", "start": 0.5}, ["motion.start: 0.5 s", "gravity.duration: 1.0 s"]),
+    ({"file": "records/h.AT2", "amplitude": 1.0, "factor": 2.0}, ["factor: 2", "amplitude: 1 m/s2", "1 or -1"]),
+    ({"file": "still.csv", "amplitude": 1.0}, ["amplitude: 1 m/s2", "stands still"]),
+    ({"file": "still.csv", "trim": {}}, ["trim: the record stands still"]),
+    ({"file": "uneven.csv"}, ["uneven.csv", "sample 3", "evenly spaced"]),
+    ({"file": "records/h.AT2", "band_pass": {"high": 100.0}}, ["band_pass.high: 100 Hz", "100 Hz"]),
+    ({"file": "records/h.AT2", "band_pass": {"low": 3.0, "high": 2.0}}, ["motion.band_pass: low: 3 Hz", "high: 2 Hz"]),
+    ({"file": "records/h.AT2", "band_pass": {"low": None, "high": None}}, ["motion.band_pass: low and high", "null"]),
+    ({"file": "records/h.AT2", "trim": {"start_share": 0.5, "end_share": 0.5}}, ["motion.trim: start_share: 0.5"]),
+    ({"file": "records/h.AT2", "resample": {"interval": 0.005 * 2**0.5}}, ["resample.interval: ", "ratio of whole numbers"]),
+    ({"data": {"interval": 0.01, "x": [1.0]}}, ["motion.data.x: ", "at least 2"]),
+    ({"data": {"interval": 0.01, "x": [1.0, 2.0], "y": [1.0]}}, ["motion.data: ", "y has 1 samples, x has 2"]),
+    ({"data": {"interval": 0.01, "x": [1.0, "a"]}}, ["motion.data.x.1: ", "'a'"]),
+    ({"data": {"interval": 0.0005, "x": [1.0, 2.0]}}, ["numerics.time_step: 0.001 s", "0.0005 s", "motion.resample.interval"]),
+]
+
+
+@pytest.mark.parametrize(("motion", "words"), BAD, ids=lambda v: ",".join(v) if isinstance(v, dict) else v[0])
+def test_bad_sections_are_named(records: Path, motion: dict[str, Any], words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(records)
+    (records / "slow.AT2").write_text(at2(BURST, 0.02))
+    (records / "still.csv").write_text("\n".join(f"{t:.3f},0" for t in TIME))
+    (records / "uneven.csv").write_text("0,1\n0.1,1\n0.12,1\n0.3,1\n")
+    with pytest.raises(ValueError) as raised:
+        make_scene(shaken(**motion), "some.yaml")
+    message = str(raised.value)
+    for word in ["some.yaml", *words]:
+        assert word in message, f"{word!r} is missing in: {message}"
+
+
+def test_a_record_of_k_net_in_a_scene(records: Path) -> None:
+    # The recorder's offset goes with the baseline; without it the ground would run away.
+    (records / "k.EW").write_text(knet(BURST[::2], 100, offset=20_000))
+    scene = make_scene(shaken(file=str(records / "k.EW"), baseline={"degree": 0}))
+    np.testing.assert_allclose(processed(scene.motion).horizontal, BURST[::2], atol=0.02)
+
+
+# ---------------------------------------------------------------- studies and commands
+
+
+def study(scene: str) -> dict[str, Any]:
+    return {
+        "study": "shaken",
+        "scene": scene,
+        "fidelity": "draft",
+        "grid": {"S_R": ["0.10"], "gamma": ["100"], "amplitude": ["2.0", "8.0"]},
+        "fidelities": {"draft": {}},
+        "figures": {"strengths": ["0.10"], "compared_gammas": ["100"], "compared_strengths": ["0.10"]},
+        "claims": {"amplitude": 8.0},
+    }
+
+
+def test_a_study_scales_the_record_and_keeps_its_file(records: Path) -> None:
+    plan = load_study(study(str(written(records, vertical=VERTICAL))))
+    assert scene_files(plan.scene()) == [str(records / "records" / "h.AT2"), str(records / "records" / "v.AT2")]
+    for label in ("2.0", "8.0"):
+        mapping = plan.scene(amplitude=label)
+        assert "data" not in mapping["motion"] and mapping["motion"]["amplitude"] == float(label)
+        assert plan.built(amplitude=label).motion.peak == pytest.approx(float(label))
+    assert scene_files(SLOPE) == scene_files(plan.built().model_dump()) == []
+
+
+def test_the_files_of_a_record_in_an_override_are_looked_for_in_the_working_folder(records: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(records)
+    scene = merge(read_scene(written(records)), {"motion": {"file": "records/v.AT2"}})
+    assert make_scene(scene).motion.peak == pytest.approx(0.5 * np.abs(BURST).max())
+
+
+def motion(*arguments: object) -> Any:
+    return CliRunner().invoke(app, ["motion", *map(str, arguments)])
+
+
+def test_the_command_measures_a_record_and_what_a_scene_makes_of_it(records: Path) -> None:
+    found = json.loads(motion(records / "records" / "h.AT2", "--json").stdout)
+    assert found["horizontal"]["peak_acceleration"] == pytest.approx(np.abs(BURST).max()) and len(found) == 1
+    scene = written(records, vertical=VERTICAL)
+    found = json.loads(motion(scene, "--set", "motion.amplitude=6", "--json").stdout)
+    assert found["horizontal"]["peak_acceleration"] == pytest.approx(6.0)
+    assert found["vertical"]["peak_acceleration"] == pytest.approx(3.0)
+    shown = motion(scene, "--plot", records / "m.png")
+    assert shown.exit_code == 0 and "Arias" in shown.stdout and (records / "m.png").stat().st_size > 10_000
+    assert read_motion(scene).peak == pytest.approx(np.abs(BURST).max())
+    assert shown.stderr == ""
+    assert "wanted more than 2.995 s" in motion(scene, "--set", "duration=2.5").stderr, "a record that the scene cuts off"
+
+
+def test_what_the_command_refuses(records: Path) -> None:
+    plain = records / "plain.at2"
+    plain.write_text(at2(BURST, INTERVAL).replace(" IN UNITS OF G", ""))
+    still = records / "still.csv"
+    still.write_text("0,0\n1,0\n")
+    scene = written(records)
+    for arguments, word in (
+        ((plain,), "does not say its unit"),
+        ((plain, "--unit", "feet"), "--unit 'feet'"),
+        ((plain, "--set", "motion.amplitude=2"), "is a record and has no keys"),
+        ((scene, "--unit", "g"), "--unit g"),
+        ((still, "--plot", records / "s.png"), "stands still"),
+        ((still, "--plot", records / "absent" / "s.png"), "--plot"),
+        ((records / "absent.yaml",), "absent.yaml"),
+    ):
+        result = motion(*arguments)
+        assert result.exit_code == 2 and word in result.stderr, result.output
+    assert motion(plain, "--unit", "g").exit_code == 0 and motion(still).exit_code == 0
+
+
+def test_the_sliding_blocks_amplitude_is_that_of_the_record(records: Path) -> None:
+    # The amplitude at which the block slips by 5 cm does not depend on how large the record is, nor its sign on the factor's size.
+    path = written(records)
+    wanted = newmark_amplitude(load_scene(path), 1.0, 0.05)
+    assert newmark_amplitude(load_scene(path, {"motion": {"amplitude": 8.0}}), 1.0, 0.05) == pytest.approx(wanted, rel=1e-4)
+    block = read_motion(path, {"motion": {"amplitude": wanted}})
+    assert sliding_block(block.time, block.acceleration, 1.0).permanent == pytest.approx(0.05, rel=1e-3)

@@ -1,0 +1,156 @@
+"""``sph check``: each warning by a scene that calls for it and one that does not; the drawing."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import matplotlib
+import numpy as np
+import pytest
+import yaml
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from typer.testing import CliRunner, Result
+
+from sph.analysis.figures.scene import FEW
+from sph.command.check import check, draw, layer_rows, rows
+from sph.command.cli import REFUSED, app
+from sph.command.concerns import FEWEST_IN_WAVE, Concern, highest_frequency, in_wave
+from sph.configuration import dotted, merge
+from sph.scene import Scene, make_scene
+from sph.timestep import limits, wave_speed_ratio
+
+SOUND: dict[str, Any] = {
+    "name": "sound",
+    "duration": 12.0,
+    "geometry": {
+        "shape": "ground_line",
+        "points": [[100, 440], [160, 440], [180, 460], [220, 460]],
+        "base": 430,
+    },
+    "motion": {"kind": "tapered_sine"},
+    "numerics": {"spacing": 1.0, "smoothing_ratio": 1.3, "time_step": 5e-4},
+}
+"""Nothing to warn of."""
+
+
+def scene(**settings: Any) -> Scene:
+    return make_scene(merge(SOUND, dotted(settings)))
+
+
+def found(**settings: Any) -> list[Concern]:
+    return check(scene(**settings)).concerns
+
+
+def call(*arguments: object) -> Result:
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+def test_a_sound_scene_has_no_warning() -> None:
+    assert found() == []
+
+
+@pytest.mark.parametrize(
+    ("settings", "what", "key"),
+    [
+        ({"numerics.spacing": 2.0}, "across the slope's height", "numerics.spacing"),
+        ({"geometry.points": [[100, 440], [160, 440], [180, 460], [195, 460]]}, "back wall is near the crest", "geometry.window"),
+        ({"geometry.points": [[140, 440], [160, 440], [180, 460], [220, 460]]}, "room for the run-out", "geometry.window"),
+        ({"motion.frequency": 60.0}, "shear waves of 60.1 Hz are short", "numerics.spacing"),
+        ({"duration": 8.0}, "ends while the ground moves", "duration"),
+        ({"numerics.time_step": 1.25e-3}, "time step is near its limit", "numerics.adaptive_step"),
+        ({"walls.layers": 1}, "do not fill the kernel", "walls.layers=2"),
+        (
+            {"geometry.points": [[100, 440], [160, 440], [180, 460], [220, 460], [300, 430]], "geometry.base": 420},
+            "falls further to the right than to the left",
+            "geometry.downhill=right",
+        ),
+        ({"geometry.base": 437.0}, "soil is thin", "numerics.spacing"),
+        ({"layers": {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 5.0}}}}, "clay is thin", "numerics.spacing"),
+        ({"layers": {"clay": {"region": {"kind": "elevation", "top": 400.0}}}}, "clay is thin", "the layer"),
+    ],
+)
+def test_a_warning_says_what_is_measured_and_wanted_and_the_key(settings: dict[str, Any], what: str, key: str) -> None:
+    concerns = found(**settings)
+    (concern,) = [concern for concern in concerns if what in concern.what]
+    assert key in concern.key and concern.measured and concern.wanted
+    assert all(part in concern.sentence() for part in concern)
+
+
+def test_shapes_without_a_slope_have_no_toe_to_warn_of() -> None:
+    block = {"shape": "block", "width": 30.0, "height": 20.0}
+    assert found(geometry=block) == []
+
+
+RICKER = {"kind": "ricker", "amplitude": 1, "frequency": 4, "peak": 6}
+
+
+@pytest.mark.parametrize(("motion", "frequency"), [({"kind": "none"}, 0.0), (RICKER, 6.6)])
+def test_highest_frequency(motion: dict[str, Any], frequency: float) -> None:
+    assert highest_frequency(scene(motion=motion)) == pytest.approx(frequency, abs=0.3)
+
+
+def test_a_wave_of_eight_smoothing_lengths_travels_some_9_percent_too_slowly() -> None:
+    for ratio in (1.3, 2.3):
+        made = scene(**{"numerics.smoothing_ratio": ratio})
+        speed = made.soil.s_wave_speed
+        frequency = speed / (FEWEST_IN_WAVE * ratio)
+        assert in_wave(made, made.soil, frequency) == pytest.approx(FEWEST_IN_WAVE)
+        assert 0.08 < 1.0 - wave_speed_ratio(made, speed / frequency) < 0.10
+    assert wave_speed_ratio(scene(), 1000.0) == pytest.approx(1.0, abs=0.02)
+
+
+def test_the_table() -> None:
+    one = check(scene())
+    text = dict(rows(one))
+    assert "toe (160, 440) m, crest (180, 460) m, 20 m high, 1 : 1" in text["slope"]
+    assert text["kernel radius"].startswith("2.6 m")
+    ((name, count, *_),) = layer_rows(one)
+    assert name == "soil" and int(count.replace(",", "")) == one.particles.n_soil
+    assert min(limit.seconds for limit in limits(one.scene)) > one.scene.numerics.time_step
+
+
+def test_the_command_draws_and_warns(tmp_path: Path) -> None:
+    file, picture = tmp_path / "own.yaml", tmp_path / "own.png"
+    file.write_text(yaml.safe_dump(SOUND))
+    shown = call("check", file, "--set", "duration=8", "--plot", picture)
+    assert shown.exit_code == 0, shown.output
+    assert "warning: the run ends while the ground moves: 8 s, wanted more than 10 s" in shown.stdout
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert "no warnings" in call("check", file).stdout
+    data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
+    assert [concern["key"] for concern in data["warnings"]] == ["duration, above 10 s"]
+    assert call("check", file, "--set", "geometry.base=445").exit_code == REFUSED
+    assert call("check", file, "--plot", tmp_path / "nowhere" / "own.png").exit_code == REFUSED
+
+
+@pytest.mark.parametrize("spacing", [1.0, 0.5])
+def test_the_drawing_shows_the_survey_and_its_layers(spacing: float) -> None:
+    clay = {"clay": {"region": {"kind": "elevation", "top": 438.0}}}
+    one = check(scene(**{"numerics.spacing": spacing, "numerics.time_step": 1e-4, "layers": clay}))
+    n = one.particles.n_soil
+    assert (n > FEW) == (spacing == 0.5), "both ways of drawing"
+    layer = one.particles.layer[:n]
+    assert 0 < np.count_nonzero(layer) < n
+    figure = draw(one)
+    FigureCanvasAgg(figure).draw()
+    texts = "\n".join(text.get_text() for text in figure.findobj(matplotlib.text.Text))
+    for word in ("soil", "clay", "elevation (m)", "toe", "crest", "H = 20 m", "A", "160", "440"):
+        assert word in texts
+    ax = figure.axes[0]
+    if n > FEW:
+        image = np.ma.masked_invalid(ax.images[0].get_array())
+        assert (image.count(), image.sum()) == (n, layer.sum())
+    else:
+        assert np.array_equal(ax.collections[-1].get_array(), layer)
+
+
+def test_axes_of_a_slope_that_falls_to_the_right_decrease() -> None:
+    turned = [[320 - x, y] for x, y in SOUND["geometry"]["points"]]
+    figure = draw(check(scene(**{"geometry.points": turned, "geometry.downhill": "right"})))
+    FigureCanvasAgg(figure).draw()
+    ticks = [float(tick.get_text()) for tick in figure.axes[0].get_xticklabels()]
+    assert len(ticks) > 3 and ticks == sorted(ticks, reverse=True)
+    places = {label: place for label, place in zip(ticks, figure.axes[0].get_xticks(), strict=True)}
+    assert all(place == pytest.approx(220 - label) for label, place in places.items())

@@ -1,0 +1,77 @@
+"""Lines of a survey in the formats that people have them in, whole and broken."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from sph.survey import read_line
+
+LINE = [(120.0, 440.0), (150.0, 440.5), (170.0, 465.0)]
+FEATURE = {"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": LINE}}
+
+
+def read(tmp_path: Path, text: str, encoding: str = "utf-8") -> list[tuple[float, float]]:
+    file = tmp_path / "ground"
+    file.write_bytes(text.encode(encoding))
+    return read_line(file)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "120,440\n150,440.5\n170,465\n",
+        "x,y\r\n120,440\r\n150,440.5\r\n170,465",
+        "Station (m);Höhe (m)\n120;440\n150;440,5\n170;465\n",
+        "# surveyed in May\n\n120 440\n  150   440.5\n170\t465\n".replace("\t", " "),
+        "120\t440\n150\t440,5\n170\t465",
+        '"x","z"\n"120","440"\n"150","440.5"\n"170","465"\n',
+        "120,440,\n150,440.5,\n170,465,\n",
+        "1.2e2,4.4e2\r150,440.5\r170,465\r",
+        "LINESTRING (120 440, 150 440.5, 170 465)",
+        "linestring(120 440,150 440.5,\n170 465)\n",
+        "MULTILINESTRING ((120 440, 150 440.5, 170 465))",
+        json.dumps(FEATURE["geometry"]),
+        json.dumps(FEATURE),
+        json.dumps({"type": "FeatureCollection", "features": [FEATURE]}),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "cp1252"])
+def test_formats(tmp_path: Path, text: str, encoding: str) -> None:
+    assert read(tmp_path, text, encoding) == LINE
+
+
+def test_points_in_space_are_unrolled_along_the_line(tmp_path: Path) -> None:
+    assert read(tmp_path, "LINESTRING Z (0 0 440, 30 40 441, 30 100 465)") == [(0.0, 440.0), (50.0, 441.0), (110.0, 465.0)]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("120,440\n150;x\n", "line 2: '150;x': expected two numbers, x and elevation in m"),
+        ("x,y\nx,y\n120,440", "line 2"),
+        ("12O,440\n150,441", "line 1"),
+        ("120,440,1\n150,441,1", "line 1"),
+        ("120\n150", "line 1"),
+        ("120,nan\n150,441", "line 1"),
+        ("120,440\n150,1e999", "line 2"),
+        ("LINESTRING (120 440, 150)", "not WKT of a line.*Expected number"),
+        ("LINESTRING EMPTY", "an empty LineString; expected one LineString"),
+        ("SRID=25832;LINESTRING (0 0, 1 1)", "not WKT"),
+        ("POINT (120 440)", "holds Point; expected one LineString"),
+        ("MULTILINESTRING ((0 0, 1 1), (2 2, 3 3))", "holds LineString, LineString"),
+        ("LINESTRING (120 440, 150 nan)", "point 2"),
+        ("LINESTRING Z (0 0 1, 1 1 nan)", "point 2"),
+        ('{"type": "LineString"', "not GeoJSON.*line 1"),
+        ('{"type": "LineString", "coordinates": [[0, 0], [1, "a"]]}', "not GeoJSON.*must be number"),
+        ('{"type": "Topology"}', "not GeoJSON"),
+        ("[]", "not GeoJSON"),
+        (json.dumps({"type": "FeatureCollection", "features": [FEATURE, FEATURE]}), "holds LineString, LineString"),
+        (json.dumps({"type": "FeatureCollection", "features": []}), "expected one LineString"),
+    ],
+)
+def test_a_broken_file_says_where_and_what_is_expected(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, text)

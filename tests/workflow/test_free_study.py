@@ -1,0 +1,117 @@
+"""Studies over other dimensions than the paper's, from end to end: a grid, a list of cases, a sample; scenes of 163 particles."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from test_workflow import planned_jobs, snakemake, sph
+
+from sph import trajectory
+from sph.analysis.metrics import measure
+from sph.analysis.study import load_study
+from sph.analysis.tables import read_study, read_table
+from sph.scene import Scene
+
+BASE: dict[str, Any] = {"scene": "slope.yaml", "fidelity": "draft", "fidelities": {"draft": {}}}
+GRID = {"study": "grid", "grid": {"soil.cohesion": ["20", "150"], "motion.frequency": ["1.0", "2.0"]}}
+CASES = {
+    "study": "cases",
+    "cases": [{"S_R": "0.10", "coupling.fluid_tension_limit": None}, {"S_R": "0.10", "coupling.fluid_tension_limit": 0}],
+    "figures": {"runs": ["case-000002"]},
+}
+SAMPLE = {"study": "sample", "sample": {"size": 2, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [10, 200], "scale": "log"}}}}
+ONCE = {"all": 1, "figure": 3, "study_figure": 1, "profiles": 1, "measure": 1, "study": 1, "page": 1}
+
+
+def configured(folder: Path, study: dict[str, Any]) -> tuple[str, str]:
+    path = folder / f"{study['study']}.yaml"
+    path.write_text(yaml.safe_dump(BASE | study, sort_keys=False))
+    return "--configfile", str(path)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+    """Folder of three finished studies."""
+    folder = tmp_path_factory.mktemp("free")
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
+    jobs = {
+        "grid": {"gravity": 2, "trunk": 4, "simulate": 4},
+        "cases": {"gravity": 1, "trunk": 1, "simulate": 2, "yield_acceleration": 1},
+        "sample": {"gravity": 2, "trunk": 2, "simulate": 2},
+    }
+    for study in (GRID, CASES, SAMPLE):
+        config = configured(folder, study)
+        assert planned_jobs(folder, *config) == ONCE | jobs[str(study["study"])]
+        result = snakemake(folder, "--cores", "2", *config)
+        assert result.returncode == 0, result.stderr
+        assert planned_jobs(folder, *config) == {}
+    return folder
+
+
+def of(folder: Path, name: str) -> Path:
+    return folder / "results" / name / "draft"
+
+
+def test_a_grid_has_its_own_dimensions(finished: Path) -> None:
+    folder = of(finished, "grid")
+    study, table = read_study(folder / "study.nc"), read_table(folder / "study.csv", load_study(BASE | GRID, [finished]).layout)
+    assert dict(study.sizes) == {"soil.cohesion": 2, "motion.frequency": 2}
+    for row in table.to_dict("records"):
+        name = f"soil.cohesion-{row['soil.cohesion']}_motion.frequency-{row['motion.frequency']}"
+        run = trajectory.read(folder / "runs" / f"{name}.nc")
+        scene = trajectory.scene_of(run)
+        assert (scene.soil.cohesion, scene.motion.frequency) == (float(row["soil.cohesion"]), float(row["motion.frequency"]))
+        at = {"soil.cohesion": scene.soil.cohesion, "motion.frequency": scene.motion.frequency}
+        assert row["displacement_magnitude"] == study["displacement_magnitude"].sel(at) == measure(run)["displacement_magnitude"]
+    assert study["displacement_magnitude"].std() > 0.01 and study["yield_acceleration"].isnull().all()
+
+
+def test_cases_and_samples_are_lists(finished: Path) -> None:
+    for name, keys in (("cases", {"S_R", "coupling.fluid_tension_limit"}), ("sample", {"S_R", "soil.cohesion"})):
+        study = read_study(of(finished, name) / "study.nc")
+        assert dict(study.sizes) == {"case": 2} and keys <= set(study.coords)
+        for case in study["case"].values:
+            assert study["status"].sel(case=case) == trajectory.read(of(finished, name) / "runs" / f"{case}.nc").attrs["status"]
+    assert read_study(of(finished, "cases") / "study.nc")["coupling.fluid_tension_limit"].values.tolist() == ["null", "0"]
+
+
+def test_the_page_chooses_by_whatever_there_is(finished: Path) -> None:
+    grid, cases = ((of(finished, name) / "report.html").read_text(encoding="utf-8") for name in ("grid", "cases"))
+    assert 'name="soil.cohesion" value="150"' in grid and 'id="find"' not in grid
+    assert (
+        '<option value="case-000002">case-000002: S_R 0.10, coupling.fluid_tension_limit 0 kPa</option>' in cases and 'id="find"' in cases
+    )
+    for page, pictures in ((grid, 5), (cases, 5)):
+        assert page.count("data:image/png") == pictures and "claims" not in page.partition("<main>")[0]
+
+
+def test_a_run_is_repeated_and_told_of_like_any_other(finished: Path, tmp_path: Path) -> None:
+    path = of(finished, "grid") / "runs" / "soil.cohesion-150_motion.frequency-2.0.nc"
+    assert f"every variable has the bits of {path}" in sph("run", path, "--out", tmp_path / "again.nc")
+    for study in (GRID, CASES, SAMPLE):
+        folder = of(finished, str(study["study"]))
+        shown = json.loads(sph("status", folder, "--configfile", configured(finished, study)[1], "--json"))
+        files = {path.stem for kind in ("runs", "stages") for path in (folder / kind).glob("*.nc")}
+        assert {job["job"] for job in shown["jobs"]} == files and all(job["state"] == "done" for job in shown["jobs"])
+
+
+def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
+    larger = SAMPLE | {"sample": SAMPLE["sample"] | {"size": 3}}  # type: ignore[operator]
+    jobs = planned_jobs(finished, *configured(finished, larger))
+    assert (jobs["gravity"], jobs["trunk"], jobs["simulate"], jobs["measure"]) == (1, 1, 1, 1)
+    wider = GRID | {"grid": GRID["grid"] | {"motion.frequency": ["1.0", "2.0", "3.0"]}}  # type: ignore[operator]
+    jobs = planned_jobs(finished, *configured(finished, wider))
+    assert "gravity" not in jobs and (jobs["trunk"], jobs["simulate"]) == (2, 2)
+
+
+@pytest.mark.parametrize("target", ["results/grid/draft/claims.csv", "results/grid/draft/figures/fig4.png", "trigger", "maps"])
+def test_what_needs_the_papers_dimensions_is_refused_with_the_reason(finished: Path, target: str) -> None:
+    result = snakemake(finished, "--cores", "1", *configured(finished, GRID), "--", target)
+    assert result.returncode != 0
+    assert "need a grid over exactly S_R, gamma, amplitude; study 'grid' varies" in result.stdout + result.stderr

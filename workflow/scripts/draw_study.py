@@ -1,0 +1,27 @@
+"""Draw a study of any dimensions at a glance."""
+
+from collections.abc import Sequence
+
+from sph.analysis.dimensions import Dimension
+from sph.analysis.figures import figure_study, save
+from sph.analysis.tables import Layout, read_table
+from sph.command.job import job_log
+
+
+def draw_study(
+    path_to_table: str, layout: Layout, dimensions: Sequence[Dimension], probe: str, note: str, paths_to_pictures: Sequence[str]
+) -> None:
+    """Draw the study from its table."""
+    save(figure_study(read_table(path_to_table, layout), dimensions, probe, note), *paths_to_pictures)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        draw_study(
+            snakemake.input.table,  # type: ignore[name-defined]
+            snakemake.params.layout,  # type: ignore[name-defined]
+            snakemake.params.dimensions,  # type: ignore[name-defined]
+            snakemake.params.probe,  # type: ignore[name-defined]
+            snakemake.params.note,  # type: ignore[name-defined]
+            [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
+        )

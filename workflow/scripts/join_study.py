@@ -1,0 +1,31 @@
+"""Put the measured parts of a study together."""
+
+from collections.abc import Mapping, Sequence
+
+from sph import trajectory
+from sph.analysis.advice import expected_sentence
+from sph.analysis.tables import Layout, join_study
+from sph.command.job import job_log
+
+
+def join(
+    paths_to_parts: Sequence[str], layout: Layout, path_to_run: str, attrs: Mapping[str, str], path_to_nc: str, path_to_csv: str
+) -> None:
+    """The tables of the study; ``attrs`` and those of a run go into the netCDF."""
+    run = trajectory.read(path_to_run)
+    facts = {name: run.attrs[name] for name in ("source", "versions", "scene")} | {
+        "expected_error": expected_sentence(trajectory.scene_of(run))
+    }
+    join_study(paths_to_parts, layout, path_to_nc, path_to_csv, dict(attrs) | facts)
+
+
+if __name__ == "__main__":
+    with job_log(snakemake.log[0]):  # type: ignore[name-defined]
+        join(
+            snakemake.input.parts,  # type: ignore[name-defined]
+            snakemake.params.layout,  # type: ignore[name-defined]
+            snakemake.input.run,  # type: ignore[name-defined]
+            {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},  # type: ignore[name-defined]
+            snakemake.output.nc,  # type: ignore[name-defined]
+            snakemake.output.csv,  # type: ignore[name-defined]
+        )
