@@ -78,6 +78,7 @@ rule all:
         ),
 
 
+include: "workflow/rules/resources.smk"
 include: "workflow/rules/simulate.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"

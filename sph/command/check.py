@@ -6,15 +6,12 @@ from typing import NamedTuple
 
 from matplotlib.figure import Figure
 
+from sph.analysis.cost import cost
 from sph.analysis.figures.scene import figure_scene
 from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of
-from sph.command.info import work
 from sph.geometry import SLOPES
 from sph.particles import Particles, locate_probes, place_particles
 from sph.scene import Scene
-
-BYTES_PER_PAIR = 30
-"""Memory that a pair of neighbours takes, about (``sph.scene.MOST_PAIRS``)."""
 
 
 class Check(NamedTuple):
@@ -37,8 +34,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
     """Pairs of label and text: the slope, sizes and cost."""
     scene, particles = found.scene, found.particles
     n, soil, geometry = particles.x.size, particles.n_soil, scene.geometry
-    neighbours, step, steps, cost = work(scene, n)
-    pairs = 1e-6 * n * neighbours * (1 + 0.5 * scene.numerics.neighbour_skin / scene.numerics.smoothing_ratio) ** 2
+    expected = cost(scene)
     lines = [
         ("scene", f"{scene.name}: {scene.title}"),
         ("box", f"{geometry.width:.6g} x {geometry.height:.6g} m, base {scene.walls.base}, sides {scene.walls.sides}"),
@@ -55,11 +51,11 @@ def rows(found: Check) -> list[tuple[str, str]]:
     return [
         *lines,
         ("particles", f"{n:,} ({soil:,} soil, {n - soil:,} of the box), spacing {scene.numerics.spacing:g} m"),
-        ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {neighbours:.0f} neighbours"),
+        ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {expected.neighbours:.0f} neighbours"),
         ("motion", shaking),
-        ("steps", f"{steps:,} of {step:.3g} s to {scene.duration:g} s"),
-        ("computing time", f"{cost:,.0f} s on one core"),
-        ("memory", f"about {BYTES_PER_PAIR * pairs:,.0f} MB for the neighbours"),
+        ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),
+        ("computing time", f"{expected.seconds:,.3g} s on one core, if the soil fails"),
+        ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),
     ]
 
 

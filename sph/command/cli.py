@@ -438,6 +438,35 @@ def newmark(
     print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
+@app.command(epilog="Examples:  sph cost config/config.yaml  |  sph cost config/config.yaml --fidelity paper --cores 64 --speed 0.8")
+def cost(
+    study: Annotated[Path, typer.Argument(metavar="STUDY", help="configuration of a study (YAML), laid over config/config.yaml")],
+    fidelity: Annotated[str | None, typer.Option(help="one of the study's fidelities; the one it names by default")] = None,
+    cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; all of this machine's by default")] = None,
+    speed: Annotated[
+        float | None, typer.Option(help="speed of a core over the reference machine's; measured here, or on finished runs, by default")
+    ] = None,
+    start: Annotated[float, typer.Option(min=0, max=3600, help="what each job takes to start, s; some 10 on a cluster")] = 1.5,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
+) -> None:
+    """Predict what a study takes: core-hours, wall time, memory and disk, of all of it and of what is left."""
+    import os
+
+    from sph.command.cost import lines, record, study_cost
+    from sph.command.status import located_plan
+
+    with refusals():
+        if speed is not None and not 1e-3 <= speed <= 1e3:
+            raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
+        plan, folder = located_plan(None, study)
+        if fidelity is not None:
+            if fidelity not in plan.study.fidelities:
+                raise ValueError(f"--fidelity {fidelity!r}: must be {', '.join(plan.study.fidelities)}")
+            plan, folder = plan.at(fidelity), folder.with_name(fidelity)
+        found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
+    print(json.dumps(record(found), indent=1) if as_json else "\n".join(lines(found)))
+
+
 @app.command(
     epilog="Examples:  sph motion RSN6_ELC180.AT2 --plot elcentro.png  |  sph motion record.csv --unit g  |  "
     "sph motion slope.yaml --set motion.amplitude=3.5 --plot motion.pdf"

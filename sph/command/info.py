@@ -5,16 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from sph.analysis.advice import expected_sentence
+from sph.analysis.cost import cost, needs
 from sph.command.concerns import cut_off, thin_box
 from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
 from sph.timestep import limits
-
-NANOSECONDS_PER_PAIR = 1.6
-"""Measured cost of a directed neighbour in a time step, both loops (whole runs of the ladder, two at once)."""
-NANOSECONDS_PER_PARTICLE = 20.0
-"""Measured cost of a particle in a time step outside those loops; a collapse at long steps costs up to half as much again."""
 
 TERM_REASONS = {
     "wendland_c2": "numerics.kernel",
@@ -35,30 +31,24 @@ TERM_REASONS = {
 }
 
 
-def work(scene: Scene, particles: int) -> tuple[float, float, int, float]:
-    """Neighbours of a particle, time step (s), number of steps and computing time on one core (s) to expect."""
-    numerics = scene.numerics
-    neighbours = np.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
-    smallest = min(limit.seconds for limit in limits(scene))
-    step = numerics.time_step if numerics.adaptive_step is None else min(numerics.time_step, numerics.adaptive_step.courant * smallest)
-    steps = round(scene.duration / step)
-    return neighbours, step, steps, 1e-9 * steps * particles * (neighbours * NANOSECONDS_PER_PAIR + NANOSECONDS_PER_PARTICLE)
-
-
 def describe(scene: Scene) -> list[tuple[str, str]]:
     """Pairs of label and text, for ``sph info``."""
     particles = place_particles(scene)
     numerics, soil = scene.numerics, scene.soil
     count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE, TOP)}
     lid = f", {count[TOP]:,} lid" if count[TOP] else ""
-    neighbours, step, steps, cost = work(scene, particles.x.size)
+    expected, asked = cost(scene), needs(scene.model_dump())
+    smallest = min(limit.seconds for limit in limits(scene))
+    step = numerics.time_step if numerics.adaptive_step is None else min(numerics.time_step, numerics.adaptive_step.courant * smallest)
+    steps = round(scene.duration / step)
     n = particles.x.size
     rows = [
         ("scene", f"{scene.name}: {scene.title}"),
         ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls{lid})"),
         (
             "kernel",
-            f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, {neighbours:.0f} neighbours in {2 * numerics.smoothing_length:g} m",
+            f"{numerics.kernel}, h = {numerics.smoothing_length:g} m, "
+            f"{expected.neighbours:.0f} neighbours in {2 * numerics.smoothing_length:g} m",
         ),
         *(
             (
@@ -89,5 +79,9 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
     rows += [("warning", concern.sentence()) for concern in thin_box(scene) + cut_off(scene)]
     rows.append(("expected error", expected_sentence(scene)))
-    rows.append(("estimated cost", f"{cost:.0f} s on one core ({n * steps / 1e6:.0f} M particle-steps)"))
+    rows += [
+        ("estimated cost", f"{expected.seconds:.3g} s on one core ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),
+        ("memory and disk", f"{expected.memory:.0f} MiB while it runs, {expected.disk:.1f} MiB for its trajectory"),
+        ("asks of a cluster", f"{asked.mem_mb} MB, {asked.runtime} min"),
+    ]
     return rows

@@ -37,6 +37,8 @@ rule extremes_run:
     wildcard_constraints:
         run=".+",
     threads: 1
+    resources:
+        **asked(lambda wildcards: SWEEPS().runs[wildcards.run]),
     params:
         scene=lambda wildcards: SWEEPS().runs[wildcards.run],
         until="end",

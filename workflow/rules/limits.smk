@@ -28,6 +28,8 @@ rule limits_run:
     wildcard_constraints:
         run=".+",
     threads: 1
+    resources:
+        **asked(lambda wildcards: CHANGES().runs[wildcards.run]),
     params:
         scene=lambda wildcards: CHANGES().runs[wildcards.run],
         until="end",

@@ -62,6 +62,8 @@ rule sensitivity_run:
     wildcard_constraints:
         run=".+",
     threads: 1
+    resources:
+        **asked(lambda wildcards: PLAN.scene()),
     params:
         scene=lambda wildcards, input: DESIGNS().scene(
             wildcards.design, wildcards.run, chosen_factors(input.factors)

@@ -16,8 +16,10 @@ rule gravity:
         "{folder}/logs/{gravity}.log",
     benchmark:
         "{folder}/benchmarks/{gravity}.tsv"
+    resources:
+        **asked(stage_scene, lambda wildcards: "gravity"),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).stage(wildcards.gravity),
+        scene=stage_scene,
         until="gravity",
     script:
         "../scripts/simulate.py"
@@ -41,8 +43,10 @@ rule trunk:
     benchmark:
         "{folder}/benchmarks/{trunk}.tsv"
     priority: 10
+    resources:
+        **asked(stage_scene),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).stage(wildcards.trunk),
+        scene=stage_scene,
         until="first_failure",
     script:
         "../scripts/simulate.py"
@@ -67,8 +71,10 @@ rule simulate:
         "{folder}/benchmarks/{run}.tsv"
     wildcard_constraints:
         run="[^/]+",
+    resources:
+        **asked(stage_scene),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).run_scene(wildcards.run),
+        scene=stage_scene,
         until="end",
     script:
         "../scripts/simulate.py"

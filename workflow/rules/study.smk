@@ -14,8 +14,10 @@ rule yield_acceleration:
         "{folder}/logs/yield_acceleration.log",
     benchmark:
         "{folder}/benchmarks/yield_acceleration.tsv"
+    resources:
+        **asked(searched_scene, lambda wildcards: "yield_acceleration"),
     params:
-        scene=lambda wildcards: PLANS(wildcards.folder).slope,
+        scene=searched_scene,
         by="yield_acceleration",
     script:
         "../scripts/simulate.py"

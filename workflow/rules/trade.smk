@@ -39,6 +39,8 @@ rule trade_run:
     wildcard_constraints:
         run=".+",
     threads: 1
+    resources:
+        **asked(lambda wildcards: LADDER().runs[wildcards.run]),
     params:
         scene=lambda wildcards: LADDER().runs[wildcards.run],
         until="end",

@@ -42,6 +42,11 @@ rule validation_run:
     wildcard_constraints:
         run=".+",
     threads: 1
+    resources:
+        **asked(
+            lambda wildcards: SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene,
+            lambda wildcards: SUITE().cases[wildcards.case].by,
+        ),
     params:
         scene=lambda wildcards: SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene,
         until="end",

@@ -12,7 +12,13 @@ from sph.stability.record import search_to_file
 
 
 def simulate(
-    scene: Mapping[str, Any], until: Until, path_to_restart: str | None, path_to_trajectory: str, log: TextIO, enforce_limit: bool
+    scene: Mapping[str, Any],
+    until: Until,
+    path_to_restart: str | None,
+    path_to_trajectory: str,
+    log: TextIO,
+    enforce_limit: bool,
+    threads: int,
 ) -> None:
     """Run a scene, from its checkpoint or a restart if there is one, and write its trajectory; a run that diverges is a result."""
 
@@ -21,7 +27,7 @@ def simulate(
 
     with reporter(path_to_trajectory, log) as report:
         built = make_scene(scene)
-        result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, say=say, enforce_limit=enforce_limit)
+        result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)
     print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
 
@@ -36,6 +42,6 @@ if __name__ == "__main__":
         if by == "simulation":
             enforce = snakemake.params.get("enforce_limit", True)  # type: ignore[name-defined]
             earlier, out = snakemake.input.get("restart"), snakemake.output[0]  # type: ignore[name-defined]
-            simulate(scene, snakemake.params.until, earlier, out, log, enforce)  # type: ignore[name-defined]
+            simulate(scene, snakemake.params.until, earlier, out, log, enforce, snakemake.threads)  # type: ignore[name-defined]
         else:
             find_limit(scene, by, snakemake.output[0], log)  # type: ignore[name-defined]

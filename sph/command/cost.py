@@ -1,0 +1,173 @@
+"""What a study will cost before it is run (``sph cost``), by ``sph.analysis.cost`` and the speed of the machine at hand.
+
+The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
+another machine.  Runs share the gravity stage and go on from it; the shaking up to the first failure is counted with them.
+"""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from sph.analysis.cost import COMPILE, START, Cost, cost, search_cost
+from sph.analysis.study import Plan
+from sph.command.status import RUNS, SEARCH, State, duration, jobs, look
+from sph.configuration import merge
+from sph.scene import Scene, make_scene
+from sph.solver import Progress, Run
+
+CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
+"""Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""
+TABLES, TABLES_A_RUN = 18.0, 0.1
+"""Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
+
+
+class Speed(NamedTuple):
+    """A machine's speed over that of the reference machine, and how it is known."""
+
+    value: float
+    known_by: str
+
+
+class StudyCost(NamedTuple):
+    """What a study asks for, all of it and what of it is left."""
+
+    folder: str
+    runs: int
+    jobs: int
+    jobs_left: int
+    particles: int  # of the largest scene
+    steps: int  # of the longest run
+    run: float  # s, the longest run from its gravity stage to its end
+    computing: float  # s on one core, of everything
+    left: float  # s on one core, of jobs that are not done
+    wall: float  # s on the cores, of what is left
+    cores: int
+    memory: float  # MiB, of as many jobs at once as there are cores, a search among them
+    disk: float  # MiB
+    speed: Speed
+
+
+def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
+    """Predict a study on a number of cores; ``speed`` over the reference machine's, measured by default.
+
+    ``start`` is what every job takes beside its computing, s: more on a cluster than on one machine.
+    """
+    states = [look(job, folder) for job in jobs(plan)]
+    known = Speed(speed, "as given") if speed else measured_speed(states)
+    found = [(state, _part(state)) for state in states]
+    times = [start + part.seconds / known.value for _, part in found]
+    waits = [time for time, state in zip(times, states, strict=True) if state.state != "done"]
+    slowest: dict[str, float] = {}
+    for state, time in zip(states, times, strict=True):
+        if state.state != "done":
+            slowest[state.job.kind] = max(time, slowest.get(state.job.kind, 0.0))
+    search = slowest.pop(SEARCH, 0.0)
+    longest = max((part for state, part in found if state.job.kind == RUNS), key=lambda part: part.seconds)
+    runs, at_once = sum(state.job.kind == RUNS for state in states), min(cores, len(states))
+    after = (TABLES + TABLES_A_RUN * runs) / known.value
+    left = sum(waits) + after * bool(waits)
+    return StudyCost(
+        plan.folder,
+        runs,
+        len(states),
+        len(waits),
+        max(part.particles for _, part in found),
+        longest.steps,
+        longest.seconds / known.value,
+        sum(times) + after,
+        left,
+        # One stage after another, however many cores there are; the search beside them.
+        max(left / cores, max(sum(slowest.values()), search) + after * bool(waits) / min(cores, 8)),
+        cores,
+        (at_once - 1) * longest.memory + max(part.memory for _, part in found),
+        sum(part.disk for _, part in found),
+        known,
+    )
+
+
+def _part(state: State) -> Cost:
+    """The part of its scene that a job computes."""
+    scene, settled = state.job.scene, state.job.scene.gravity.duration
+    if state.job.kind == SEARCH:
+        return search_cost(scene)
+    if state.job.kind == RUNS:
+        return cost(scene, since=settled)
+    return cost(scene, *((0.0, settled) if state.job.group == "gravity" else (settled, settled + scene.outputs.series_interval)))
+
+
+def measured_speed(states: Sequence[State]) -> Speed:
+    """Speed on the finished runs of a study, else here."""
+    ratios = [
+        cost(state.job.scene).seconds / state.computed
+        for state in states
+        if state.state == "done" and state.job.kind == RUNS and state.computed > 0
+    ]
+    if ratios:
+        return Speed(statistics.median(ratios), f"by {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
+    return Speed(speed_here(states[0].job.scene), "measured here on a coarse copy of a run")
+
+
+def speed_here(scene: Scene) -> float:
+    """Speed of this machine, on a coarse copy of a scene from start to end; compiles if nobody has yet.
+
+    Debris and soil at rest take different times on different machines, so that the beginning of the scene itself would not do.
+    """
+    seen: list[Progress] = []
+
+    def look_at(progress: Progress) -> None:
+        seen[:] = [progress]
+        if progress.elapsed > LONGEST:
+            raise _Enough
+
+    copy = coarse(scene)
+    with suppress(_Enough):
+        Run(copy).go(report=look_at)
+    expected, last = cost(copy, until=seen[0].time), seen[0]
+    return expected.seconds * last.particle_steps / (expected.particles * expected.steps) / last.elapsed
+
+
+class _Enough(Exception):
+    """Ends a measurement."""
+
+
+def coarse(scene: Scene) -> Scene:
+    """A scene with the longest stable step and as coarse as makes it take ``CALIBRATION``, but with ``FEWEST`` particles."""
+    numerics = {"time_step": scene.outputs.series_interval, "adaptive_step": {"courant": 0.8}}
+    quick = make_scene(merge(scene.model_dump(), {"numerics": numerics}))
+    expected = cost(quick)
+    ratio = min(expected.seconds / CALIBRATION, expected.particles / FEWEST)
+    return make_scene(merge(quick.model_dump(), {"numerics": {"spacing": scene.numerics.spacing * math.sqrt(max(ratio, 1.0))}}))
+
+
+def lines(found: StudyCost) -> list[str]:
+    """The prediction in words."""
+    done = found.jobs - found.jobs_left
+    rows = [
+        ("study", f"{found.folder}: {found.runs:,} runs, {found.jobs:,} simulations" + (f", {done:,} done" if done else "")),
+        ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
+        ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them left" if done else "")),
+        ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
+        ("memory", f"{_size(found.memory)} for {min(found.cores, found.jobs)} jobs at once"),
+        ("disk", f"{_size(found.disk)} of trajectories"),
+        ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
+        ("on top", f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice with the yield acceleration's"),
+    ]
+    return [f"{label:<10} {text}" for label, text in rows]
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds:.2g} s" if seconds < 10 else duration(seconds)
+
+
+def _size(mebibytes: float) -> str:
+    return f"{mebibytes:.3g} MiB" if mebibytes < 1000 else f"{mebibytes / 1024:.3g} GiB"
+
+
+def record(found: StudyCost) -> dict[str, Any]:
+    """The prediction for machines: times in s, memory and disk in MiB."""
+    return found._asdict() | {"speed": found.speed.value, "known_by": found.speed.known_by}

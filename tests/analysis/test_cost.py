@@ -1,0 +1,95 @@
+"""The prediction of costs against the runs of the ladder and against itself; no clock is read."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sph import trajectory
+from sph.analysis.advice import shipped_table
+from sph.analysis.cost import COMPILER, TRIALS, cost, needs, search_cost
+from sph.checkpoint import run_to_file
+from sph.particles import place_particles
+from sph.scene import Scene, load_scene
+from sph.stability.standing import FailureRule, static_scene
+
+ROOT = Path(__file__).resolve().parents[2]
+Builder = Callable[[dict[str, Any]], Scene]
+
+
+@pytest.fixture(scope="module")
+def ladder() -> list[tuple[Any, Scene]]:
+    """Timed rows of the shipped table, with their scenes."""
+    table = shipped_table()
+    assert table is not None
+    rows = table[table["timed"] == 1].itertuples()
+    return [(row, load_scene(ROOT / "config" / "scenes" / "paper.yaml", json.loads(str(row.settings)))) for row in rows]
+
+
+def test_the_ladder_is_met(ladder: list[tuple[Any, Scene]]) -> None:
+    """Runs of 0.5 s to 2,067 s, as they were measured, some beside other work: what the module says of itself."""
+    ratios = np.array([cost(scene).seconds / row.wall_time for row, scene in ladder])
+    lower, first, median, third, upper = np.quantile(ratios, [0.1, 0.25, 0.5, 0.75, 0.9])
+    assert len(ratios) > 50
+    assert lower > 0.8 and 0.95 < first < median < third < 1.07 and upper < 1.12 and 0.97 < median < 1.03
+    assert ratios.min() > 0.5 and ratios.max() < 1.3
+
+
+def test_sizes_and_steps_of_the_ladder(ladder: list[tuple[Any, Scene]]) -> None:
+    for row, scene in ladder:
+        found = cost(scene)
+        assert found.particles == row.particles
+        if scene.early_stop is None:
+            balanced = scene.gravity.initial_stress != "none"  # by a step before the first
+            assert 0.95 < found.steps / row.steps < 1.25 if scene.numerics.adaptive_step else found.steps + balanced == row.steps, row.rung
+
+
+def test_parts_add_up(small_slope: Builder) -> None:
+    scene = small_slope({})
+    whole, gravity, rest = cost(scene), cost(scene, until=1.0), cost(scene, since=1.0)
+    assert gravity.steps + rest.steps == whole.steps == 3000
+    assert gravity.seconds + rest.seconds == pytest.approx(whole.seconds)
+    assert gravity.disk < rest.disk == whole.disk and gravity.memory < whole.memory
+    assert whole.particles == place_particles(scene).x.size
+
+
+def test_what_costs_more(small_slope: Builder) -> None:
+    scene = small_slope({})
+    for changes in ({"numerics.spacing": 2.5}, {"numerics.smoothing_ratio": 3.0}, {"numerics.time_step": 5e-4}, {"duration": 5.0}):
+        assert cost(small_slope(changes)).seconds > cost(scene).seconds, changes
+    assert cost(small_slope({"numerics.gradient_tolerance": 0.0})).seconds > 1.3 * cost(scene).seconds
+    assert cost(small_slope({"outputs.frame_interval": 0.01})).disk > 5 * cost(scene).disk
+    calm = small_slope({"coupling.gamma": 0.0, "numerics.adaptive_step": {"courant": 0.8}, "numerics.time_step": 0.01})
+    assert cost(calm).steps < cost(small_slope({"numerics.adaptive_step": {"courant": 0.8}, "numerics.time_step": 0.01})).steps
+
+
+def test_a_file_is_about_as_large_as_predicted(small_slope: Builder, tmp_path: Path) -> None:
+    scene = small_slope({"numerics.spacing": 2.5, "numerics.time_step": 5e-4, "outputs.frame_interval": 0.05})
+    result = run_to_file(scene, tmp_path / "run.nc", say=lambda line: None)
+    assert result.trajectory.sizes["frame"] == 61 and trajectory.read(tmp_path / "run.nc").attrs["status"] == "complete"
+    found = cost(scene)
+    assert 0.6 < found.disk * 2**20 / (tmp_path / "run.nc").stat().st_size < 1.6
+    assert result.trajectory.attrs["particle_steps"] == found.particles * found.steps
+
+
+def test_a_search_is_many_static_tests(small_slope: Builder) -> None:
+    scene = small_slope({"numerics.spacing": 2.0})
+    one = cost(static_scene(scene, FailureRule(), acceleration=1.0))
+    assert search_cost(scene).steps == TRIALS * one.steps and search_cost(scene).seconds == TRIALS * one.seconds
+    coarse = small_slope({})
+    assert search_cost(coarse) == cost(coarse), "too coarse for the rule of failure: there is no search"
+
+
+def test_what_a_job_asks_for(small_slope: Builder) -> None:
+    data = small_slope({}).model_dump(mode="json")
+    first, second = needs(data), needs(data, attempt=2)
+    assert first.mem_mb >= COMPILER and first.runtime >= 5
+    assert second.mem_mb == pytest.approx(2 * first.mem_mb, abs=1) and second.runtime == pytest.approx(2 * first.runtime, abs=1)
+    large = small_slope({"numerics.spacing": 0.2, "numerics.time_step": 5e-5, "outputs.frame_interval": 0.05}).model_dump(mode="json")
+    gravity, end, search = (needs(large, what) for what in ("gravity", "end", "yield_acceleration"))
+    assert first.runtime < gravity.runtime < end.runtime < search.runtime and first.mem_mb < gravity.mem_mb < end.mem_mb

@@ -1,0 +1,105 @@
+"""The profiles for clusters and the container's recipe: they plan, they run, and they name what there is."""
+
+from __future__ import annotations
+
+import importlib.util
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).resolve().parents[2]
+PROFILES = {"slurm": "snakemake_executor_plugin_slurm", "generic": "snakemake_executor_plugin_cluster_generic"}
+"""Profile and the plugin that it needs."""
+RECIPE = (ROOT / "Containerfile").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_a_profile_plans_the_shipped_study(name: str) -> None:
+    if importlib.util.find_spec(PROFILES[name]) is None:
+        pytest.skip(f"{PROFILES[name]} is not installed")
+    asked = [sys.executable, "-m", "snakemake", "--profile", str(ROOT / "workflow" / "profiles" / name), "--dry-run", "--forceall"]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False, cwd=ROOT)
+    said = done.stdout + done.stderr
+    assert done.returncode == 0, said
+    groups = re.findall(r"Group job (\w+)", said)
+    assert groups.count("stages") == 1 and groups.count("runs") == 2 and groups.count("figures") == 1, "24 runs by 16, 7 figures"
+    assert "mem_mb=2000" in said and "runtime=30" in said, "what is no simulation"
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_a_profile_names_rules_of_the_workflow(name: str) -> None:
+    """Snakemake passes over the name of a rule that is not there."""
+    rules = {rule for path in ROOT.glob("workflow/rules/*.smk") for rule in re.findall(r"^rule (\w+):", path.read_text(), re.MULTILINE)}
+    profile = yaml.safe_load((ROOT / "workflow" / "profiles" / name / "config.yaml").read_text(encoding="utf-8"))
+    grouped = dict(pair.split("=") for pair in profile["groups"])
+    assert set(grouped) <= rules and {pair.split("=")[0] for pair in profile["group-components"]} <= set(grouped.values())
+
+
+# ---------------------------------------------------------------- container
+
+
+def instructions(recipe: str) -> list[tuple[str, str]]:
+    """Instruction and argument of every line, continued lines joined."""
+    joined = re.sub(r"\\\n", " ", recipe)
+    lines = [line for line in joined.splitlines() if line.strip() and not line.startswith("#")]
+    return [(line.split(maxsplit=1)[0], line.split(maxsplit=1)[1]) for line in lines]
+
+
+def test_the_container_copies_what_there_is() -> None:
+    copied = [shlex.split(argument) for name, argument in instructions(RECIPE) if name == "COPY"]
+    sources = {word for words in copied for word in words[:-1] if not word.startswith("--")}
+    assert sources and all((ROOT / source).exists() for source in sources)
+    needed = {"constraints.txt", "pyproject.toml", "README.md", "LICENSE", "Snakefile", "sph", "workflow", "config"}
+    assert needed <= sources, "pip and Snakemake need these"
+    assert all(words[0] == "--chown=sph" for words in copied)
+
+
+def test_the_container_installs_as_the_readme_does() -> None:
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    installed = re.search(r"pip install (-c constraints\.txt -e \.)(?=[\s\"])", readme)
+    assert installed
+    ran = " ".join(argument for name, argument in instructions(RECIPE) if name == "RUN")
+    assert f".venv/bin/pip install --no-cache-dir {installed[1]}" in ran and "python3 -m venv .venv" in ran
+    entry = next(argument for name, argument in instructions(RECIPE) if name == "CMD")
+    assert json.loads(entry)[:2] == ["snakemake", "--cores"]
+
+
+def test_the_container_has_a_user_and_a_cache_of_compiled_code() -> None:
+    written = dict(instructions(RECIPE))
+    assert written["FROM"] == "python:3.11-slim" and written["USER"] == "sph"
+    assert "SPH_CACHE_DIR=/var/cache/sph" in written["ENV"]
+    order = [name for name, _ in instructions(RECIPE)]
+    assert order.index("USER") < order.index("COPY"), "nothing is installed as root"
+    warmed = next(argument for name, argument in instructions(RECIPE) if name == "RUN" and "sph run" in argument)
+    assert "chmod -R a+rwX /var/cache/sph" in warmed
+
+
+def test_what_warms_the_cache_is_a_command(tmp_path: Path) -> None:
+    """It is run as it stands, but to a file here."""
+    warmed = next(argument for name, argument in instructions(RECIPE) if name == "RUN" and "sph run" in argument)
+    words = shlex.split(warmed.split("&&")[0])
+    assert words[0] == ".venv/bin/sph"
+    words[-1] = str(tmp_path / "warm.nc")
+    done = subprocess.run([sys.executable, "-m", "sph.command.cli", *words[1:]], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 0 and "paused" in done.stdout, done.stderr
+
+
+def test_the_container_builds() -> None:
+    builder = next((name for name in ("podman", "docker") if shutil.which(name) and _answers(name)), None)
+    if builder is None:
+        pytest.skip("neither podman nor docker answers")
+    done = subprocess.run([builder, "build", "-t", "sph-slope-test", "."], capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 0, done.stdout + done.stderr
+    ran = subprocess.run([builder, "run", "--rm", "sph-slope-test", "snakemake", "-n"], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+
+
+def _answers(builder: str) -> bool:
+    return subprocess.run([builder, "info"], capture_output=True, check=False).returncode == 0

@@ -1,0 +1,49 @@
+"""A job computes with the threads it was given: those of the solver, which Snakemake counts, and none of numba's."""
+
+from __future__ import annotations
+
+import importlib.util
+import io
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from sph.scene import Scene
+from sph.solver import Run
+
+ROOT = Path(__file__).resolve().parents[2]
+NUMBAS = """
+import json, sys
+from sph.scene import make_scene
+from sph.solver import run
+run(make_scene(json.loads(sys.argv[1])), until="gravity", threads=2)
+from numba.np.ufunc import parallel
+print(parallel._is_initialized)
+"""
+
+
+def test_the_solver_starts_none_of_numbas_threads(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", NUMBAS, small_slope({}).model_dump_json()], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert done.stdout.split() == ["False"]
+
+
+def test_a_jobs_threads_are_the_solvers(
+    small_slope: Callable[[dict[str, Any]], Scene], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    teams: list[int] = []
+    go = Run.go
+    monkeypatch.setattr(Run, "go", lambda self, *arguments: (teams.append(len(self.team)), go(self, *arguments))[1])
+    spec = importlib.util.spec_from_file_location("simulate", ROOT / "workflow" / "scripts" / "simulate.py")
+    assert spec and spec.loader
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    scene = json.loads(small_slope({}).model_dump_json())
+    script.simulate(scene, "gravity", None, str(tmp_path / "gravity.nc"), io.StringIO(), True, 2)
+    assert teams == [2]

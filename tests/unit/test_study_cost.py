@@ -1,0 +1,97 @@
+"""``sph cost``: what a study is predicted to take, from its configuration and what of it is done; no clock is read."""
+
+from __future__ import annotations
+
+import json
+import statistics
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import netCDF4
+import pytest
+import yaml
+from typer.testing import CliRunner
+
+from sph.analysis.cost import cost
+from sph.command.cli import REFUSED, app
+from sph.command.cost import speed_here, study_cost
+from sph.command.status import RUNS, jobs, located_plan
+from sph.scene import Scene
+
+CONFIG: dict[str, Any] = {
+    "study": "small",
+    "scene": "slope.yaml",
+    "fidelity": "draft",
+    "grid": {"S_R": ["0.10", "0.50"], "gamma": ["1", "100"], "amplitude": ["0.1", "8.0"]},
+    "fidelities": {"draft": {}, "fine": {"numerics": {"spacing": 2.5, "time_step": 5e-4}}},
+    "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
+    "claims": {"amplitude": 8.0},
+}
+
+
+@pytest.fixture
+def config(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene], monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
+    (tmp_path / "study.yaml").write_text(yaml.safe_dump(CONFIG))
+    return tmp_path / "study.yaml"
+
+
+def predicted(*arguments: object) -> dict[str, Any]:
+    result = CliRunner().invoke(app, ["cost", *(str(argument) for argument in arguments), "--json"])
+    assert result.exit_code == 0, result.output
+    return dict(json.loads(result.stdout))
+
+
+def finish(folder: Path, job: Any, took: float) -> None:
+    path = folder / job.file
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with netCDF4.Dataset(path, "w") as ds:
+        ds.setncatts({"scene": job.scene.model_dump_json(), "status": "complete", "wall_time_s": took})
+
+
+def test_a_study_that_has_not_begun(config: Path) -> None:
+    one, two = predicted(config, "--speed", 1, "--cores", 1), predicted(config, "--speed", 1, "--cores", 2)
+    assert (one["runs"], one["jobs"], one["jobs_left"]) == (8, 12, 12) and one["left"] == one["computing"]
+    assert one["wall"] == one["left"] and one["left"] / 2 <= two["wall"] < one["wall"]
+    assert one["memory"] < two["memory"] <= 2 * one["memory"] and two["computing"] == one["computing"]
+    fine = predicted(config, "--speed", 1, "--cores", 1, "--fidelity", "fine")
+    assert fine["folder"].endswith("small/fine") and fine["run"] > 2 * one["run"] and fine["disk"] > 2 * one["disk"]
+    slow = predicted(config, "--speed", 0.5, "--cores", 1)
+    assert slow["run"] == 2 * one["run"] and slow["computing"] > one["computing"]
+    queued = predicted(config, "--speed", 1, "--cores", 1, "--start", 11.5)
+    assert queued["computing"] == pytest.approx(one["computing"] + 12 * 10.0)
+    many = predicted(config, "--speed", 1, "--cores", 1000)
+    assert many["wall"] >= one["run"], "no run is shorter for all the cores"
+
+
+def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
+    plan, folder = located_plan(None, config)
+    runs = [job for job in jobs(plan) if job.kind == RUNS]
+    took = [2.0 * cost(job.scene).seconds * factor for job, factor in zip(runs, (1.0, 1.1, 5.0), strict=False)]
+    for job, seconds in zip(runs, took, strict=False):
+        finish(folder, job, seconds)
+    found = study_cost(plan, folder, cores=1)
+    assert found.speed.value == pytest.approx(1 / statistics.median((2.0, 2.2, 10.0))) and found.speed.known_by == "by 3 finished runs"
+    assert found.jobs - found.jobs_left == 3 and found.left < found.computing
+    for job in jobs(plan):
+        finish(folder, job, 1.0)
+    done = study_cost(plan, folder, cores=1)
+    assert done.jobs_left == 0 and done.left == done.wall == 0.0 and done.computing > 0
+
+
+def test_the_speed_here(config: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+    assert 1e-3 < speed_here(small_slope({})) < 1e3
+    told = CliRunner().invoke(app, ["cost", str(config)])
+    assert told.exit_code == 0 and "measured here" in told.stdout and "core-hours" in told.stdout and "MiB of trajectories" in told.stdout
+
+
+def test_refusals(config: Path, tmp_path: Path) -> None:
+    for arguments, words in (
+        ((config, "--fidelity", "best"), ["--fidelity 'best'", "draft, fine"]),
+        ((config, "--speed", 0), ["--speed 0", "0.001"]),
+        ((tmp_path / "none.yaml",), ["none.yaml"]),
+    ):
+        refused = CliRunner().invoke(app, ["cost", *(str(argument) for argument in arguments)])
+        assert refused.exit_code == REFUSED and all(word in refused.stderr for word in words), refused.output
