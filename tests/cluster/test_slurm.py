@@ -118,7 +118,7 @@ def test_a_cancelled_job_is_reported(cancelled: tuple[Path, str]) -> None:
 
 
 def test_short_runs_share_submissions(cancelled: tuple[Path, str], finished: tuple[Path, str]) -> None:
-    """Gravity and shaking are one, the yield acceleration one, all runs one; after the cancelled one the runs, their measures, the table."""
+    """Gravity and shaking are one, the yield acceleration one, all runs one; after the cancelled one runs, measures, the table."""
     submitted = [len(re.findall(r"has been submitted with SLURM jobid", said)) for said in (cancelled[1], finished[1])]
     assert submitted == [3, 3]
     assert len(list((finished[0] / "runs").glob("*.nc"))) == RUNS
