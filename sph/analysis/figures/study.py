@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any
 
@@ -24,7 +25,7 @@ COLUMNS = 3
 LOG_FROM = 50.0
 """A dimension is drawn on a logarithmic axis where its largest value is so many times its smallest."""
 LONG_LABEL = 24
-"""Characters from which on the name of a dimension takes more than a line."""
+"""Most characters in a line of the name of a dimension."""
 MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
 
@@ -68,9 +69,9 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
 
 
 def _wrapped(label: str) -> str:
-    """Name of a dimension for an axis: a long one in a line a part of its path."""
+    """Name of a dimension for an axis: a long one in lines that end with a part of its path."""
     text = "$S_R$" if label == "S_R" else plain(label)
-    return text.replace(".", ".\n") if len(text) > LONG_LABEL else text
+    return "\n".join(line.replace(". ", ".") for line in textwrap.wrap(text.replace(".", ". "), LONG_LABEL))
 
 
 DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
