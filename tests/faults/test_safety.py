@@ -207,7 +207,7 @@ def test_the_rules_have_no_shell(path: Path) -> None:
 
 def test_every_wildcard_is_constrained() -> None:
     text = "\n".join(path.read_text(encoding="utf-8") for path in RULES)
-    used = set(re.findall(r"wildcards\.(\w+)", text)) | set(re.findall(r"(?<!\{)\{\{(\w+)\}\}(?!\})", text))
+    used = set(re.findall(r"wildcards\.(\w+)\b(?!\()", text)) | set(re.findall(r"(?<!\{)\{\{(\w+)\}\}(?!\})", text))
     blocks = re.findall(r"^( *)wildcard_constraints:\n((?:\1 +.*\n)+)", text, re.MULTILINE)
     constrained = {name for _, lines in blocks for name in re.findall(r"^\s+(\w+)=\S", lines, re.MULTILINE)}
     assert used and used <= constrained, f"without a constraint: {used - constrained}"
