@@ -10,9 +10,10 @@ from typing import Any
 
 import pytest
 from configurations import changed, keys, section
-from fuzz import FEW, FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER, VALIDATION
+from fuzz import FEW
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
+from inputs import FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER, VALIDATION
 from pydantic import BaseModel
 
 from sph.command.info import describe

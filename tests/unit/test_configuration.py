@@ -162,16 +162,16 @@ def test_file_and_content_replace_each_other() -> None:
 
 def test_files_lie_beside_the_scene_or_in_the_working_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "scenes").mkdir()
-    (tmp_path / "work").mkdir()
+    (tmp_path / "place").mkdir()
     (tmp_path / "scenes" / "beside.txt").write_text("1 2")
     scene = tmp_path / "scenes" / "scene.yaml"
-    scene.write_text("one: {file: beside.txt}\nparts: [{file: ../work/here.txt}]\nother: {file: nowhere.txt}\n")
-    (tmp_path / "work" / "here.txt").write_text("1 2")
+    scene.write_text("one: {file: beside.txt}\nparts: [{file: ../place/here.txt}]\nother: {file: nowhere.txt}\n")
+    (tmp_path / "place" / "here.txt").write_text("1 2")
     monkeypatch.chdir(tmp_path)
     data = read_scene(scene)
-    assert data == {"one": {"file": "scenes/beside.txt"}, "parts": [{"file": "work/here.txt"}], "other": {"file": "nowhere.txt"}}
-    assert scene_files(data | {"stored": {"file": "gone.txt", "points": [1, 2]}}) == ["nowhere.txt", "scenes/beside.txt", "work/here.txt"]
-    monkeypatch.chdir(tmp_path / "work")
+    assert data == {"one": {"file": "scenes/beside.txt"}, "parts": [{"file": "place/here.txt"}], "other": {"file": "nowhere.txt"}}
+    assert scene_files(data | {"stored": {"file": "gone.txt", "points": [1, 2]}}) == ["nowhere.txt", "place/here.txt", "scenes/beside.txt"]
+    monkeypatch.chdir(tmp_path / "place")
     assert read_scene("../scenes/scene.yaml")["one"] == {"file": (tmp_path / "scenes" / "beside.txt").as_posix()}
 
 
