@@ -13,7 +13,8 @@ from __future__ import annotations
 import functools
 import math
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
 
@@ -54,8 +55,8 @@ Until = Literal["end", "gravity", "first_failure"]
 FIRST_TURNS, TURNS = 60, 6
 """Turns of the power iteration that measures the limit of the time step, at the start and at every frame."""
 
-BRANCH_KEYS = ("coupling.S_R", "coupling.gamma", "coupling.fluid_tension_limit")
-"""Keys without effect before the first failure."""
+BRANCH_KEYS = ("coupling.S_R", "coupling.gamma", "coupling.fluid_tension_limit", "layers.*.S_R", "layers.*.gamma")
+"""Keys without effect before the first failure; * stands for a name."""
 RESTART_DIMS = {
     "work": ("row",),
     "reaction_x": ("moving_boundary",),
@@ -454,12 +455,17 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
     bad = [
         one_line(f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene")
         for name in sorted(past.keys() | future.keys())
-        if past.get(name) != future.get(name) and name not in free and name.split(".")[0] not in free
+        if past.get(name) != future.get(name) and not is_among(name, free)
     ]
     if bad:
         raise ValueError(f"{path}: cannot go on from this run at {time:g} s, its scene differs in\n  " + "\n  ".join(bad))
     if time > new.duration:
         raise ValueError(f"{path}: the run is already at {time:g} s, later than duration: {new.duration} s")
+
+
+def is_among(name: str, keys: Iterable[str]) -> bool:
+    """Whether a dotted key, or the section that it stands in, is one of these keys."""
+    return any(fnmatchcase(part, key) for key in keys for part in (name, name.split(".")[0]))
 
 
 def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:

@@ -11,12 +11,12 @@ from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 from sph.analysis.dimensions import point_name, scene_key
-from sph.solver import BRANCH_KEYS, FREE_KEYS
+from sph.solver import BRANCH_KEYS, FREE_KEYS, is_among
 
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, TRUNK = "gravity", "trunk"
-IDLE = {GRAVITY: {*BRANCH_KEYS, *FREE_KEYS, *LATER}, TRUNK: {*BRANCH_KEYS}}
+IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it goes on from one."""
 
 
@@ -59,7 +59,7 @@ class SharedStages:
 
     def _acting(self, kind: str, point: Mapping[str, str]) -> dict[str, str]:
         """The dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""
-        acting = {name: value for name, value in point.items() if not {scene_key(name), scene_key(name).split(".")[0]} & IDLE[kind]}
+        acting = {name: value for name, value in point.items() if not is_among(scene_key(name), IDLE[kind])}
         at = tuple(acting.items())
         if at not in self._standing:
             self._standing[at] = len(acting) == len(point) or self._stands(acting)

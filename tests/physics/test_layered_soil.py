@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from comparison import same_bits
 
+from sph import trajectory
 from sph.configuration import merge
 from sph.initial_stress import overburden
 from sph.material import lightness, material_of
@@ -154,6 +157,19 @@ def test_each_layer_has_its_own_strength_and_coupling(small_slope: Any) -> None:
     divided, ratio = divided_strength(scene, 2.0), weakened(scene, 0.5)
     assert [soil.cohesion for soil in divided.soils] == [75.0, 10.0, 75.0]
     assert [soil.cohesion for soil in ratio.soils] == pytest.approx([75.0, 2.0, 75.0])
+
+
+def test_a_layer_s_own_coupling_does_not_act_before_the_first_failure(small_slope: Any, tmp_path: Path) -> None:
+    one, other = (
+        small_slope({"layers": {"cover": {"region": {"kind": "depth", "bottom": 8.0}, "S_R": S_R, "gamma": gamma}}})
+        for S_R, gamma in ((0.1, 100.0), (0.5, 1.0))
+    )
+    trunk = run(one, until="first_failure")
+    assert trunk.status == "paused"
+    trajectory.write(tmp_path / "trunk.nc", trunk.trajectory, trunk.restart)
+    whole, branched = run(other), run(other, restart=tmp_path / "trunk.nc")
+    same_bits(branched, whole)
+    assert whole.trajectory["displacement_x"].values[-1].min() > run(one).trajectory["displacement_x"].values[-1].min() + 1.0
 
 
 def test_a_weak_layer_fails_first(small_slope: Any) -> None:
