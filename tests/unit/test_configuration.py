@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -49,14 +48,13 @@ HOSTILE = {
 
 
 @pytest.mark.parametrize(("text", "wanted"), HOSTILE.values(), ids=HOSTILE)
-def test_hostile_yaml_is_refused_at_once(tmp_path: Path, text: str, wanted: str) -> None:
+def test_hostile_yaml_is_refused(tmp_path: Path, text: str, wanted: str) -> None:
+    # A reader that expanded all aliases would not come back.
     path = tmp_path / "hostile.yaml"
     path.write_text(text)
-    started = time.perf_counter()
     with pytest.raises(ValueError, match=r"hostile\.yaml: cannot be read as YAML") as raised:
         read_yaml(path)
     assert wanted in str(raised.value)
-    assert time.perf_counter() - started < 5.0
 
 
 def test_aliases_are_welcome_while_they_are_few() -> None:
