@@ -10,7 +10,7 @@ import yaml
 
 from sph.analysis.study import Plan, Study, load_study
 from sph.analysis.trigger import load_trigger
-from sph.configuration import merge, validated
+from sph.configuration import merge, read_yaml, validated
 from sph.scene import make_scene
 from sph.solver import check_restart
 
@@ -28,6 +28,14 @@ def test_the_shipped_study_covers_the_papers_cases() -> None:
     assert {float(g) for g in points["gamma"]} == {1.0, 100.0}
     assert len({float(a) for a in points["amplitude"]} - {6.0}) >= 2 and "6.0" in set(points["amplitude"])
     assert {"draft", "standard", "paper"} <= set(plan({}).study.fidelities)
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config" / "studies").glob("*.yaml")), ids=lambda path: path.stem)
+def test_the_shipped_studies_of_other_slopes_stand(path: Path) -> None:
+    data = merge(GOOD, read_yaml(path))
+    for fidelity in read_yaml(path)["fidelities"]:
+        chosen = load_study({**data, "fidelity": fidelity}, [ROOT])
+        assert len(chosen.study.runs) == 12 and chosen.study.study == path.stem
 
 
 def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:
