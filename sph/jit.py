@@ -2,7 +2,7 @@
 
 numba's on-disk cache has two traps: it does not see edits in imported files, and when two
 processes compile different variants of one function at the same time a third can be handed the
-wrong one.  Three measures answer them: the cache folder is named after a digest of the solver's
+wrong one.  Three measures answer them: the cache folder is named after a digest of the compiled
 sources and numba's version; compiling and loading happen under a lock between processes
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
 (``sph.integration.active_terms``).
@@ -17,7 +17,7 @@ import fcntl
 import hashlib
 import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -34,12 +34,43 @@ OVERLAP_CHECKS = 1000
 state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
 
 
+COMPILED = (
+    "absorbing.py",
+    "bingham.py",
+    "contact.py",
+    "coupling.py",
+    "elastic.py",
+    "free_slip.py",
+    "integration.py",
+    "jit.py",
+    "kernels.py",
+    "material.py",
+    "mohr_coulomb.py",
+    "momentum.py",
+    "neighbours.py",
+    "state.py",
+    "team.py",
+    "timestep.py",
+)
+"""Files whose text becomes machine code: those with jitted functions, and those whose names these functions use (a test holds the list
+against the sources).  An edit in any other file compiles nothing again."""
+
+
+def compiled_digest() -> str:
+    """Digest of the files that are compiled and of numba's version."""
+    return _digest(Path(__file__).parent / name for name in COMPILED)
+
+
 def solver_digest() -> str:
     """Digest of the solver's sources (the files beside this one, but for the package's own text, and the ground motions') and numba's
     version."""
-    digest = hashlib.sha256(numba.__version__.encode())
     here = Path(__file__).parent
-    for path in sorted([*here.glob("[!_]*.py"), *here.glob("ground_motion/*.py")]):
+    return _digest(sorted([*here.glob("[!_]*.py"), *here.glob("ground_motion/*.py")]))
+
+
+def _digest(paths: Iterable[Path]) -> str:
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in paths:
         digest.update(path.name.encode() + path.read_bytes())
     return digest.hexdigest()[:16]
 
@@ -47,7 +78,7 @@ def solver_digest() -> str:
 def cache_folder() -> Path:
     """Folder of the compiled code: ``$SPH_CACHE_DIR`` or the user's cache, then the digest."""
     home = os.environ.get("SPH_CACHE_DIR") or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sph"
-    return Path(home) / solver_digest()
+    return Path(home) / compiled_digest()
 
 
 llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")

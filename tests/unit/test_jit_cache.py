@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import shutil
@@ -14,7 +15,7 @@ from typing import Any, NamedTuple
 import pytest
 
 import sph
-from sph.jit import mend, seal
+from sph.jit import COMPILED, mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -24,29 +25,60 @@ def environment(root: Path, **extra: str) -> dict[str, str]:
 
 
 def digest_of(root: Path) -> str:
-    command = [sys.executable, "-c", "from sph.jit import solver_digest; print(solver_digest())"]
-    return subprocess.run(command, env=environment(root), cwd=root, check=True, capture_output=True, text=True).stdout.strip()
+    return digests_of(root)[0]
 
 
-def test_digest_changes_with_a_source_edit(tmp_path: Path) -> None:
+def digests_of(root: Path) -> list[str]:
+    """Digests of what is compiled and of the solver."""
+    command = [sys.executable, "-c", "from sph.jit import compiled_digest, solver_digest; print(compiled_digest(), solver_digest())"]
+    return subprocess.run(command, env=environment(root), cwd=root, check=True, capture_output=True, text=True).stdout.split()
+
+
+def test_digest_changes_with_an_edit_of_what_is_compiled(tmp_path: Path) -> None:
     shutil.copytree(PACKAGE, tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__", "analysis"))
-    before = digest_of(tmp_path)
-    assert digest_of(tmp_path) == before
-    (tmp_path / "sph" / "analysis").mkdir()
-    (tmp_path / "sph" / "analysis" / "metric.py").write_text("x = 1\n")
-    assert digest_of(tmp_path) == before, "editing a metric must not recompile the solver"
+    before, solver = digests_of(tmp_path)
+    assert digests_of(tmp_path) == [before, solver]
+    for name in ("scene.py", "solver.py", "ground_motion/record.py"):
+        file = tmp_path / "sph" / name
+        file.write_text(file.read_text() + "\n# edited\n")
+        earlier, (compiled, solver) = solver, digests_of(tmp_path)
+        assert compiled == before, "an edit outside the compiled code must not recompile it"
+        assert solver != earlier, "but a checkpoint of another solver is not gone on from"
+    # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
     kernels = tmp_path / "sph" / "kernels.py"
     kernels.write_text(kernels.read_text() + "\n# edited\n")
-    edited = digest_of(tmp_path)
-    assert edited != before
-    # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
-    kernels.rename(tmp_path / "sph" / "kernel_functions.py")
-    shutil.copy(tmp_path / "sph" / "kernel_functions.py", kernels)
-    assert digest_of(tmp_path) not in (before, edited), "a new file counts too"
+    assert digest_of(tmp_path) != before
+
+
+def jitted(tree: ast.Module) -> list[ast.FunctionDef]:
+    return [
+        node
+        for node in tree.body
+        if isinstance(node, ast.FunctionDef) and any(isinstance(mark, ast.Name) and mark.id == "jit" for mark in node.decorator_list)
+    ]
+
+
+def test_the_list_of_compiled_files_is_complete() -> None:
+    trees = {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text()) for path in PACKAGE.rglob("*.py")}
+    needed = set()
+    for file, tree in trees.items():
+        functions = jitted(tree)
+        if functions:
+            used = {node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)}
+            imports = [node for node in tree.body if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sph.")]
+            modules = {node.module for node in imports if used & {name.asname or name.name for name in node.names}}
+            needed |= {file, *(f"{str(module).removeprefix('sph.').replace('.', '/')}.py" for module in modules)}
+    # The records of coefficients are types that the compiled code is specialised on.
+    needed |= {
+        node.module.removeprefix("sph.") + ".py"
+        for node in ast.walk(trees["state.py"])
+        if isinstance(node, ast.ImportFrom) and node.module and any(name.name.endswith("Term") for name in node.names)
+    }
+    assert sorted(COMPILED) == sorted(needed)
 
 
 def test_cache_folder_follows_the_environment(tmp_path: Path) -> None:
-    code = "import numba, sph.jit; print(numba.config.CACHE_DIR); print(sph.jit.cache_folder()); print(sph.jit.solver_digest())"
+    code = "import numba, sph.jit; print(numba.config.CACHE_DIR); print(sph.jit.cache_folder()); print(sph.jit.compiled_digest())"
     command = [sys.executable, "-c", code]
     out = subprocess.run(
         command, env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path)), check=True, capture_output=True, text=True
