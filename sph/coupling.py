@@ -8,9 +8,9 @@ state.  Both states stay on their own Mohr-Coulomb surface: the solid one is ela
 plastic, since with gamma = 1/s it lives on for seconds.  The fluid deviator starts from the stress
 at t_f.  The elastic pressure is common to both.
 
-At the end of the gravity stage every particle that is not at yield is armed.  One that yields under
-gravity alone (soil hanging on a sticky wall) is armed once it has come off the surface clearly, so
-that it does not count as failed by a shaking that has hardly begun.
+At the end of the gravity stage every particle is armed.  Soil that is at yield there has failed under
+gravity alone: its t_f is the end of the stage.  Particles held by a fixed wall (``sph.state.initial_state``) yield
+because the wall carries them and not because the slope does not stand: such a one is armed once it has come off the surface clearly.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ from sph.elastic import deviator_square, elastic_increment, pressure, rotate
 from sph.jit import jit, rows
 from sph.material import material_of
 from sph.mohr_coulomb import limit_tension, return_factor, shear_demand, strength
-from sph.state import ARMED, FAILED, UNARMED
+from sph.state import ARMED, FAILED, HELD, UNARMED, YIELDED
 
 BETA_ZERO = 1e-16
 """Below this weight the solid state no longer shows in the sum and is dropped."""
 OFF_THE_SURFACE = 0.95
-"""A particle that yielded under gravity is armed when it asks for less than this part of its strength."""
+"""A particle that a wall held at yield is armed when it asks for less than this part of its strength."""
 
 
 CHUNK = 64
@@ -204,15 +204,17 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
     newly_failed = 0
     for i in range(first, _last_that_fails(terms.absorbing, terms.n_soil, last)):
         if state.phase[i] == UNARMED:
+            state.phase[i] = YIELDED if reached[i - first] > 0.0 else ARMED
+        elif state.phase[i] == HELD:
             limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
             soil = material_of(terms.layers, terms.soil, i)
             p = limit_tension(soil.solid, pressure(soil.bulk_modulus, state.density[i], terms.reference_density))
             demand = shear_demand(soil.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
             if reached[i - first] == 0.0 and demand <= limit * strength(soil.solid, p):
                 state.phase[i] = ARMED
-        elif state.phase[i] == ARMED and reached[i - first] > 0.0:
+        elif state.phase[i] == YIELDED or state.phase[i] == ARMED and reached[i - first] > 0.0:
+            state.t_f[i] = time if state.phase[i] == ARMED else time - terms.dt
             state.phase[i] = FAILED
-            state.t_f[i] = time
             state.fluid_d[i] = state.solid_d[i]
             state.fluid_q[i] = state.solid_q[i]
             state.fluid_z[i] = state.solid_z[i]
@@ -231,11 +233,11 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
     internal = 0.0
     for begin in range(first, min(last, terms.n_stressed), CHUNK):
         end = min(begin + CHUNK, last, terms.n_stressed)
-        some_failed = some_armed = some_unarmed = some_solid = False
+        some_failed = some_armed = some_to_arm = some_solid = False
         for i in rows(begin, end):
             some_failed |= state.phase[i] == FAILED
             some_armed |= state.phase[i] == ARMED
-            some_unarmed |= state.phase[i] == UNARMED
+            some_to_arm |= state.phase[i] != ARMED and state.phase[i] != FAILED
             some_solid |= state.beta[i] > 0.0
         if not some_failed:
             internal += _advance_chunk(True, None, state, pairs, terms, gradient, reached, begin, end)
@@ -243,7 +245,7 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
             internal += _advance_chunk(True, True, state, pairs, terms, gradient, reached, begin, end)
         else:
             internal += _advance_chunk(None, True, state, pairs, terms, gradient, reached, begin, end)
-        if time >= terms.armed_from and (some_unarmed or some_armed and reached[: end - begin].max() > 0.0):
+        if time >= terms.armed_from and (some_to_arm or some_armed and reached[: end - begin].max() > 0.0):
             failed += _arm_and_fail(state, terms, reached, begin, end, time)
     return failed, internal
 

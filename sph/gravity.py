@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import pairwise
 from typing import Annotated, Literal
 
+import numpy as np
 from pydantic import Field, model_validator
 
 from sph.configuration import Section, key
@@ -53,7 +54,14 @@ class GravityStage(Section):
     """How gravity is brought on before the failure criterion is armed."""
 
     ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
-    duration: float = key("length of the stage; failure is armed at its end", "s", "Sec. 3.2", gt=0, le=1000, default=3.0)
+    duration: float = key(
+        "length of the stage; at its end failure begins to count, and soil that is at yield there has failed",
+        "s",
+        "Sec. 3.2",
+        gt=0,
+        le=1000,
+        default=3.0,
+    )
     damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
     acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
     inclination: float = key(
@@ -63,3 +71,7 @@ class GravityStage(Section):
         "stress at the start: none, that of level ground at rest at the depth below the surface (needs ramp: 0), or a uniform pressure",
         default="none",
     )
+
+    def failed(self, t_f: np.ndarray) -> np.ndarray:
+        """Which particles (n,) failed under gravity alone, by their times of failure (s): at the end of the stage, before any shaking."""
+        return np.isclose(t_f, self.duration, rtol=1e-9, atol=0.0)

@@ -94,7 +94,13 @@ class EarlyStop(Section):
 class Outputs(Section):
     """What a run stores, and how often."""
 
-    frame_interval: float = key("interval of the particle fields", "s", gt=0, le=1e4, default=0.25)
+    frame_interval: float = key(
+        "interval of the particle fields, which are also stored at the ends of the gravity stage, the shaking and the run",
+        "s",
+        gt=0,
+        le=1e4,
+        default=0.25,
+    )
     series_interval: float = key("interval of probes, energies and other series", "s", gt=0, le=1e4, default=0.01)
 
 

@@ -98,6 +98,7 @@ class Run:
         self.state: State = initial_state(self.particles, scene)
         impose_stress(self.state, scene, self.particles, self.terms.n_stressed)
         self.probes = locate_probes(scene, self.particles)
+        self.landmarks = landmarks(scene)
         self.wanted = wanted_terms(scene)
         self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
         self.ended = ("", "")
@@ -250,13 +251,21 @@ class Run:
         if not status:
             rest = self._rest()
             done_all = bool(rest) or self.step >= scene.steps(scene.duration)
-            unfailed = not np.any(self.state.phase == FAILED)
-            status = ("unfailed" if unfailed else "complete") if done_all else "paused"
-            reason = rest if done_all else "at the end of the gravity stage"
+            if done_all:
+                status, reason = self._finished(rest)
+            else:
+                status, reason = "paused", "at the end of the gravity stage"
             if rest and self._frames["time"][-1] < self.time:
                 self._record_frame()
         elapsed = clock.perf_counter() - started
         return self._result(status, reason, elapsed, (self.steps_made - first_steps_made) * self.state.x.size)
+
+    def _finished(self, rest: str) -> tuple[str, str]:
+        """Status and reason of a run that has reached its duration or came to ``rest``."""
+        unshaken = float(np.mean(self.scene.gravity.failed(self.state.t_f[: self.particles.n_soil])))
+        if unshaken > 0.0:
+            return "failed_unshaken", "; ".join(filter(None, (f"{unshaken:.2%} of the soil yields under gravity alone", rest)))
+        return "complete" if np.any(self.state.phase == FAILED) else "unfailed", rest
 
     def _largest_ratio(self) -> float:
         """Largest time step over its measured limit, over the frames."""
@@ -280,10 +289,12 @@ class Run:
 
     def _record(self) -> None:
         scene, state, n_soil = self.scene, self.state, self.particles.n_soil
-        if self.step % scene.steps(scene.outputs.frame_interval) == 0:
-            if self.step:
-                self.measure_limit(TURNS)
+        regular = self.step % scene.steps(scene.outputs.frame_interval) == 0
+        if regular and self.step:
+            self.measure_limit(TURNS)
+        if self._has_frame(self.step):
             self._record_frame()
+        if regular:
             self._adapt()
         soil, moving = slice(0, n_soil), slice(0, self.terms.n_moving)
         speed_square = state.vx[moving] ** 2 + state.vy[moving] ** 2
@@ -308,6 +319,10 @@ class Run:
         }
         for name, values in self._series.items():
             values.append(sample[name])
+
+    def _has_frame(self, step: int) -> bool:
+        """Whether the fields are stored at a step: at every interval, and at the ends of the gravity stage, the shaking and the run."""
+        return step % self.scene.steps(self.scene.outputs.frame_interval) == 0 or step in self.landmarks
 
     def _record_frame(self) -> None:
         state = self.state
@@ -392,9 +407,13 @@ class Run:
         for name, array in self._kept().items():
             array[...] = restart[name].values
         self._divide(int(restart.attrs.get("substeps", 1)))
-        for store in (self._frames, self._series):
-            for name in store:
-                store[name] = list(old[name].values)
+        self.limit = float(old["time_step_limit"][-1])
+        # The end of a shorter run is no frame of a longer one.
+        frames = [number for number, at in enumerate(old["time"].values) if self._has_frame(self.scene.steps(float(at)))]
+        for name in self._frames:
+            self._frames[name] = list(old[name].values[frames])
+        for name in self._series:
+            self._series[name] = list(old[name].values)
         # The last sample's kick is still to come, under this scene's motion, which may not be that of the gravity stage.
         self._series["ground_acceleration"][-1] = self.loading.ground[self.step * self.substeps]
         self._series["ground_acceleration_y"][-1] = self.loading.vertical[self.step * self.substeps]
@@ -420,6 +439,13 @@ def run(
     if restart is not None:
         simulation.resume(restart)
     return simulation.go(until, report)
+
+
+def landmarks(scene: Scene) -> set[int]:
+    """Steps with a frame whatever the interval of frames: the end of the gravity stage, the last sample of the shaking, the end."""
+    sample = scene.steps(scene.outputs.series_interval)
+    shaken = math.floor((quiet_from(scene) / scene.outputs.series_interval) * (1 + 1e-9)) * sample
+    return {scene.steps(scene.gravity.duration), shaken, scene.steps(scene.duration)}
 
 
 def wanted_terms(scene: Scene) -> tuple[bool, ...]:

@@ -19,8 +19,9 @@ from sph.particles import Particles
 from sph.scene import Scene
 from sph.walls import HOLDING
 
-UNARMED, ARMED, FAILED = 0, 1, 2
-"""Phases of a particle: the failure criterion does not count yet, counts, was met."""
+UNARMED, ARMED, FAILED, HELD, YIELDED = range(5)
+"""Phases of a particle: the failure criterion does not count yet, counts, was met; it will count once the particle has come off the
+surface at which a fixed wall holds it; it was met by gravity alone, and the particle fails in the step after the gravity stage."""
 
 SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
 """Rows of ``State.work`` (J/m): work of the shaking (or of a prescribed motion) and of gravity on the soil, of strain on
@@ -55,7 +56,7 @@ class State(NamedTuple):
     fluid_z: np.ndarray
     beta: np.ndarray  # weight of the solid state
     t_f: np.ndarray  # time of failure, NaN before
-    phase: np.ndarray  # uint8: UNARMED, ARMED, FAILED
+    phase: np.ndarray  # uint8: UNARMED, ARMED, FAILED, HELD, YIELDED
     sxx: np.ndarray  # stress of the momentum equation over density squared
     syy: np.ndarray
     sxy: np.ndarray
@@ -224,7 +225,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "density": np.full(n, density),
         "beta": np.full(n, 0.0 if fluid else 1.0),
         "t_f": np.full(n, 0.0 if fluid else np.nan),
-        "phase": np.full(n, FAILED if fluid else UNARMED, np.uint8),
+        "phase": np.where(fluid, FAILED, np.where(_held(particles, scene), HELD, UNARMED)).astype(np.uint8),
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
         "density_pairs": np.full(n, density),
@@ -244,6 +245,21 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         state.vx[soil] = np.interp(place, table.position, table.x)
         state.vy[soil] = np.interp(place, table.position, table.y)
     return state
+
+
+def _held(particles: Particles, scene: Scene) -> np.ndarray:
+    """Particles (n,) that fixed walls hold: those of the box, and soil within the kernel's support of a fixed side wall or lid.
+
+    Soil settles under gravity and hangs on such a wall; on a fixed base it lies.
+    """
+    held = np.arange(particles.x.size) >= particles.n_soil
+    columns, rows = scene.lattice
+    dx, support = scene.numerics.spacing, 2.0 * scene.numerics.smoothing_length
+    if scene.walls.sides == "sticky":
+        held |= np.minimum(particles.x, columns * dx - particles.x) < support
+    if scene.walls.top == "sticky":
+        held |= rows * dx - particles.y < support
+    return held
 
 
 def _faces(scene: Scene) -> FacesTerm | None:

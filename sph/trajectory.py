@@ -40,7 +40,13 @@ PROBE = ("sample", "probe")
 VARIABLES: tuple[Variable, ...] = (
     Variable("time", ("frame",), "f8", "s", "time of the frame"),
     Variable("time_step", ("frame",), "f8", "s", "time step up to the frame; at the first frame the one that follows"),
-    Variable("time_step_limit", ("frame",), "f8", "s", "limit of the time step for the particles as they lie, measured"),
+    Variable(
+        "time_step_limit",
+        ("frame",),
+        "f8",
+        "s",
+        "limit of the time step for the particles as they lie, measured at every outputs.frame_interval",
+    ),
     Variable("x0", ("particle",), "f8", "m", "initial horizontal position"),
     Variable("y0", ("particle",), "f8", "m", "initial height"),
     Variable("kind", ("particle",), "i1", "1", "0 soil, 1 base of the box, 2 side wall, 3 lid"),
@@ -78,8 +84,9 @@ VARIABLES: tuple[Variable, ...] = (
 )
 BY_NAME = {variable.name: variable for variable in VARIABLES}
 
-STATUSES = ("complete", "unfailed", "paused", "diverged")
+STATUSES = ("complete", "unfailed", "failed_unshaken", "paused", "diverged")
 """complete: reached its duration, or rest where ``early_stop`` ends it; unfailed: the same without one particle failing;
+failed_unshaken: the same, but soil failed under gravity alone, so that the slope does not stand without shaking;
 paused: stopped before its duration so that it can go on; diverged: stopped by the guard."""
 
 FACTS = ("scene", "status", "status_reason", "wall_time_s", "particle_steps", "particle_steps_per_second")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 SLOPE: dict[str, Any] = {
@@ -26,3 +27,7 @@ FREE_BLOCK: dict[str, Any] = {
     "outputs": {"frame_interval": 0.01, "series_interval": 0.01},
 }
 """A block that floats: no walls, no gravity, too strong to yield."""
+
+PAPER = Path(__file__).parents[1] / "config" / "scenes" / "paper.yaml"
+DRAFT: dict[str, Any] = {"numerics": {"spacing": 1.6666667, "smoothing_ratio": 1.3, "time_step": 2e-3}}
+"""The paper's slope as the fidelity draft has it, but for the tolerance of its gradients: 959 particles, a second a run."""

@@ -17,10 +17,9 @@ from sph.trajectory import scene_of
 
 
 def with_end(name: str, trajectory: xr.Dataset) -> str:
-    """A name for figures; that of a run which the guard stopped says so and when."""
-    if trajectory.attrs["status"] != "diverged":
-        return name
-    return f"{name}, diverged at {float(trajectory['sample_time'][-1]):.3g} s".removeprefix(", ")
+    """A name for figures; that of a run which the guard stopped says so and when, that of a slope which does not stand unshaken so."""
+    ends = {"diverged": f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", "failed_unshaken": "fails unshaken"}
+    return ", ".join(filter(None, (name, ends.get(trajectory.attrs["status"]))))
 
 
 class ProbeHistory(NamedTuple):
@@ -30,6 +29,7 @@ class ProbeHistory(NamedTuple):
     horizontal: np.ndarray  # (samples,) m, positive to the right
     vertical: np.ndarray  # (samples,) m, positive upwards
     speed: np.ndarray  # (samples,) m/s
+    settlement: float  # length of the displacement in the gravity stage, m
 
     @property
     def magnitude(self) -> np.ndarray:
@@ -77,7 +77,7 @@ def probe_history(trajectory: xr.Dataset, probe: str) -> ProbeHistory:
     ux, uy, vx, vy = (
         trajectory[f"probe_{name}"].values[start:, at] for name in ("displacement_x", "displacement_y", "velocity_x", "velocity_y")
     )
-    return ProbeHistory(time[start:], ux - ux[0], uy - uy[0], np.hypot(vx, vy))
+    return ProbeHistory(time[start:], ux - ux[0], uy - uy[0], np.hypot(vx, vy), float(np.hypot(ux[0], uy[0])))
 
 
 def _initial_height(trajectory: xr.Dataset, frame: int) -> np.ndarray:

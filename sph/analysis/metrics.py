@@ -3,8 +3,8 @@
 Conventions
 -----------
 * Displacements are relative to the box and *since the end of the gravity stage*, so that the settlement while
-  gravity is brought on does not count.  Vertical is positive upwards (a settlement is negative), horizontal
-  positive to the right (towards the back wall; a slope that fails moves to negative x).
+  gravity is brought on does not count; ``gravity_stage_displacement`` is what they leave out.  Vertical is positive upwards
+  (a settlement is negative), horizontal positive to the right (towards the back wall; a slope that fails moves to negative x).
 * "At the end" means the last sample for probes and series, and the last frame for particle fields.
 * A particle is a square of one spacing: its edge lies half a spacing from its centre.  Thus a slope that is
   moved by 3 m as a whole has a run-out of 3 m, whatever the spacing.
@@ -122,6 +122,18 @@ METRICS: tuple[Variable, ...] = (
         "1 for a diverged run, which was stopped in motion",
     ),
     Variable("diverged", GRID, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, save those of cost and scene"),
+    _number(
+        "gravity_stage_displacement",
+        "m",
+        "length of the probe's displacement from the start to the end of the gravity stage: the settlement that the other displacements "
+        "leave out, or the motion of a slope that does not stand",
+    ),
+    _number(
+        "failed_unshaken",
+        "1",
+        "soil particles that failed under gravity alone over all soil particles; above 0 the slope does not stand without shaking, and no "
+        "number of the run is the earthquake's alone",
+    ),
     _number("shaking_start", "s", "start of the shaking; NaN without shaking"),
     _number("shaking_end", "s", "end of the shaking; NaN without shaking"),
     _number("displacement_vertical", "m", "permanent vertical displacement of the probe: value at the last sample"),
@@ -213,7 +225,8 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
     settings = settings or MetricSettings()
     scene, status = scene_of(trajectory), str(trajectory.attrs.get("status"))
     if status == "paused" or status not in STATUSES:
-        raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are complete, unfailed, diverged")
+        finished = ", ".join(name for name in STATUSES if name != "paused")
+        raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are {finished}")
     values: dict[str, Value] = {metric.name: math.nan for metric in METRICS}
     values |= _facts(trajectory, scene, status)
     if status == "diverged":
@@ -294,6 +307,7 @@ def _probe_metrics(probe: ProbeHistory, scene: Scene, settings: MetricSettings, 
     arrived = 1 + np.flatnonzero(away)[-1] if away.any() else 0
     at_end = _sample_at_end_of_shaking(probe, scene)
     values: dict[str, Value] = {
+        "gravity_stage_displacement": probe.settlement,
         "onset_time": onset,
         "arrest_time": float(probe.time[arrived]) if begun.any() and not moving else math.nan,
         "probe_peak_speed": float(probe.speed.max()),
@@ -332,6 +346,7 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
     t_f = trajectory["t_f"].values
     values: dict[str, Value] = {
         "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
+        "failed_unshaken": float(np.mean(scene.gravity.failed(t_f[soil]))),
         "failed_fraction": float(trajectory["failed_fraction"].values[-1]),
         "peak_speed": float(trajectory["maximum_speed"].values[after_gravity].max()),
         "area_change": _area_change(trajectory, soil),

@@ -245,11 +245,12 @@
 
   function describe({ facts, file, run }, title) {
     const named = Object.fromEntries(study.columns.map((column, i) => [column, facts[i]]));
-    const diverged = named.status === "diverged", path = `${study.folder}/${file}`;
+    const diverged = named.status === "diverged", unshaken = named.status.startsWith("failed_unshaken"), path = `${study.folder}/${file}`;
     const numbers = study.numbers.map((name) => [name, named[name]]);
     byId("title").textContent = title;
     byId("class").textContent = named.class;
-    byId("result").className = diverged ? "bad" : "";
+    if (unshaken) numbers.unshift(["without shaking", `this slope fails${run ? `: ${run.reason}` : ""}`]);
+    byId("result").className = diverged || unshaken ? "bad" : "";
     list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
     list("facts", [["status", named.status], ["file", path], ["repeat it", `sph run ${path} --out again.nc`]], "code");
   }

@@ -13,7 +13,7 @@ from sph.coupling import CHUNK, cauchy_stress, update_stress
 from sph.integration import make_lists
 from sph.particles import place_particles
 from sph.scene import make_scene
-from sph.state import ARMED, FAILED, State, initial_state, make_terms
+from sph.state import ARMED, FAILED, HELD, YIELDED, State, initial_state, make_terms
 
 DT = 1e-3
 PRESSURES = np.array([50e3, 150e3, 300e3, 600e3])
@@ -119,9 +119,28 @@ def test_before_failure_neither_S_R_nor_gamma_matters() -> None:
     np.testing.assert_array_equal(*results)
 
 
-def test_failure_counts_only_after_arming() -> None:
-    # A particle that yields through the end of the gravity stage (step 500) and on stays unarmed and does not fail.
+def test_what_yields_under_gravity_fails_at_the_end_of_its_stage() -> None:
+    # At yield from step 1 on; the stage ends at step 500, and nothing fails in it.
     b = bench({"gravity.duration": 0.5})
+    for step in range(1, 501):
+        assert b.strain((0.0, 1.0, 0.0, 0.0), step) == 0
+    assert np.all(b.state.phase == YIELDED)
+    assert b.strain((0.0, 1.0, 0.0, 0.0), 501) == 4
+    assert np.all(b.state.phase == FAILED)
+    np.testing.assert_allclose(b.state.t_f, 0.5, rtol=1e-12)
+    # What reaches the surface for the first time after the stage fails when it does.
+    late = bench({"gravity.duration": 0.5})
+    for step in range(1, 501):
+        late.strain((0.0, 0.0, 0.0, 0.0), step)
+    assert np.all(late.state.phase == ARMED)
+    assert late.strain((0.0, 1.0, 0.0, 0.0), 501) == 4
+    np.testing.assert_allclose(late.state.t_f, 0.501, rtol=1e-12)
+
+
+def test_what_a_wall_holds_at_yield_fails_only_after_it_came_off() -> None:
+    # A particle that yields through the end of the gravity stage (step 500) and on is not armed and does not fail.
+    b = bench({"gravity.duration": 0.5})
+    b.state.phase[:] = HELD
     for step in range(1, 700):
         assert b.strain((0.0, 1.0, 0.0, 0.0), step) == 0
     assert not np.any(b.state.phase == FAILED)

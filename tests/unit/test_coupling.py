@@ -12,7 +12,7 @@ from sph.coupling import CHUNK, update_stress
 from sph.integration import make_lists
 from sph.particles import place_particles
 from sph.scene import Scene
-from sph.state import ARMED, FAILED, UNARMED, State, initial_state, make_terms
+from sph.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State, initial_state, make_terms
 
 Builder = Callable[[dict[str, Any]], Scene]
 
@@ -55,7 +55,7 @@ def phases(n: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarr
     phase[4 * CHUNK + 10] = FAILED
     beta[4 * CHUNK + 10] = 0.5
     rest = slice(5 * CHUNK, n)
-    phase[rest] = generator.choice([UNARMED, ARMED, FAILED], n - 5 * CHUNK)
+    phase[rest] = generator.choice([UNARMED, ARMED, FAILED, HELD, YIELDED], n - 5 * CHUNK)
     beta[rest] = np.where(phase[rest] == FAILED, generator.choice([0.0, 0.7], n - 5 * CHUNK), 1.0)
     return phase, beta
 
@@ -89,8 +89,8 @@ def test_the_mixture_holds_every_case(mixture: Mixture) -> None:
     state, failed, _ = mixture.strain([(0, mixture.mass.size)])
     was, now = mixture.state.phase, state.phase
     assert failed > 50
-    for before, after in ((UNARMED, UNARMED), (UNARMED, ARMED), (ARMED, ARMED), (ARMED, FAILED), (FAILED, FAILED)):
-        assert np.any((was == before) & (now == after))
+    changes = [(UNARMED, ARMED), (UNARMED, YIELDED), (HELD, HELD), (HELD, ARMED), (ARMED, ARMED), (ARMED, FAILED), (YIELDED, FAILED)]
+    assert {(int(before), int(after)) for before, after in zip(was, now, strict=True)} == {*changes, (FAILED, FAILED)}
     tension = mixture.terms.soil.bulk_modulus * (1 - state.density / mixture.terms.reference_density)
     assert np.any(tension > mixture.terms.soil.solid.tension_limit)
 

@@ -45,21 +45,22 @@ def check_film(path: Path, fps: float, dpi: int) -> None:
 
 
 def rate(trajectory: xr.Dataset, every: int, speed: float) -> float:
-    """Pictures a second at which every so manyth frame shows ``speed`` simulated seconds a second."""
+    """Pictures a second at which every n-th frame of the interval shows ``speed`` simulated seconds a second."""
     return speed / (every * scene_of(trajectory).outputs.frame_interval)
 
 
 def save_film(
     trajectory: xr.Dataset, path: Path, field: str = "displacement", every: int = 1, fps: float = 10.0, motion: bool = False, dpi: int = 120
 ) -> int:
-    """Write every so manyth stored frame to a GIF or an MP4, whole or not at all; returns the number of pictures.
+    """Write every n-th frame of ``outputs.frame_interval`` to a GIF or an MP4, whole or not at all; returns the number of pictures.
 
     The profile is coloured by a name of ``FIELDS`` on one scale for all frames; ``motion`` adds the acceleration of the ground.
     Raises ValueError as ``check_film`` and for an unknown field, OSError for a file that cannot be written.
     """
     check_film(path, fps, dpi)
     check_field(field)
-    frames = range(0, trajectory.sizes["frame"], every)
+    ratio = trajectory["time"].values / scene_of(trajectory).outputs.frame_interval
+    frames = np.flatnonzero(np.isclose(ratio, ratio.round(), rtol=0.0, atol=1e-6))[::every].tolist()
     with matplotlib.rc_context(STYLE):
         figure, show = draw_film(trajectory, frames, field, motion, dpi)
         with whole(path) as temporary:
