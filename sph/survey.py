@@ -21,9 +21,9 @@ def read_line(path: Path) -> list[tuple[float, float]]:
     """Points (x, elevation) of the one line in a file, m.  ValueError names the line or the point, and what is expected there.
 
     CSV: two columns between commas, semicolons, tabs or blanks; a row of names at the top and lines with '#' are left out, and
-    between semicolons and tabs a comma is a decimal one; names and lines with '#' before the points may say m and no other unit.  GeoJSON (a LineString, alone, in a Feature or in a collection of one)
-    and WKT (LINESTRING): points with two numbers are x and elevation; with three they are easting, northing and elevation, and
-    x is the distance along the line in plan.
+    between semicolons and tabs a comma is a decimal one; names, and lines with '#' before the points, may say m and no other unit.
+    GeoJSON (a LineString, alone, in a Feature or in a collection of one) and WKT (LINESTRING): points with two numbers are x and
+    elevation; with three they are easting, northing and elevation, and x is the distance along the line in plan.
     """
     text = read_text(path).strip()
     if text.startswith(("{", "[")):

@@ -54,8 +54,8 @@ def unit_of(name: str, units: Units) -> float | None:
     size = next(iter(found), None)
     if size is None and (found or inside) or len(found) > 1:
         raise ValueError(
-            f"the unit in {name.strip()[:80]!r} is not understood; it must be {units.allowed}, without a factor and best in brackets, which "
-            "hold nothing else; convert numbers that are in another unit"
+            f"the unit in {name.strip()[:80]!r} is not understood; it must be {units.allowed}, without a factor and best in brackets, "
+            "which hold nothing else; convert numbers that are in another unit"
         )
     return size
 
