@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import Field, field_validator, model_validator
 
 from sph.configuration import Section, key, merge, read_scene, validated
@@ -23,7 +24,7 @@ from sph.geometry import Geometry
 from sph.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.ground_motion.record import Record, processed
 from sph.layers import Layer
-from sph.motion import ConstantAcceleration, Motion, NoMotion, Ricker
+from sph.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.numerics import Numerics
 from sph.places import Point
 from sph.soil import Coupling, Soil
@@ -171,8 +172,7 @@ class Scene(Section):
         if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
-        if isinstance(self.motion, Record):
-            self._check_record(self.motion)
+        self._check_sampling()
         if self.gravity.ramp > self.gravity.duration:
             raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
         if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
@@ -235,13 +235,40 @@ class Scene(Section):
                 f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
             )
 
+    def _check_sampling(self) -> None:
+        """Refuse a motion that the time steps do not resolve; adaptive steps are at most as long.
+
+        A load that is brought on within a step (``constant``) acts from that step on.
+        """
+        step, motion = self.numerics.time_step, self.motion
+        if isinstance(motion, Record):
+            self._check_record(motion)
+        elif not isinstance(motion, (NoMotion, ConstantAcceleration)) and motion.amplitude > 0:
+            longest = motion.shortest_period / STEPS_IN_PERIOD
+            if step > longest * (1 + 1e-9):
+                raise ValueError(
+                    f"numerics.time_step: {step:g} s is too long for motion ({motion.kind}), whose shortest period, "
+                    f"{motion.shortest_period:.3g} s, must hold {STEPS_IN_PERIOD} steps; choose at most {longest:.3g} s, or a slower motion"
+                )
+
     def _check_record(self, record: Record) -> None:
-        interval = float(processed(record).time[1])
-        if self.numerics.time_step > interval * (1 + 1e-6):
+        step, made = self.numerics.time_step, processed(record)
+        interval = float(made.time[1])
+        if step > interval * (1 + 1e-6):
             raise ValueError(
-                f"numerics.time_step: {self.numerics.time_step:g} s would skip samples of motion, a record every {interval:.6g} s; "
+                f"numerics.time_step: {step:g} s would skip samples of motion, a record every {interval:.6g} s; "
                 "choose a shorter step, or a longer motion.resample.interval"
             )
+        for samples in (made.horizontal, made.vertical):
+            peak = int(np.abs(samples).argmax())
+            before = math.floor((record.start + made.time[peak]) / step + 1e-6)
+            felt = np.interp(step * np.array([before, before + 1]) - record.start, made.time, samples, left=0.0, right=0.0)
+            if np.abs(felt).max() < (1.0 - MISSED) * abs(samples[peak]):
+                raise ValueError(
+                    f"numerics.time_step: {step:g} s misses {1.0 - np.abs(felt).max() / abs(samples[peak]):.1%} of the peak of motion, "
+                    f"a record every {interval:.6g} s from {record.start:g} s on; choose a step of which both are whole multiples, or a "
+                    "shorter one"
+                )
 
     def _check_walls(self) -> None:
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support

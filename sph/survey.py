@@ -9,18 +9,21 @@ import numpy as np
 import shapely
 
 from sph.configuration import one_line, read_text
+from sph.units import Units, named, unit_of
 
 WKT = re.compile(r"(SRID=\d+;)?\s*(MULTI)?(POINT|LINESTRING|LINEARRING|POLYGON|GEOMETRYCOLLECTION)\b", re.IGNORECASE)
 EXPECTED = "expected two numbers, x and elevation in m"
+METRES = Units({"m": 1.0}, r"[kcdmnu]m|ft|usft|inch(es)?|yds?|yards?|mi|miles?|deg(rees?)?|°", "m")
+"""Feet are refused: they may be international or US survey feet, and the scene's other places are in m."""
 
 
 def read_line(path: Path) -> list[tuple[float, float]]:
     """Points (x, elevation) of the one line in a file, m.  ValueError names the line or the point, and what is expected there.
 
     CSV: two columns between commas, semicolons, tabs or blanks; a row of names at the top and lines with '#' are left out, and
-    between semicolons and tabs a comma is a decimal one.  GeoJSON (a LineString, alone, in a Feature or in a collection of one)
-    and WKT (LINESTRING): points with two numbers are x and elevation; with three they are easting, northing and elevation, and
-    x is the distance along the line in plan.
+    between semicolons and tabs a comma is a decimal one; names, and lines with '#' before the points, may say m and no other unit.
+    GeoJSON (a LineString, alone, in a Feature or in a collection of one) and WKT (LINESTRING): points with two numbers are x and
+    elevation; with three they are easting, northing and elevation, and x is the distance along the line in plan.
     """
     text = read_text(path).strip()
     if text.startswith(("{", "[")):
@@ -35,13 +38,18 @@ def _table(text: str) -> list[tuple[float, float]]:
         separator = next((mark for mark in (";", "\t", ",") if mark in line), None)
         decimal = line.replace(",", ".") if separator in (";", "\t") else line
         words = [word.strip(' "') for word in decimal.strip().strip(separator or " ").split(separator)]
-        if line.lstrip().startswith("#") or not any(words):
+        if line.lstrip().startswith("#"):
+            if not points and any(size is None and not beside_number for size, beside_number in named(line, METRES)):
+                _check_metres(number, [line])
+            continue
+        if not any(words):
             continue
         try:
             x, y = map(float, words)
         except ValueError as error:
             if names_allowed and words[0][:1].isalpha():
                 names_allowed = False
+                _check_metres(number, re.split("[,;\t]", line))
                 continue
             raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: {EXPECTED}") from error
         if not np.isfinite([x, y]).all():
@@ -49,6 +57,14 @@ def _table(text: str) -> list[tuple[float, float]]:
         points.append((x, y))
         names_allowed = False
     return points
+
+
+def _check_metres(number: int, names: list[str]) -> None:
+    for name in names:
+        try:
+            unit_of(name, METRES)
+        except ValueError as error:
+            raise ValueError(f"line {number}: {error} (a foot is 0.3048 m, a US survey foot 1200/3937 m)") from error
 
 
 def _points(text: str, form: str) -> list[tuple[float, float]]:

@@ -62,15 +62,16 @@ BASELINE: tuple[Variable, ...] = (
         GRID,
         "f8",
         "m s-2",
-        "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s (pseudo-static search)",
+        "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s (pseudo-static search, to 1 %); 0 "
+        "where it fails without; NaN where no one slope was searched, or the search, whose file gives the reason, found none",
     ),
     Variable(
         "newmark_displacement",
         GRID,
         "f8",
         "m",
-        "slip of a rigid block with that yield acceleration under the run's motion (Newmark 1965), which loses no strength; "
-        "infinite where the slope fails without shaking",
+        "slip of a rigid block with that yield acceleration under the horizontal component of the run's motion (Newmark 1965), which loses "
+        "no strength; infinite where the slope fails without shaking, and under a larger load that stays; NaN without a yield acceleration",
     ),
 )
 """The sliding block beside the run; see ``sph.analysis.baseline``."""

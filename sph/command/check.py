@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from sph.analysis.cost import cost
 from sph.analysis.figures.scene import figure_scene
-from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of
+from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of, peak_accelerations
 from sph.geometry import SLOPES
 from sph.particles import Particles, locate_probes, place_particles
 from sph.scene import Scene
@@ -53,6 +53,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
         ("particles", f"{n:,} ({soil:,} soil, {n - soil:,} of the box), spacing {scene.numerics.spacing:g} m"),
         ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {expected.neighbours:.0f} neighbours"),
         ("motion", shaking),
+        ("PGA", peak_accelerations(scene)),
         ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),
         ("computing time", f"{expected.seconds:,.3g} s on one core, if the soil fails"),
         ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),

@@ -2,8 +2,9 @@
 
 Exit codes: 0 done; 2 refused, with one message that names what and the remedy: the scene, the command line, a file that cannot be
 read or written (earlier files are as they were), or nothing measured is as good as asked; 3 the run was stopped by its guard (status
-``diverged``), and what there is was written.  A static test that diverges has failed: 0.  Anything else is a fault of the program,
-with a traceback (1), or of its surroundings: 130 interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
+``diverged``), and what there is was written.  A static test that diverges after the slope has failed counts as failed: 0.  Anything
+else is a fault of the program, with a traceback (1), or of its surroundings: 130 interrupted, 137 killed; ``sph run`` then goes on
+from its checkpoint.
 """
 
 from __future__ import annotations
@@ -137,6 +138,7 @@ def run(
     """
     with refusals():
         from sph.checkpoint import run_to_file
+        from sph.command.concerns import of_motion
         from sph.command.progress import reporter
         from sph.command.repeat import compare, earlier_run, given_scene, stopped_at
 
@@ -149,6 +151,8 @@ def run(
         if path.exists() and path.samefile(scene):
             raise ValueError(f"--out {path}: is the run to repeat; name another file")
         repeats = earlier is not None and not set_ and until is None
+        for concern in of_motion(loaded):
+            say(f"warning: {concern.sentence()}")
         with reporter(loaded.name) as report:
             # What was allowed to run with a step above its limit may be repeated.
             stage = until or stopped_at(earlier)
@@ -434,7 +438,9 @@ def newmark(
         down = parse_acceleration(ay, "--ay")
         up = None if upslope is None else parse_acceleration(upslope, "--upslope")
         peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
-        answer = slide(motion, parse_settings(set_), down, up, peak)
+        answer, heed = slide(motion, parse_settings(set_), down, up, peak)
+    for warning in heed:
+        say(f"warning: {warning}")
     print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
@@ -499,7 +505,7 @@ def motion(
 
             save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
     for warning in shaking.warnings:
-        say(warning)
+        say(f"warning: {warning}")
     if as_json:
         print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
         return

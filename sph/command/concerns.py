@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid  # type: ignore[import-untyped]
 
 from sph.geometry import Slope
+from sph.gravity import GRAVITY
 from sph.ground_line import GroundLine, largest_climb
-from sph.motion import NoMotion
+from sph.ground_motion import GroundMotion, loading_of
+from sph.ground_motion.record import Record, processed
+from sph.motion import ConstantAcceleration, NoMotion
 from sph.particles import Particles
 from sph.scene import Scene
 from sph.soil import Soil
@@ -23,6 +28,15 @@ FEWEST_IN_WAVE = 8
 and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
 ENERGY = 0.95
 """Part of the motion's energy (Arias intensity) below its highest significant frequency."""
+SAMPLES_IN_PERIOD = 8
+"""Samples in the shortest period of a motion from which its spectrum is made."""
+FEWEST_IN_SERIES = 10
+"""Samples of the series in a period of the highest significant frequency, of which straight lines miss the peak by at most 5 %."""
+WEAKEST, STRONGEST = 0.01, 3.0
+"""Peak accelerations of the ground that are plausible, g: the largest recorded are 2.7 g horizontally (MYG004, Tohoku 2011) and 3.9 g
+vertically (IWTH25, Iwate-Miyagi 2008), and below a hundredth of g no slope that stands is moved.  Beyond them units are mistaken."""
+LARGEST_DRIFT = 0.1
+"""Velocity of the ground at the end of a record over its largest."""
 ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
 """Soil behind the crest and before the toe, over the slope's height; the paper's slope runs out 1.3 heights with S_R 0.10."""
 SHARE_OF_LIMIT = 0.8
@@ -63,12 +77,17 @@ def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
 
 def highest_frequency(scene: Scene) -> float:
     """Frequency (Hz) below which ``ENERGY`` of the motion's energy lies; 0 without shaking, and for a load that stays."""
-    interval = max(scene.numerics.time_step, scene.duration / 200_000)
-    acceleration = scene.motion.acceleration(np.arange(0.0, scene.duration, interval))
-    power = np.abs(np.fft.rfft(acceleration)) ** 2
+    motion = scene.motion
+    if isinstance(motion, (NoMotion, ConstantAcceleration)):
+        return 0.0
+    # At samples of its own, whatever the time step: fewer would show high frequencies as low ones.
+    interval = float(processed(motion).time[1]) if isinstance(motion, Record) else motion.shortest_period / SAMPLES_IN_PERIOD
+    acceleration = motion.acceleration(np.arange(motion.start, min(motion.end, scene.duration), interval))
+    size = max(acceleration.size, 2**14)  # zeros after a short motion, so that its frequencies lie close
+    power = np.abs(np.fft.rfft(acceleration, size)) ** 2 if acceleration.size else np.zeros(1)
     if not power.any():
         return 0.0
-    return float(np.fft.rfftfreq(acceleration.size, interval)[np.searchsorted(np.cumsum(power), ENERGY * power.sum())])
+    return float(np.fft.rfftfreq(size, interval)[np.searchsorted(np.cumsum(power), ENERGY * power.sum())])
 
 
 def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
@@ -82,7 +101,8 @@ def concerns(scene: Scene, particles: Particles) -> list[Concern]:
         [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
-        + cut_off(scene)
+        + of_motion(scene)
+        + _series(scene)
         + _step(scene)
     )
 
@@ -159,6 +179,61 @@ def cut_off(scene: Scene) -> list[Concern]:
         return []
     end = f"{scene.motion.end:.4g} s"
     return [Concern("the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}")]
+
+
+def of_motion(scene: Scene) -> list[Concern]:
+    """What may be wrong with the shaking of a scene."""
+    loading = loading_of(scene)
+    components = {"horizontal": loading.ground, "vertical": loading.vertical}
+    return cut_off(scene) + drift(scene) + implausible(components, "motion.amplitude, or the unit of the record")
+
+
+def peak_accelerations(scene: Scene) -> str:
+    """Peak accelerations of the ground in a run, of the motion as processed and scaled."""
+    loading = loading_of(scene)
+    peaks = {"horizontal": np.abs(loading.ground).max(), "vertical": np.abs(loading.vertical).max()}
+    return ", ".join(f"{name} {in_both(float(peak))}" for name, peak in peaks.items() if peak or name == "horizontal")
+
+
+def drift(scene: Scene) -> list[Concern]:
+    """Whether the record of a scene drifts, as processed."""
+    if not isinstance(scene.motion, Record):
+        return []
+    made = processed(scene.motion)
+    return drifting(GroundMotion(made.time, made.horizontal), "motion.baseline={}")
+
+
+def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Concern]:
+    """Whether peaks of accelerations (n,) in m/s2 by direction, the horizontal first, lie beyond what shakes slopes; none is fine."""
+    wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
+    peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
+    return [
+        Concern(f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
+        for name, peak in peaks.items()
+        if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
+    ]
+
+
+def drifting(motion: GroundMotion, key: str) -> list[Concern]:
+    """Whether the ground still moves at the end of a record: an offset of the recorder, which a sliding block takes for shaking."""
+    velocity = cumulative_trapezoid(motion.acceleration, motion.time)
+    largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
+    if last <= LARGEST_DRIFT * largest:
+        return []
+    return [Concern("the ground of the record drifts", f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s", key)]
+
+
+def in_both(acceleration: float) -> str:
+    """An acceleration (m/s2) in m/s2 and g."""
+    return f"{acceleration:.4g} m/s2 ({acceleration / GRAVITY:.3g} g)"
+
+
+def _series(scene: Scene) -> list[Concern]:
+    samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
+    if samples >= FEWEST_IN_SERIES:
+        return []
+    measured = f"{samples:.2g} in a period of {frequency:.3g} Hz"
+    return [Concern("the series hold few samples of the shaking", measured, f"at least {FEWEST_IN_SERIES}", "outputs.series_interval")]
 
 
 def _step(scene: Scene) -> list[Concern]:

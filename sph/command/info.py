@@ -6,7 +6,7 @@ import numpy as np
 
 from sph.analysis.advice import expected_sentence
 from sph.analysis.cost import cost, needs
-from sph.command.concerns import cut_off, thin_box
+from sph.command.concerns import of_motion, peak_accelerations, thin_box
 from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.scene import Scene
 from sph.solver import wanted_terms
@@ -74,10 +74,11 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         depth = scene.walls.layers * numerics.spacing
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
         rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
+    rows.append(("PGA", peak_accelerations(scene)))
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
-    rows += [("warning", concern.sentence()) for concern in thin_box(scene) + cut_off(scene)]
+    rows += [("warning", concern.sentence()) for concern in thin_box(scene) + of_motion(scene)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
         ("estimated cost", f"{expected.seconds:.3g} s on one core ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),

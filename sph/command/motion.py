@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.command.concerns import cut_off
+from sph.command.concerns import drifting, implausible, in_both, of_motion
 from sph.command.repeat import given_scene
-from sph.gravity import GRAVITY
-from sph.ground_motion import LONGEST_INTERVAL, RECORDS
+from sph.ground_motion import RECORDS, GroundMotion, loading_of
 from sph.ground_motion.measures import Measures, measure
 from sph.ground_motion.record import read_even
 from sph.ground_motion.units import Unit
-from sph.loading import make_loading
 
 
 class Shaking(NamedTuple):
@@ -36,16 +33,18 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
     if path.suffix.lower() in RECORDS:
         if overrides:
             raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
-        interval, columns = read_even(str(path), unit)
-        return Shaking(path.name, interval, dict(zip(("horizontal", "vertical"), columns, strict=False)))
+        interval, _, columns = read_even(str(path), unit)
+        components = dict(zip(("horizontal", "vertical"), columns, strict=False))
+        motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
+        found = implausible(components, "the unit of the record") + drifting(motion, "the record, or motion.baseline of a scene with it")
+        return Shaking(path.name, interval, components, tuple(concern.sentence() for concern in found))
     if unit is not None:
         raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
     scene = given_scene(path, overrides)
-    parts = math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9)
-    loading = make_loading(scene, parts)
+    loading = loading_of(scene)
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-    heed = tuple(concern.sentence() for concern in cut_off(scene))
-    return Shaking(scene.name, scene.numerics.time_step / parts, components, heed)
+    heed = tuple(concern.sentence() for concern in of_motion(scene))
+    return Shaking(scene.name, float(loading.time[1]), components, heed)
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:
@@ -56,7 +55,7 @@ def measures(shaking: Shaking) -> dict[str, Measures]:
 def rows(found: Mapping[str, Measures]) -> list[list[str]]:
     """Rows of text: measure, then its value for every component."""
     texts = {
-        "peak acceleration (PGA)": [f"{m.peak_acceleration:.4g} m/s2 ({m.peak_acceleration / GRAVITY:.3g} g)" for m in found.values()],
+        "peak acceleration (PGA)": [in_both(m.peak_acceleration) for m in found.values()],
         "peak velocity (PGV)": [f"{m.peak_velocity:.4g} m/s" for m in found.values()],
         "peak displacement (PGD)": [f"{m.peak_displacement:.4g} m" for m in found.values()],
         "Arias intensity": [f"{m.arias_intensity:.4g} m/s" for m in found.values()],

@@ -54,7 +54,7 @@ def answer(asked: str, scene: Scene, tolerance: float, rule: dict[str, Any], as_
 
 def trial_line(question: Question, trial: Trial) -> str:
     """One trial in words."""
-    verdict = "stands" if trial.stands else "fails (diverged)" if trial.status == "diverged" else "fails"
+    verdict = "stands" if trial.stands else "diverged" if trial.status == "diverged" else "fails"
     return (
         f"{question.symbol} = {question.text(trial.value)}  {verdict}: {trial.displaced_area:.3g} m2 displaced, "
         f"{trial.largest_displacement:.3g} m at most, {trial.wall_time:.1f} s"

@@ -27,6 +27,7 @@ from sph.ground_motion.text import LARGEST_ACCELERATION as LARGEST_ACCELERATION
 from sph.ground_motion.units import Unit
 
 if TYPE_CHECKING:
+    from sph.loading import Loading
     from sph.scene import Scene
 
 SCENES = (".yaml", ".yml")
@@ -70,11 +71,16 @@ def read_motion(path: Path | str, overrides: Mapping[str, Any] | None = None) ->
 
 
 def motion_of(scene: Scene) -> GroundMotion:
-    """A scene's horizontal motion over its duration, at the time steps or parts of them no longer than ``LONGEST_INTERVAL``."""
+    """A scene's horizontal motion over its duration, sampled as by ``loading_of``."""
+    loading = loading_of(scene)
+    return GroundMotion(loading.time, loading.ground)
+
+
+def loading_of(scene: Scene) -> Loading:
+    """A scene's loads over its duration, at the time steps or parts of them no longer than ``LONGEST_INTERVAL``."""
     from sph.loading import make_loading  # which needs a scene
 
-    loading = make_loading(scene, substeps=math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9))
-    return GroundMotion(loading.time, loading.ground)
+    return make_loading(scene, substeps=math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9))
 
 
 def read_record(path: Path | str, unit: Unit | None = None) -> GroundMotion:

@@ -1,6 +1,6 @@
 """Records as comma-separated values: time (s), horizontal and, if there is a third column, vertical acceleration.
 
-A first line may name the columns with their units: ``time (s), ax (cm/s2), ay (cm/s2)``; without units they are m/s2.
+A first line may name the columns with their units: ``time (s), ax (cm/s2), ay (cm/s2)``; without units they are s and m/s2.
 """
 
 from __future__ import annotations
@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from sph.ground_motion.text import LARGEST_ACCELERATION, LARGEST_TIME, SHORTEST_INTERVAL, number, read_lines
-from sph.ground_motion.units import SIZES, Unit, size, size_of
+from sph.ground_motion.units import SIZES, Unit, size_of, unit_of_column
+from sph.units import SECONDS, unit_of
 
 NAMES = {2: "time (s) and acceleration (m/s2)", 3: "time (s), horizontal and vertical acceleration (m/s2)"}
 
@@ -32,7 +33,7 @@ def read_csv(path: Path | str, unit: Unit | None = None, columns: tuple[int, ...
         if not line.strip():
             continue
         if at == 1 and all(value is None for value in values):
-            scales = _scales(path, cells, unit)
+            scales = _scales(path, [name.strip(' "') for name in re.split("[,;\t]", line)], unit)
             continue
         wanted = (len(rows[0]),) if rows else columns
         if len(values) not in wanted:
@@ -42,6 +43,10 @@ def read_csv(path: Path | str, unit: Unit | None = None, columns: tuple[int, ...
         numbers = [value for value in values if value is not None and math.isfinite(value)]
         if len(numbers) < len(values):
             raise ValueError(f"{where}: must be {('two', 'three')[len(values) - 2]} finite numbers, {names} {shown}")
+        scales = scales or [1.0] + [SIZES[unit or "m/s2"]] * (len(values) - 1)
+        if len(scales) != len(values):
+            raise ValueError(f"{path}, line 1: names {len(scales)} columns, the lines below have {len(values)}")
+        numbers = [scale * value for scale, value in zip(scales, numbers, strict=True)]
         if abs(numbers[0]) > LARGEST_TIME or max(map(abs, numbers[1:])) > LARGEST_ACCELERATION:
             raise ValueError(f"{where}: must not exceed {LARGEST_TIME:g} s and {LARGEST_ACCELERATION:g} m/s2 {shown}")
         if rows and not numbers[0] - rows[-1][0] >= SHORTEST_INTERVAL:
@@ -51,27 +56,17 @@ def read_csv(path: Path | str, unit: Unit | None = None, columns: tuple[int, ...
         rows.append(numbers)
     if len(rows) < 2:
         raise ValueError(f"{path}: must hold at least two samples of time (s) and acceleration (m/s2) (found {len(rows)})")
-    time, *accelerations = np.array(rows).T
-    if scales is None:
-        scales = [SIZES[unit or "m/s2"]]
-    if len(scales) == 1:
-        scales *= len(accelerations)
-    if len(scales) != len(accelerations):
-        raise ValueError(f"{path}, line 1: names {len(scales) + 1} columns, the lines below have {len(accelerations) + 1}")
-    return time, *(scale * column for scale, column in zip(scales, accelerations, strict=True))
+    return tuple(np.array(rows).T)
 
 
 def _scales(path: Path | str, names: list[str], unit: Unit | None) -> list[float]:
-    """Units (m/s2) of the columns after the first from the line of names; one for all if no name has one."""
-    inside = [re.search(r"[(\[]([^()\[\]]*)[)\]]\s*$", name) for name in names]
-    if inside[0] and inside[0][1].strip().lower() not in ("s", "sec", "second", "seconds"):
-        raise ValueError(f"{path}, line 1: time must be in s (found {names[0].strip()!r})")
-    scales = []
-    for name, found in zip(names[1:], inside[1:], strict=True):
-        stated = size(found[1] if found else name)
-        if found and stated is None:
-            raise ValueError(f"{path}, line 1: {found[1]!r} is no unit of acceleration; must be one of {', '.join(SIZES)}")
-        scales.append(stated)
-    if all(stated is None for stated in scales):
-        return [SIZES[unit or "m/s2"]]
-    return [size_of(path, stated, unit) for stated in scales]
+    """Units (s, m/s2) of the columns from the line of names; m/s2, or the user's ``unit``, if no acceleration has one."""
+    try:
+        seconds, *stated = unit_of(names[0], SECONDS), *map(unit_of_column, names[1:])
+    except ValueError as error:
+        raise ValueError(f"{path}, line 1: {error}") from error
+    if all(size is None for size in stated):
+        sizes = [SIZES[unit or "m/s2"]] * len(stated)
+    else:
+        sizes = [size_of(f"{path}, line 1: {name!r}", size, unit) for name, size in zip(names[1:], stated, strict=True)]
+    return [1.0 if seconds is None else seconds, *sizes]

@@ -37,7 +37,7 @@ def read_knet(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, .
             raise ValueError(f"{path}, lines 1-{HEAD}: no K-NET head: {error}") from error
     rate, calibration = float(trace.stats.sampling_rate), float(trace.stats.calib)
     seconds = float(trace.stats.knet.duration)
-    if not 0 < calibration < np.inf:
+    if not 0 < calibration < np.inf or "(gal)" not in lines[FACTOR]:
         raise ValueError(f"{path}, line {FACTOR + 1}: must be a scale factor in gal (found {lines[FACTOR]!r})")
     check_head(path, trace.stats.npts, 1.0 / rate if rate > 0 else np.inf)
     if abs(trace.stats.npts / rate - seconds) > 1.0:  # durations are in whole seconds

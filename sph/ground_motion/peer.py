@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from sph.ground_motion.text import check_head, read_lines, samples
-from sph.ground_motion.units import Unit, size, size_of
+from sph.ground_motion.units import Unit, size_of, unit_in
 
 HEAD, WIDTH = 4, 15
 """Lines before the samples; columns of a sample (Fortran 5E15.7)."""
@@ -23,7 +23,7 @@ def read_at2(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ..
     """Time (n,) in s from 0 on and acceleration (n,) in m/s2; ValueError with file and line, where there is one."""
     lines = read_lines(path)
     head = lines[HEAD - 1] if len(lines) >= HEAD else ""
-    found = re.search(rf"NPTS\s*=\s*{NUMBER}\s*,?\s*DT\s*=\s*{NUMBER}", head, re.I)
+    found = re.search(rf"NPTS\s*=\s*{NUMBER}\s*,?\s*DT\s*=\s*{NUMBER}(?![-+.\dED]|\s*[MU]S)", head, re.I)
     found = found or re.match(rf"\s*{NUMBER}\s+{NUMBER}\s+NPTS\s*,\s*DT", head, re.I)
     try:
         count, interval = int(found[1]), float(found[2])  # type: ignore[index]
@@ -36,7 +36,7 @@ def read_at2(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ..
     if re.search(r"VELOCITY|DISPLACEMENT", title, re.I):
         raise ValueError(f"{path}, line {HEAD - 1}: must be a record of acceleration (found {title.strip()[:80]!r})")
     words = re.search(r"UNITS?\s+OF\s+(\S+)", title, re.I)
-    stated = None if words is None else size(words[1].rstrip(".,;"))
+    stated = unit_in(words[1] if words else title)
     if words is not None and stated is None:
         raise ValueError(f"{path}, line {HEAD - 1}: {words[1]!r} is no unit of acceleration that is known here")
     acceleration = samples(path, lines, HEAD, WIDTH, size_of(path, stated, unit), count)

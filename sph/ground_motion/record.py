@@ -22,7 +22,8 @@ from sph.ground_motion.text import LARGEST_ACCELERATION
 from sph.ground_motion.units import Unit
 
 UNEVEN = 0.1
-"""Largest distance of a sample from an even spacing, over the interval: times are written with few digits."""
+"""Largest distance of a sample from an even spacing, over the interval: times are written with few digits.  Also the largest difference
+in length of two components."""
 DIGITS = 9
 """Digits of the samples in a scene; recorders have six or seven."""
 
@@ -153,12 +154,16 @@ def processed(record: Record) -> Processed:
 @functools.lru_cache(maxsize=8)
 def read_data(*files: tuple[str, int, int], unit: Unit | None, third_column: bool) -> RecordData:
     """Samples in one or two files, each with time of change and size, by which a file that has changed is told; ValueError names it."""
-    interval, columns = read_even(files[0][0], unit, third_column)
+    interval, first, columns = read_even(files[0][0], unit, third_column)
     if len(files) > 1:
-        other, vertical = read_even(files[1][0], unit, False)
+        other, begins, vertical = read_even(files[1][0], unit, False)
         if abs(other / interval - 1.0) > 1e-6:
             raise ValueError(f"vertical.file: {files[1][0]}: has a sample every {other:g} s, {files[0][0]} every {interval:g} s")
-        shorter = min(vertical[0].size, columns[0].size)  # components may end some samples apart
+        if abs(begins - first) > UNEVEN * interval:
+            raise ValueError(f"vertical.file: {files[1][0]}: begins at {begins:g} s, {files[0][0]} at {first:g} s")
+        shorter, longer = sorted((vertical[0].size, columns[0].size))
+        if shorter < (1.0 - UNEVEN) * longer:  # components may end some samples apart
+            raise ValueError(f"vertical.file: {files[1][0]}: holds {vertical[0].size:,} samples, {files[0][0]} {columns[0].size:,}")
         columns = [columns[0][:shorter], vertical[0][:shorter]]
     if columns[0].size > MOST_SAMPLES:
         raise ValueError(f"{files[0][0]}: holds {columns[0].size:,} samples, at most {MOST_SAMPLES:,} in a scene; cut or resample it")
@@ -166,15 +171,15 @@ def read_data(*files: tuple[str, int, int], unit: Unit | None, third_column: boo
     return RecordData(interval=interval, x=rounded[0], y=rounded[1] if len(rounded) > 1 else None)
 
 
-def read_even(path: str, unit: Unit | None, third_column: bool = True) -> tuple[float, list[np.ndarray]]:
-    """Interval (s) and components of a record, with its third column if wanted; ValueError where it is not evenly sampled."""
+def read_even(path: str, unit: Unit | None, third_column: bool = True) -> tuple[float, float, list[np.ndarray]]:
+    """Interval and first time (s) and components of a record, with its third column if wanted; ValueError if it is not evenly sampled."""
     time, *columns = read_components(path, unit)
     interval = float(f"{(time[-1] - time[0]) / (time.size - 1):.{DIGITS}g}")
     uneven = np.abs(time - time[0] - interval * np.arange(time.size)) > UNEVEN * interval
     if uneven.any():
         at = int(uneven.argmax())
         raise ValueError(f"{path}: sample {at + 1}, at {time[at]:g} s: samples must be evenly spaced, here by {interval:g} s")
-    return interval, columns[: 1 + third_column]
+    return interval, float(time[0]), columns[: 1 + third_column]
 
 
 def _identity(name: str) -> tuple[str, int, int]:

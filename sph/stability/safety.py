@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from sph.gravity import GRAVITY
 from sph.scene import Scene
 from sph.stability.search import Search, Trial, search
-from sph.stability.standing import FailureRule, divided_strength, stand, static_scene, weakened
+from sph.stability.standing import FailureRule, divided_strength, slope_height, stand, static_scene, weakened
 
 GROWTH = 1.5
 """Ratio of neighbouring values while the bracket is sought."""
@@ -29,7 +29,8 @@ def factor_of_safety(
 ) -> Search:
     """The factor by which cohesion and tan(phi) can be divided until the slope fails, to a relative tolerance.
 
-    ValueError where the slope stands or fails at every factor tried.
+    ValueError where the slope stands or fails at every factor tried, and where the bracket ends at a run that diverged before the slope
+    failed.
     """
     static = static_scene(scene, rule)
 
@@ -37,6 +38,7 @@ def factor_of_safety(
         return stand(divided_strength(static, factor), rule, factor)
 
     found = search(test, FACTORS, FACTORS.index(1.0), tolerance, report=report, known=known)
+    _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not decide its stability")
     if math.isnan(found.stood):
@@ -49,7 +51,7 @@ def critical_strength_ratio(
 ) -> Search:
     """The paper's S_R, on cohesion and phi, at which the fully weakened slope just stands, to a relative tolerance.
 
-    ValueError where the slope fails at full strength or stands at every ratio tried.
+    ValueError where the slope fails at full strength or stands at every ratio tried, and for a run that diverged as above.
     """
     static = static_scene(scene, rule)
 
@@ -57,10 +59,12 @@ def critical_strength_ratio(
         return stand(weakened(static, ratio), rule, ratio)
 
     found = search(test, STRENGTH_RATIOS, 0, tolerance, report=report, known=known)
+    _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not decide its stability")
     if math.isnan(found.stood):
-        raise ValueError(f"{scene.name}: fails with S_R 1, at its full strength")
+        but = " but for the layers with an S_R of their own" if any(layer.S_R is not None for layer in scene.layers.values()) else ""
+        raise ValueError(f"{scene.name}: fails with S_R 1, at its full strength{but}")
     return found
 
 
@@ -70,13 +74,24 @@ def yield_acceleration(
     """The constant horizontal acceleration of the box, towards the toe, at which the slope fails (pseudo-static), m/s2.
 
     The tolerance is relative, and below 0.1 g relative to that.  A slope that fails without the load has yield
-    acceleration 0.  ValueError where the slope stands at every acceleration tried.
+    acceleration 0.  ValueError where the slope stands at every acceleration tried, and for a run that diverged as above.
     """
 
     def test(acceleration: float) -> Trial:
         return stand(static_scene(scene, rule, acceleration), rule, acceleration)
 
     found = search(test, ACCELERATIONS, 0, tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
+    _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even at {found.stood / GRAVITY:.3g} g")
     return found._replace(stood=0.0) if math.isnan(found.stood) else found
+
+
+def _check_verdict(scene: Scene, rule: FailureRule, found: Search) -> None:
+    """Refuse a bracket that ends at a run which diverged before the slope had failed: a limit of the scheme, not of the slope."""
+    for trial in found.trials:
+        if trial.value == found.failed and trial.status == "diverged" and not trial.displaced_area > rule.area * slope_height(scene) ** 2:
+            raise ValueError(
+                f"{scene.name}: the test at {trial.value:.4g} diverged before the slope failed, and does not tell whether it stands; "
+                "try another numerics.spacing, a wider box, or more artificial viscosity"
+            )

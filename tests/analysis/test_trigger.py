@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from sph.analysis.baseline import newmark_amplitude
+from sph.analysis.baseline import baseline_metrics, newmark_amplitude
 from sph.analysis.claims import decide_trigger
 from sph.analysis.critical import (
     AT_LOWEST,
@@ -283,6 +283,19 @@ def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
     assert newmark_amplitude(scene, 0.0, 2.5) == 0.0 and math.isnan(newmark_amplitude(scene, math.nan, 2.5))
     with pytest.raises(ValueError, match="not shaken"):
         newmark_amplitude(make_scene({"name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
+
+
+@pytest.mark.parametrize(("amplitude", "slip"), [(2.9, 0.0), (3.1, math.inf), (-3.1, 0.0)])
+def test_a_load_that_stays_moves_the_block_without_end_or_not_at_all(amplitude: float, slip: float) -> None:
+    load = {"kind": "constant", "amplitude": amplitude, "start": 3.0, "ramp": 1.0}
+    scene = make_scene({"name": "slope", "geometry": {"shape": "slope"}, "motion": load})
+    assert baseline_metrics(scene, 3.0) == {"yield_acceleration": 3.0, "newmark_displacement": slip}
+    assert newmark_amplitude(scene, 3.0, 2.5) == 3.0
+
+
+def test_a_motion_that_never_drives_the_block_downslope_has_no_amplitude() -> None:
+    scene = make_scene({"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 3.0})
+    assert newmark_amplitude(scene, 3.0, 2.5) == math.inf, "the run ends before the motion"
 
 
 # ---------------------------------------------------------------- maps

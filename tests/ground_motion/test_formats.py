@@ -52,6 +52,64 @@ def test_a_csv_with_a_vertical_component(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_components(path, "cm/s2")[2], [0.02, 0.04])
 
 
+UNITS = {
+    "acc_g": 9.81, "acceleration in g": 9.81, "AccG": 9.81, "a(g)": 9.81, "g's": 9.81,
+    "ACC (gal) NS": 0.01, "EW_gal": 0.01, "acc cm/s2": 0.01, "acc/cm/s2": 0.01, "acc_cm_s2": 0.01, "Accel_H1 [cm/s/s]": 0.01,
+    "Acc. (m/s^2)": 1.0, "acc m s⁻²": 1.0, "a / (m/s²)": 1.0, "acc m per second squared": 1.0, "acc (NS) [gal]": 0.01,
+    "ax": 1.0, "NS": 1.0, "gx": 1.0, "gX": 1.0, "HNE": 1.0, "signal": 1.0, "acc_h": 1.0, "acc_max": 1.0, "level": 1.0,
+}  # fmt: skip
+"""Names of a column, and one of what is in it in m/s2; a name without a unit is in m/s2."""
+REFUSED = [
+    "acc_mg", "%g", "acc (% g)", "milli-g", "acc (0.01 g)", "acc 10^-2 g", "acc g/100", "acc_2g", "a_g", "acc ft/s2", "acc (in/s2)",
+    "acc mm/s2", "acc (m/s)", "acc_counts", "acc (volts)", "acc (NS)", "acc g gal", "displacement", "vel_x",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name", UNITS)
+def test_a_unit_in_a_name_is_understood_wherever_it_stands(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"time,{name}\n0,1\n1,2\n", encoding="utf-8")
+    np.testing.assert_allclose(read_record(path).acceleration, [UNITS[name], 2 * UNITS[name]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_unit_that_is_not_understood_is_refused(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"time,{name}\n0,1\n1,2\n")
+    with pytest.raises(ValueError) as error:
+        read_record(path, "g")
+    assert f"{path}, line 1: " in str(error.value) and repr(name) in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "second"), [("t", 1), ("time_s", 1), ("t/s", 1), ("time_ms", 1000), ("time [ms]", 1000), ("Time (msec)", 1000)]
+)
+def test_time_is_in_seconds_or_milliseconds(tmp_path: Path, name: str, second: float) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"{name},NS_g,UD (gal)\n0,1,100\n{0.5 * second},2,100\n")
+    for component, wanted in zip(read_components(path), ([0, 0.5], [9.81, 19.62], [1.0, 1.0]), strict=True):
+        np.testing.assert_allclose(component, wanted, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["time (min)", "t_us", "time h", "Sample", "t (0.01 s)"])
+def test_other_times_are_refused(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"{name},a\n0,1\n1,2\n")
+    with pytest.raises(ValueError, match="line 1.*must be s or ms"):
+        read_record(path)
+
+
+@pytest.mark.parametrize(
+    ("title", "size"), [("ACCELERATION (CM/S/S)", 0.01), ("ACCELERATION IN G", 9.81), ("UNITS OF CM/SEC2, 0.1-25 HZ", 0.01)]
+)
+def test_the_title_of_an_at2_file_says_its_unit(tmp_path: Path, title: str, size: float) -> None:
+    path = tmp_path / "a.at2"
+    path.write_text(TEXTS["new.AT2"].replace("ACCELERATION TIME SERIES IN UNITS OF G", title))
+    np.testing.assert_allclose(read_record(path).acceleration, SINE / 9.81 * size, atol=ROUNDING)
+    with pytest.raises(ValueError, match="contradicts"):
+        read_record(path, "m/s2")
+
+
 ENDINGS = {"CR LF": "\r\n", "CR": "\r", "LF": "\n"}
 
 
@@ -92,6 +150,7 @@ BAD = [
     (*replaced("new.AT2", "NPTS=   1000", "NPTS=      1"), ("at least two samples", "1")),
     (*replaced("new.AT2", "NPTS=   1000", "NPTS=  1.5e3"), ("line 4", "NPTS= 5372, DT= .0100 SEC", "1.5e3")),
     (*replaced("new.AT2", "DT=", "EVERY"), ("line 4", "NPTS= 5372, DT=")),
+    (*replaced("new.AT2", "SEC", "MSEC"), ("line 4", "NPTS= 5372, DT=")),
     (*replaced("new.AT2", "0.01000", "0.00000"), ("interval", "every 0 s")),
     (*replaced("new.AT2", "0.01000", "1e99999"), ("interval", "every inf s")),
     (*replaced("new.AT2", " IN UNITS OF G", ""), ("does not say its unit", "unit: m/s2, cm/s2, gal, g")),
@@ -107,8 +166,11 @@ BAD = [
     (*replaced("a.smc", f"{100.0:15.7E}", f"{0.0:15.7E}"), ("interval", "every inf s")),
     ("short.smc", "\n".join(TEXTS["a.smc"].split("\n")[:20]), ("27 lines of headers", "has 20")),
     ("empty.smc", "", ("line 1", "CORRECTED")),
-    (*replaced("a.csv", "cm/s2", "furlong"), ("line 1", "'furlong'", "m/s2, cm/s2, gal, g")),
-    (*replaced("a.csv", "time (s)", "time (ms)"), ("line 1", "time must be in s", "time (ms)")),
+    (*replaced("a.csv", "cm/s2", "furlong"), ("line 1", "'ax (furlong)'", "m/s2, cm/s2, gal, g")),
+    (*replaced("a.csv", "time (s)", "time (min)"), ("line 1", "'time (min)'", "must be s or ms")),
+    (*replaced("a.csv", "ax (cm/s2)", "velocity"), ("line 1", "'velocity' is no acceleration")),
+    ("title.csv", "El Centro in g\n0,1\n1,1\n", ("line 1", "names 1 columns", "have 2")),
+    ("half.csv", "t,ax (g),ay\n0,1,1\n1,1,1\n", ("line 1: 'ay'", "does not say its unit")),
     (*replaced("a.csv", "0.02,", "0.01,"), ("line 4", "greater than 0.01 s")),
     (*replaced("a.csv", "0.02,", "nan,"), ("line 4", "two finite numbers")),
     ("names.csv", "t,ax (g),ay (g)\n0,1\n1,1\n", ("line 1", "names 3 columns", "have 2")),
@@ -118,6 +180,7 @@ BAD = [
     (*replaced("a.EW", "100Hz", "fast"), ("lines 1-17", "no K-NET head")),
     (*replaced("a.EW", "2000(gal)/8388608", "2000(gal)/0"), ("K-NET head",)),
     (*replaced("a.EW", "2000(gal)", "0(gal)"), ("line 14", "scale factor")),
+    (*replaced("a.EW", "2000(gal)", "2000(kine)"), ("line 14", "in gal")),
     (*replaced("a.EW", "     1234", "    12c34"), ("line 18", "must be numbers")),
     ("empty.EW", "", ("lines 1-17",)),
 ]

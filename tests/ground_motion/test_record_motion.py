@@ -138,6 +138,8 @@ BAD: list[tuple[dict[str, Any], list[str]]] = [
     ({"file": "records/h.AT2", "vertical": {}}, ["motion: vertical: ", "neither a second file nor a third column"]),
     ({"file": "records/h.AT2", "vertical": {"file": "absent"}}, ["motion: file: 'absent'", "No such file"]),
     ({"file": "records/h.AT2", "vertical": {"file": "slow.AT2"}}, ["vertical.file", "slow.AT2", "0.02 s", "0.005 s"]),
+    ({"file": "records/h.AT2", "vertical": {"file": "late.csv"}}, ["vertical.file", "late.csv: begins at 2 s", "h.AT2 at 0 s"]),
+    ({"file": "records/h.AT2", "vertical": {"file": "short.AT2"}}, ["vertical.file", "short.AT2: holds 200 samples", "400"]),
     ({"file": "records/h.AT2", "vertical": 3}, ["motion.vertical: "]),
     ({"file": "records/h.AT2", "start": 0.5}, ["motion.start: 0.5 s", "gravity.duration: 1.0 s"]),
     ({"file": "records/h.AT2", "amplitude": 1.0, "factor": 2.0}, ["factor: 2", "amplitude: 1 m/s2", "1 or -1"]),
@@ -160,6 +162,8 @@ BAD: list[tuple[dict[str, Any], list[str]]] = [
 def test_bad_sections_are_named(records: Path, motion: dict[str, Any], words: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(records)
     (records / "slow.AT2").write_text(at2(BURST, 0.02))
+    (records / "short.AT2").write_text(at2(BURST[:200], INTERVAL))
+    (records / "late.csv").write_text("\n".join(f"{t + 2.0:.3f},1" for t in TIME))
     (records / "still.csv").write_text("\n".join(f"{t:.3f},0" for t in TIME))
     (records / "uneven.csv").write_text("0,1\n0.1,1\n0.12,1\n0.3,1\n")
     with pytest.raises(ValueError) as raised:
@@ -167,6 +171,41 @@ def test_bad_sections_are_named(records: Path, motion: dict[str, Any], words: li
     message = str(raised.value)
     for word in ["some.yaml", *words]:
         assert word in message, f"{word!r} is missing in: {message}"
+
+
+@pytest.mark.parametrize(("start", "step"), [(1.0, 1e-3), (1.0, 2.5e-3), (1.0, 5e-3), (1.0025, 2.5e-3), (1.0005, 5e-4)])
+def test_steps_that_meet_the_samples_feel_the_peak(start: float, step: float) -> None:
+    peak = {"interval": 0.005, "x": [0.0, 1.0, -4.0, 1.0, 0.0]}
+    scene = make_scene(merge(shaken(data=peak, start=start), {"numerics": {"time_step": step}}))
+    assert np.abs(make_loading(scene).ground).max() == pytest.approx(4.0)
+
+
+@pytest.mark.parametrize(("start", "step", "missed"), [(1.0025, 5e-3, "62.5%"), (1.0, 2e-3 / 1.5, "16.7%")])
+@pytest.mark.parametrize("direction", ["x", "y"])
+def test_steps_beside_the_samples_are_refused_where_they_miss_the_peak(start: float, step: float, missed: str, direction: str) -> None:
+    data = {"interval": 0.005, "x": [0.0] * 5, "y": [0.0] * 5} | {direction: [0.0, 1.0, -4.0, 1.0, 0.0]}
+    outputs = {"series_interval": 0.1, "frame_interval": 0.5}
+    scene = merge(shaken(data=data, start=start, vertical={}), {"numerics": {"time_step": step}, "outputs": outputs})
+    with pytest.raises(ValueError, match=rf"numerics.time_step: .* misses {missed} of the peak of motion, a record every 0.005 s"):
+        make_scene(scene)
+
+
+def test_a_record_that_drifts_is_told(records: Path) -> None:
+    (records / "k.EW").write_text(knet(BURST[::2], 100, offset=20_000))
+    for arguments, drifts in ((("--set", "motion.baseline={}"), False), ((), True)):
+        scene = records / "slope.yaml"
+        scene.write_text(yaml.safe_dump(shaken(file="k.EW")))
+        for command in (("check",), ("info",), ("motion",), ("newmark", "--ay", "1")):
+            result = CliRunner().invoke(app, [command[0], str(scene), *command[1:], *arguments])
+            assert ("the ground of the record drifts" in result.output) == drifts, result.output
+    assert "drifts" in motion(records / "k.EW").stderr
+    assert "drifts" in CliRunner().invoke(app, ["newmark", str(records / "k.EW"), "--ay", "1"]).stderr
+
+
+def test_the_sliding_block_says_that_it_feels_no_vertical_component(records: Path) -> None:
+    for vertical in (None, VERTICAL):
+        result = CliRunner().invoke(app, ["newmark", str(written(records, vertical=vertical)), "--ay", "1"])
+        assert result.exit_code == 0 and ("motion.vertical does not act" in result.stderr) == (vertical is not None)
 
 
 def test_a_record_of_k_net_in_a_scene(records: Path) -> None:

@@ -131,6 +131,31 @@ def test_a_run_that_diverges_has_failed() -> None:
     assert trial.status == "diverged" and not trial.stands
 
 
+@pytest.mark.parametrize("find", [factor_of_safety, critical_strength_ratio, yield_acceleration])
+@pytest.mark.parametrize(("area", "sound"), [(0.0, False), (1.01, True)])
+def test_a_run_that_diverged_before_the_slope_failed_decides_nothing(
+    find: Any, area: float, sound: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rule = FailureRule()
+
+    def stood(scene: Scene, rule: FailureRule, value: float) -> Trial:
+        stands = value > 0.6 if find is critical_strength_ratio else value < 1.7
+        return Trial(value, stands, 0.0 if stands else area * rule.area * HEIGHT**2, 0.0, "complete" if stands else "diverged", 0.0)
+
+    monkeypatch.setattr("sph.stability.safety.stand", stood)
+    if sound:
+        assert find(layer(), rule=rule).value == pytest.approx(0.6 if find is critical_strength_ratio else 1.7, rel=0.01)
+    else:
+        with pytest.raises(ValueError, match="layer: the test at .* diverged before the slope failed"):
+            find(layer(), rule=rule)
+
+
+def test_the_static_test_keeps_the_strength_of_layers_that_have_a_rate_of_their_own() -> None:
+    clay = {"region": {"kind": "depth", "top": 3.0}, "gamma": 5.0, "S_R": 0.1}
+    calm = static_scene(layer({"layers.clay": clay}), FailureRule())
+    assert calm.layers["clay"].gamma is None and calm.coupling.gamma == 0
+
+
 @pytest.mark.parametrize(
     ("overrides", "wanted"),
     [

@@ -60,6 +60,9 @@ def test_a_sound_scene_has_no_warning() -> None:
         ({"motion.frequency": 60.0}, "shear waves of 60.1 Hz are short", "numerics.spacing"),
         ({"duration": 8.0}, "ends while the ground moves", "duration"),
         ({"numerics.time_step": 1.25e-3}, "time step is near its limit", "numerics.adaptive_step"),
+        ({"motion.amplitude": 36.0}, "horizontal peak acceleration of the ground is implausible", "motion.amplitude"),
+        ({"motion.amplitude": 0.06}, "horizontal peak acceleration of the ground is implausible", "unit of the record"),
+        ({"motion.frequency": 15.0}, "series hold few samples", "outputs.series_interval"),
         ({"walls.layers": 1}, "do not fill the kernel", "walls.layers=2"),
         (
             {"geometry.points": [[100, 440], [160, 440], [180, 460], [220, 460], [300, 430]], "geometry.base": 420},
@@ -89,6 +92,33 @@ RICKER = {"kind": "ricker", "amplitude": 1, "frequency": 4, "peak": 6}
 @pytest.mark.parametrize(("motion", "frequency"), [({"kind": "none"}, 0.0), (RICKER, 6.6)])
 def test_highest_frequency(motion: dict[str, Any], frequency: float) -> None:
     assert highest_frequency(scene(motion=motion)) == pytest.approx(frequency, abs=0.3)
+
+
+def test_the_highest_frequency_does_not_depend_on_the_samples_of_the_run() -> None:
+    # 20 Hz at every 0.025 s of a long run would be nothing at all.
+    settings = {"duration": 5000.0, "motion.frequency": 20.0, "outputs.frame_interval": 25.0, "outputs.series_interval": 0.05}
+    assert highest_frequency(scene(**settings)) == pytest.approx(20.1, abs=0.2)
+    record = {"kind": "record", "start": 3.0, "data": {"interval": 0.01, "x": np.sin(2 * np.pi * 20 * np.arange(0, 5, 0.01)).tolist()}}
+    assert highest_frequency(scene(motion=record, **{"duration": 5000.0, "outputs.frame_interval": 25.0})) == pytest.approx(20.1, abs=0.2)
+    assert highest_frequency(scene(**{"duration": 3.0})) == 0.0, "the run ends before the motion"
+    assert highest_frequency(scene(motion={"kind": "constant", "amplitude": 1.0, "start": 3.0, "ramp": 0.0})) == 0.0
+
+
+def test_the_peak_acceleration_is_shown_and_told_where_it_is_implausible(tmp_path: Path) -> None:
+    # A record in g that is read as m/s2 beside one that is 9.81 times too large.
+    (tmp_path / "a.csv").write_text("t,a\n" + "\n".join(f"{0.01 * n},{353.0 * np.sin(0.1 * n)}" for n in range(600)))
+    motion = {"kind": "record", "file": "a.csv", "start": 3.0}
+    file = tmp_path / "own.yaml"
+    file.write_text(yaml.safe_dump(SOUND | {"motion": motion}))
+    for command, *shown in (("check", "PGA "), ("info", "PGA "), ("motion", "(PGA)"), ("newmark", "peak ground acceleration")):
+        result = call(command, file, *(["--ay", "1"] if command == "newmark" else []))
+        assert all(word in result.output for word in (*shown, "m/s2 (36 g)", "warning", "is implausible", "wanted 0.01 to 3 g")), (
+            result.output
+        )
+    for command in (("motion",), ("newmark", "--ay", "1")):
+        assert "is implausible" in call(command[0], tmp_path / "a.csv", *command[1:]).stderr
+    assert "PGA" in call("check", file, "--set", "motion.amplitude=3").stdout
+    assert "is implausible" not in call("check", file, "--set", "motion.amplitude=3").stdout
 
 
 def test_a_wave_of_eight_smoothing_lengths_travels_some_9_percent_too_slowly() -> None:

@@ -275,6 +275,7 @@ def test_newmark_slides_a_block_on_the_motion_of_a_scene(scene_file: Path) -> No
         (("--ay", "1", "--scale-to", "g"), ("--scale-to 'g': write",)),
         (("--ay", "1", "--set", "motion.amplitud=1"), ("slope.yaml: motion.amplitud", "no such key")),
         (("--ay", "1", "--set", "motion.amplitude=0"), ("slope.yaml: the ground stands still",)),
+        (("--ay", "1", "--set", "motion={kind: constant, amplitude: 2.0, start: 1.0, ramp: 0.5}"), ("constant is a load that stays",)),
     ],
 )
 def test_newmark_refuses(scene_file: Path, arguments: tuple[str, ...], wanted: tuple[str, ...]) -> None:

@@ -10,7 +10,17 @@ from hypothesis import strategies as st
 from sph.gravity import GravityStage
 from sph.ground_motion.processing import integral
 from sph.loading import gravity_history, make_loading
-from sph.motion import ConstantAcceleration, NoMotion, Ricker, TaperedSine, VelocityPulse, reference_amplitude, vertical_acceleration
+from sph.motion import (
+    MISSED,
+    STEPS_IN_PERIOD,
+    ConstantAcceleration,
+    NoMotion,
+    Ricker,
+    TaperedSine,
+    VelocityPulse,
+    reference_amplitude,
+    vertical_acceleration,
+)
 from sph.scene import make_scene
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
@@ -195,3 +205,45 @@ def test_only_records_shake_vertically() -> None:
     for motion in (PAPER, NoMotion(), VelocityPulse(kind="velocity_pulse", amplitude=1.0, frequency=1.0, start=0.0)):
         assert not vertical_acceleration(motion, np.linspace(0.0, 10.0, 11)).any()
     assert [reference_amplitude(motion) for motion in (PAPER, NoMotion())] == [6.0, 0.0]
+
+
+# ---------------------------------------------------------------- steps that resolve a motion
+
+PULSES = st.builds(
+    VelocityPulse,
+    kind=st.just("velocity_pulse"),
+    amplitude=st.just(1.0),
+    frequency=st.floats(0.1, 10.0),
+    cycles=st.floats(1.01, 5.0),
+    phase=st.floats(-180.0, 180.0),
+    start=st.just(0.0),
+)
+
+
+@given(PULSES | WAVELETS.map(lambda wavelet: wavelet.model_copy(update={"amplitude": 1.0})) | st.just(PAPER), st.floats(0.0, 1.0))
+def test_the_fewest_steps_allowed_lose_little_of_a_motion(motion: Ricker | VelocityPulse | TaperedSine, shift: float) -> None:
+    step = motion.shortest_period / STEPS_IN_PERIOD
+    coarse = motion.start + np.arange(shift, (motion.end - motion.start) / step) * step  # within: there may be kinks at the ends
+    fine = np.linspace(coarse[0], coarse[-1], 20 * coarse.size)
+    lost = np.abs(np.interp(fine, coarse, motion.acceleration(coarse)) - motion.acceleration(fine)).max()
+    assert lost < 1.01 * MISSED * motion.amplitude
+
+
+UNRESOLVED = [
+    ({"kind": "tapered_sine", "frequency": 20.0}, 0.025, "0.05 s, must hold 20 steps; choose at most 0.0025 s"),
+    ({"kind": "tapered_sine", "frequency": 20.0}, 5e-3, "0.05 s"),
+    ({"kind": "tapered_sine", "ramp": 0.0, "decay_start": 3.0, "end": 3.002}, 1e-3, "0.002 s"),
+    ({"kind": "ricker", "amplitude": 1.0, "frequency": 20.0, "peak": 4.0}, 2.5e-3, "0.0408 s"),
+    ({"kind": "velocity_pulse", "amplitude": 1.0, "frequency": 10.0, "start": 3.0}, 5e-3, "0.0667 s"),
+]
+
+
+@pytest.mark.parametrize(("motion", "step", "words"), UNRESOLVED)
+@pytest.mark.parametrize("numerics", [{}, {"adaptive_step": {}}])
+def test_a_motion_that_the_steps_do_not_resolve_is_refused(motion: dict, step: float, words: str, numerics: dict) -> None:
+    scene = {"name": "slope", "geometry": {"shape": "slope"}, "numerics": {"time_step": step} | numerics}
+    scene |= {"outputs": {"series_interval": 0.025}, "motion": motion}
+    with pytest.raises(ValueError, match=f"numerics.time_step: {step:g} s is too long for motion .{motion['kind']}.*{words}"):
+        make_scene(scene)
+    make_scene(scene | {"motion": motion | {"amplitude": 0.0}})
+    make_scene(scene | {"numerics": numerics | {"time_step": 1e-4}, "outputs": {}})

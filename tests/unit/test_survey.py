@@ -25,6 +25,8 @@ def read(tmp_path: Path, text: str, encoding: str = "utf-8") -> list[tuple[float
         "120,440\n150,440.5\n170,465\n",
         "x,y\r\n120,440\r\n150,440.5\r\n170,465",
         "Station (m);Höhe (m)\n120;440\n150;440,5\n170;465\n",
+        "x_m,elev (m a.s.l.)\n120,440\n150,440.5\n170,465\n",
+        "# x, z in m, some 5 ft apart (May)\n120,440\n150,440.5\n170,465\n",
         "# surveyed in May\n\n120 440\n  150   440.5\n170\t465\n".replace("\t", " "),
         "120\t440\n150\t440,5\n170\t465",
         '"x","z"\n"120","440"\n"150","440.5"\n"170","465"\n',
@@ -50,6 +52,12 @@ def test_points_in_space_are_unrolled_along_the_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
+        ("x (ft), z (ft)\n120,440\n150,441", r"line 1: the unit in 'x \(ft\)' is not understood; it must be m.*0\.3048 m"),
+        ("x,elev_ft\n120,440\n150,441", "line 1: the unit in 'elev_ft'"),
+        ("x_km z_m\n0.12 440\n0.15 441", "line 1: the unit in 'x_km z_m'"),
+        ("x (in);z\n120;440\n150;441", "line 1: the unit in"),
+        ("lon (deg),z\n12.0,440\n12.1,441", "line 1: the unit in"),
+        ("# elevations in feet\n120,440\n150,441", "line 1: the unit in '# elevations in feet'"),
         ("120,440\n150;x\n", "line 2: '150;x': expected two numbers, x and elevation in m"),
         ("x,y\nx,y\n120,440", "line 2"),
         ("12O,440\n150,441", "line 1"),

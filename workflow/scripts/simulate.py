@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any, TextIO
 
 from sph.checkpoint import run_to_file
+from sph.command.concerns import of_motion
 from sph.command.job import job_log
 from sph.command.progress import reporter
 from sph.scene import make_scene
@@ -27,6 +28,8 @@ def simulate(
 
     with reporter(path_to_trajectory, log) as report:
         built = make_scene(scene)
+        for concern in of_motion(built):
+            say(f"warning: {concern.sentence()}")
         result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)
     print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
