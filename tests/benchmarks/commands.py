@@ -52,6 +52,8 @@ def main() -> None:
         subprocess.run(["git", "clone", "--quiet", ROOT, clone], check=True)
         for task in options.tasks:
             command, conditions = TASKS[task]
+            if conditions == INSTALLED and not (clone / ".venv").exists():
+                subprocess.run(STUDY.rpartition(" && ")[0], shell=True, cwd=clone, check=True)
             load = f"; load average {os.getloadavg()[0]:.1f} at the start"
             seconds = timed(command, clone)
             write_time(task, seconds, conditions + load, machine_class())
