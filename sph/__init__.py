@@ -26,8 +26,8 @@ Scene in, dataset out:
 >>> numbers["collapse_class"], round(numbers["runout"]) > 5
 ('collapse', True)
 
-What is left out has the default that `config/README.md` gives it; a mistake is refused by a ValueError with key, value and what is
-allowed.  Numbers are in SI units, but for kPa and degrees in scenes.  The first run of a kind of scene compiles for half a minute.
+What is left out has the default that `docs/reference/scene-keys.md` gives it; a mistake is refused by a ValueError with key, value and
+what is allowed.  Numbers are in SI units, but for kPa and degrees in scenes.  The first run of a kind of scene compiles for half a minute.
 
 The way through the house:
 

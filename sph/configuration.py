@@ -1,7 +1,7 @@
 """Declaring, reading and checking configuration: scenes and studies.
 
 A section is a frozen pydantic model.  Every key is declared once, with its sentence, unit, source,
-default and range (``key``); the tables in ``config/README.md`` are generated from these declarations.
+default and range (``key``); the tables in ``docs/reference`` are generated from these declarations.
 """
 
 from __future__ import annotations

@@ -8,5 +8,5 @@
 * ``job``: the log of a workflow's job
 * ``motion``: measures of a ground motion
 * ``newmark``: a sliding block on a ground motion
-* ``reference``: the table of scene keys in config/README.md
+* ``reference``: the tables of keys, variables, commands and measured results in README.md and docs
 """

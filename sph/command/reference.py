@@ -1,14 +1,18 @@
-"""Tables of every key and every variable, generated from their declarations, and of what the ladder measured.
+"""Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
 
-``config/README.md`` holds the tables of keys, ``results/README.md`` those of variables, ``README.md`` what was measured for this
-release: ``presets``, ``trade``, ``validation``, ``limits``, ``extremes`` and ``time_steps``; a test keeps them in step.
+``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
+``python -m sph.command.reference`` fills the marks of all these files anew, and a test keeps them in step.
 """
 
 from __future__ import annotations
 
+import inspect
 import math
+import re
+import sys
 import typing
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
@@ -26,6 +30,7 @@ from sph.analysis.limits import LIMITS, Limits, read_limits
 from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
 from sph.analysis.maps import CELLS, SHARES
 from sph.analysis.points import POINTS
+from sph.analysis.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.analysis.sensitivity import SAMPLE, Sensitivity
 from sph.analysis.sensitivity_tables import CONFIRMED, TORNADO
 from sph.analysis.study import Study
@@ -38,7 +43,7 @@ from sph.scene import Scene
 from sph.stability.standing import FailureRule
 from sph.trajectory import VARIABLES, Variable
 from sph.validation.suite import Validation
-from sph.validation.table import MISSES, SHIPPED_VALIDATION, VALIDATION, read_validation
+from sph.validation.table import HOLDS, MISSES, SHIPPED_VALIDATION, VALIDATION, read_validation
 
 
 def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
@@ -66,8 +71,13 @@ def variable_rows(variables: Iterable[Variable]) -> Iterator[tuple[str, str, str
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Markdown table; the first column is set as code."""
     lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
-    lines += ["| `" + first + "` | " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for first, *cells in rows]
+    lines += ["| `" + first.replace("|", "\\|") + "` | " + " | ".join(map(_cell, cells)) + " |" for first, *cells in rows]
     return "\n".join(lines)
+
+
+def _cell(text: str) -> str:
+    """Text of a cell: bars, lone asterisks and the beginnings of tags stand for themselves."""
+    return re.sub(r"<(?=[A-Za-z/])", "&lt;", re.sub(r"(?<!\*)\*(?!\*)", r"\\*", text.replace("|", "\\|")))
 
 
 def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
@@ -166,15 +176,98 @@ def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"
 
 
+def claim_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (number, claim, verdict, measured) of the paper's claims."""
+    for row in read_measured("claims").to_dict("records"):
+        verdict = row["verdict"] if row["verdict"] == HOLDS else f"**{row['verdict']}**"
+        yield str(row["claim"]), row["statement"], verdict, row["measured"]
+
+
+def time_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (task, time, conditions, machine) of the README's commands."""
+    for row in read_measured("times").to_dict("records"):
+        if not row["task"].startswith(STUDY_AT):
+            yield row["task"], duration(row["wall_time"]), row["conditions"], row["machine"]
+
+
+def fidelity_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (fidelity, time of the study, class and displacement against the baseline, time of a run, errors) of the fidelities."""
+    times = read_measured("times").set_index("task")["wall_time"]
+    compared = read_measured("fidelities").set_index("fidelity")
+    ladder = advice.shipped_table()
+    for rung in [] if ladder is None else summary(ladder[ladder["knob"] == PRESETS]):
+        task = STUDY_AT + rung.rung
+        against = ("-", "-")
+        if rung.rung in compared.index:
+            row: Any = compared.loc[rung.rung]
+            against = (f"{row['same_class']} of {row['runs']}", f"within {percent(row['displacement_difference'])}")
+        whole = duration(times[task]) if task in times.index else "not run"
+        yield rung.rung, whole, *against, f"{rung.cost:.3g} s", *_errors(rung)
+
+
+def _fidelities_table() -> str:
+    times = read_measured("times")
+    studies = times[times["task"].str.startswith(STUDY_AT)]
+    where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions']}" for row in studies.to_dict("records")))
+    note = f"Whole study: {where}. Errors: one run against the finest of the cost-accuracy study."
+    return markdown(FIDELITY_HEAD, fidelity_lines()) + f"\n\n{note}"
+
+
+def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (case, title, how many quantities are missed, which with error and tolerance) of the cases that miss any."""
+    for case, rows in table.groupby("case", sort=False):
+        missed = rows[rows["verdict"] == MISSES]
+        if len(missed):
+            errors = [
+                f"{row['text']}: {_per_cent(row['error'])} ({_per_cent(row['tolerance'])})"
+                for row in missed.sort_values("error", key=abs, ascending=False).to_dict("records")
+            ]
+            yield str(case), rows["title"].iloc[0], f"{len(missed)} of {len(rows)}", errors[0]
+
+
+def _missed_table(table: pd.DataFrame) -> str:
+    held = table["verdict"] == HOLDS
+    whole = held.groupby(table["case"]).all()
+    note = f"{held.sum()} of {len(table)} quantities are within their tolerance, in {whole.sum()} of {len(whole)} cases all of them."
+    return markdown(("case", "problem", "missed", "worst error (tolerance)"), missed_lines(table)) + f"\n\n{note}"
+
+
+def command_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (command with its arguments, or option, and what it does) of the command line."""
+    from typer.models import ArgumentInfo, OptionInfo
+
+    from sph.command.cli import app
+
+    for command in app.registered_commands:
+        function = typing.cast(Callable[..., None], command.callback)
+        hints = typing.get_type_hints(function, include_extras=True)
+        told = {name: hint.__metadata__[0] for name, hint in hints.items() if hasattr(hint, "__metadata__")}
+        given = [(info.metavar or name).upper() for name, info in told.items() if isinstance(info, ArgumentInfo)]
+        called = command.name or function.__name__.replace("_", "-")
+        yield " ".join([f"sph {called}", *given]), " ".join((inspect.getdoc(function) or "").split())
+        for name, info in told.items():
+            if isinstance(info, OptionInfo):
+                # In an annotation the first name of an option stands in the place of its default.
+                option = info.default if isinstance(info.default, str) else f"--{name.replace('_', '-')}"
+                flag = typing.get_args(hints[name])[0] is bool
+                yield option if flag else f"{option} {info.metavar or 'VALUE'}", info.help or ""
+
+
 SWEEP_HEAD = (
     "key", "values", "sound", "diverged", "refused", "energy gap up to", "area of the deposit",
     "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
 )  # fmt: skip
 STEP_HEAD = ("scheme", "largest sound step over the limit", "first that diverges")
-RUNG_HEAD = ("rung", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
+RUNG_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
 PRESET_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
     "class as the reference",
+)  # fmt: skip
+CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
+TIME_HEAD = ("what", "time", "conditions", "machine")
+FIDELITY_HEAD = (
+    "fidelity", "whole study", f"class as at `{BASELINE}`", f"A's displacement against `{BASELINE}`", "one run",
+    "A's displacement, error", "run-out, error",
 )  # fmt: skip
 CASE_HEAD = ("case", "quantity", "computed", "reference", "error, coarse to fine", "tolerance", "order", "verdict", "cost")
 KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
@@ -211,10 +304,28 @@ TABLES: dict[str, Callable[[], str]] = {
     "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(VALUES)),
     "trade_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TRADE)),
     "convergence": lambda: markdown(VARIABLE_HEAD, variable_rows(CONVERGENCE)),
+    "claims": lambda: markdown(CLAIM_HEAD, claim_lines()),
+    "times": lambda: markdown(TIME_HEAD, time_lines()),
+    "fidelities": _fidelities_table,
+    "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
+    "commands": lambda: markdown(("command", "what it does"), command_lines()),
     "presets": lambda: measured(PRESET_HEAD, preset_rows),
     "trade": lambda: measured(RUNG_HEAD, rung_rows),
 }
 """The tables by name."""
+MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+"""A table between its marks: the mark with its name, the name, the mark behind it."""
+
+
+def filled(text: str) -> str:
+    """Text with the tables between its marks made anew; ValueError for a mark of no table."""
+
+    def table(found: re.Match[str]) -> str:
+        if found[2] not in TABLES:
+            raise ValueError(f"{found[1].strip()}: must be one of {', '.join(TABLES)}")
+        return f"{found[1]}\n{TABLES[found[2]]()}\n\n{found[3]}"
+
+    return MARKED.sub(table, text)
 
 
 def _listed_sections(annotation: Any) -> list[type[BaseModel]]:
@@ -262,3 +373,8 @@ def _choices(annotation: Any) -> list[str]:
     if typing.get_origin(annotation) is typing.Literal:
         return [str(choice) for choice in typing.get_args(annotation)]
     return []
+
+
+if __name__ == "__main__":
+    for path in [Path(name) for name in sys.argv[1:]] or [Path("README.md"), *Path("docs").rglob("*.md")]:
+        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Tables of the page: of the runs, of the scene, from CSV files, and those of the README."""
+"""Tables of the page: of the runs, of the scene, from CSV files, and those of the release."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Table(NamedTuple):
 
 
 def reference_table(name: str, caption: str) -> Table:
-    """A table of the README, from the function that fills it there, with the line below it; without rows while nothing is measured."""
+    """A table of the documentation, from the function that makes it there, and its note; without rows while nothing is measured."""
     lines = TABLES[name]().splitlines()
     cells = [[cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines if line.startswith("|")]
     note = " ".join(line for line in lines if line and not line.startswith("|")).strip("*")

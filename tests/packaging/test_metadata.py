@@ -49,3 +49,10 @@ def test_the_catalog_finds_what_it_asks_for() -> None:
     assert {name for name, offered in usage["software-stack-deployment"].items() if offered} == {"report"}
     assert not any("conda:" in path.read_text(encoding="utf-8") for path in (ROOT / "workflow" / "rules").glob("*.smk")), "then offer conda"
     assert (ROOT / "workflow" / "Snakefile").is_file() and (ROOT / "config" / "README.md").is_file()
+
+
+def test_the_hooks_before_a_commit_download_nothing() -> None:
+    repos = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text(encoding="utf-8"))["repos"]
+    assert [repo["repo"] for repo in repos] == ["local"]
+    hooks = {hook["entry"].split()[0].removeprefix(".venv/bin/"): hook["language"] for hook in repos[0]["hooks"]}
+    assert set(hooks) <= set(EXACT) and set(hooks.values()) == {"system"}

@@ -5,61 +5,48 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
 
 from sph.analysis.study import Study
 from sph.analysis.trade import Trade
-from sph.command.reference import TABLES, key_rows
+from sph.command.cli import app
+from sph.command.reference import MARKED, TABLES, command_lines, filled, key_rows, markdown
 from sph.configuration import Section
 from sph.scene import Scene, load_scene
 
 ROOT = Path(__file__).resolve().parents[2]
-HOMES = {
-    "scene": "config",
-    "study": "config",
-    "trade_keys": "config",
-    "validation_keys": "config",
-    "limits_keys": "config",
-    "extremes_keys": "config",
-    "sensitivity_keys": "config",
-    "trigger_keys": "config",
-    "failure_rule": "config",
-    "trajectory": "results",
-    "metrics": "results",
-    "trade_variables": "results",
-    "convergence": "results",
-    "validation_variables": "results",
-    "limits_variables": "results",
-    "extremes_variables": "results",
-    "sample_variables": "results",
-    "morris_variables": "results",
-    "tornado_variables": "results",
-    "sobol_variables": "results",
-    "cross_validation_variables": "results",
-    "confirmation_variables": "results",
-    "trigger_variables": "results",
-    "points_variables": "results",
-    "confirm_variables": "results",
-    "cells_variables": "results",
-    "shares_variables": "results",
-}
-MEASURED = ("presets", "trade", "validation", "limits", "extremes", "time_steps")
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
-def test_every_table_has_a_home() -> None:
-    assert set(TABLES) == {*HOMES, *MEASURED}
+def test_every_table_has_one_home() -> None:
+    marked = [found[2] for page in PAGES for found in MARKED.finditer(page.read_text(encoding="utf-8"))]
+    assert sorted(marked) == sorted(TABLES)
 
 
-@pytest.mark.parametrize("table", HOMES)
-def test_the_documentation_holds_the_generated_tables(table: str) -> None:
-    text = (ROOT / HOMES[table] / "README.md").read_text(encoding="utf-8")
-    assert TABLES[table]() in text, f"{HOMES[table]}/README.md is out of step: put the output of 'sph reference {table}' into it"
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
+def test_the_pages_hold_the_generated_tables(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    assert filled(text) == text, f"{page.relative_to(ROOT)} is out of step: python -m sph.command.reference"
 
 
-@pytest.mark.parametrize("table", MEASURED)
-def test_the_readme_holds_what_was_measured_for_this_release(table: str) -> None:
-    text = (ROOT / "README.md").read_text(encoding="utf-8")
-    block = text.partition(f"<!-- sph reference {table} -->\n")[2].partition("\n<!-- end -->")[0]
-    assert block == TABLES[table](), f"README.md is out of step: put the output of 'sph reference {table}' between its marks"
+def test_marks_are_filled_and_unknown_ones_refused() -> None:
+    marks = "a\n<!-- sph reference failure_rule -->\n{}<!-- end -->\nb\n"
+    assert filled(marks.format("old\n")) == filled(marks.format("")) == marks.format(f"\n{TABLES['failure_rule']()}\n\n")
+    with pytest.raises(ValueError, match="nonsense.*must be one of scene, study"):
+        filled("<!-- sph reference nonsense -->\n<!-- end -->")
+
+
+def test_what_markdown_would_read_otherwise_is_escaped() -> None:
+    table = markdown(("key", "text"), [("a|b", "results/<study> of mu* and mu*, **bold**, x <= 1 | 2")])
+    assert table.splitlines()[2] == "| `a\\|b` | results/&lt;study> of mu\\* and mu\\*, **bold**, x <= 1 \\| 2 |"
+
+
+def test_commands_are_those_of_the_command_line() -> None:
+    shown = [first for first, _ in command_lines()]
+    told = CliRunner().invoke(app, ["run", "--help"]).output
+    options = shown[shown.index("sph run SCENE") + 1 : shown.index("sph info SCENE")]
+    assert "--set KEY=VALUE" in options and "--checkpoint SECONDS" in options and all(option.split()[0] in told for option in options)
+    assert {"sph yield-acceleration SCENE", "--watch", "--json"} <= set(shown)
 
 
 @pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (Study, 25), (Trade, 15)])

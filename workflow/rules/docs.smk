@@ -1,15 +1,19 @@
-# Purpose: the documentation of the library. (`snakemake --cores 1 docs`)
-# Inputs:  its docstrings.
-# Outputs: results/docs: index.html, sph.html and a page a module
+# Purpose: the documentation as a site. (`snakemake --cores 1 docs`)
+# Inputs:  mkdocs.yml, the pages of docs; the library's docstrings.
+# Outputs: results/docs: index.html, a page for each page of docs; api: the public interface and a page a module
 
 
 rule docs:
-    """Write the documentation from the docstrings; what it needs: pip install -c constraints.txt -e ".[docs]"."""
+    """Write the documentation; what it needs: pip install -c constraints.txt -e ".[docs]"."""
     input:
+        settings=str(SPH.parent / "mkdocs.yml"),
+        pages=sorted(
+            str(path) for path in SPH.parent.glob("docs/**/*.*") if path.is_file()
+        ),
         sources=sorted(str(path) for path in SPH.rglob("*.py")),
     output:
         "results/docs/index.html",
     log:
-        "results/docs/logs/docs.log",
+        "results/logs/docs.log",
     script:
         "../scripts/write_docs.py"

@@ -1,0 +1,84 @@
+"""What a release states of the paper's study is read from the study's files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+import sph
+from sph.analysis import release
+from sph.analysis.claims import CLAIMS, HOLDS, NOT_YET
+from sph.analysis.release import agreement, compared_fidelities, duration, measured_claims, read_measured, write_time
+from sph.analysis.tables import COLUMNS, VALUES, write_csv
+
+POINTS = [("0.10", "100", "6.0"), ("0.25", "100", "6.0"), ("0.50", "100", "6.0")]
+
+
+def study(classes: list[str], displacements: list[float]) -> pd.DataFrame:
+    """Table of three runs, zero or empty but for class and displacement."""
+    rows = []
+    for point, collapse_class, displacement in zip(POINTS, classes, displacements, strict=True):
+        row = {value.name: "" if value.dtype == "str" else 0 for value in VALUES}
+        row |= dict(zip(("S_R", "gamma", "amplitude"), point, strict=True))
+        rows.append(row | {"collapse_class": collapse_class, "displacement_magnitude": displacement})
+    return pd.DataFrame(rows)[COLUMNS]
+
+
+BASELINE = study(["collapse", "damaged", "stable"], [20.0, 2.0, 0.05])
+
+
+def test_a_study_is_compared_run_by_run() -> None:
+    other = study(["collapse", "collapse", "stable"], [22.0, 9.0, 0.10])
+    found = agreement(other.iloc[::-1], BASELINE)
+    assert found == {"runs": 3, "same_class": 2, "displacement_difference": pytest.approx(0.1)}, "another class and 5 cm do not count"
+    with pytest.raises(ValueError, match="2 of the 3 runs"):
+        agreement(other.iloc[:2], BASELINE)
+
+
+def test_fidelities_are_read_from_their_studies(tmp_path: Path) -> None:
+    for fidelity, displacement in (("paper", 20.0), ("draft", 15.0)):
+        (tmp_path / fidelity).mkdir()
+        write_csv(study(["collapse", "damaged", "stable"], [displacement, 2.0, 0.05]), tmp_path / fidelity / "study.csv")
+    found = compared_fidelities(tmp_path).to_dict("records")
+    assert found == [{"fidelity": "draft", "runs": 3, "same_class": 3, "displacement_difference": 0.25, "origin": sph.__version__}]
+    (tmp_path / "draft" / "study.csv").unlink()
+    with pytest.raises(ValueError, match="no other fidelity; run"):
+        compared_fidelities(tmp_path)
+
+
+def test_claims_are_those_of_the_study_and_of_the_search(tmp_path: Path) -> None:
+    (tmp_path / "paper").mkdir()
+    rows = [(claim.number, claim.statement, "test", f"number {claim.number}", NOT_YET if claim.number == 11 else HOLDS) for claim in CLAIMS]
+    write_csv(pd.DataFrame(rows, columns=["claim", "statement", "test", "measured", "verdict"]), tmp_path / "paper" / "claims.csv")
+    with pytest.raises(ValueError, match="run 'snakemake --cores 2 trigger'"):
+        measured_claims(tmp_path)
+    (tmp_path / "draft" / "trigger").mkdir(parents=True)
+    decided = pd.DataFrame([(11, "the box", "s", "a search", "1.9 m/s²", HOLDS), (11, "slip", "s", "a search", "2.6 m/s²", "fails")])
+    decided.columns = pd.Index(["claim", "case", "statement", "test", "measured", "verdict"])
+    write_csv(decided, tmp_path / "draft" / "trigger" / "claim.csv")
+    found = measured_claims(tmp_path)
+    assert list(found.columns) == [row.name for row in release.CLAIMS] and set(found["verdict"]) == {HOLDS}
+    assert found["measured"].tolist() == [*(f"number {n}" for n in range(1, 11)), "1.9 m/s²", "number 12"]
+    with pytest.raises(ValueError, match="claims.csv: no such file; run 'snakemake --cores 2'"):
+        measured_claims(tmp_path / "elsewhere")
+
+
+def test_the_shipped_claims_are_the_paper_s() -> None:
+    shipped = read_measured("claims")
+    assert [(row["claim"], row["statement"]) for row in shipped.to_dict("records")] == [(claim.number, claim.statement) for claim in CLAIMS]
+
+
+def test_a_time_takes_the_place_of_an_earlier_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    write_csv(read_measured("times"), tmp_path / "times.csv")
+    before = read_measured("times")
+    monkeypatch.setattr(release, "MEASURED", tmp_path)
+    write_time("study", 61.4, "from nothing", "some processor, 2 cores")
+    after = read_measured("times").set_index("task")
+    assert len(after) == len(before) and after.loc["study", "wall_time"] == 61.4 and after.loc["tests", "wall_time"] > 0
+
+
+@pytest.mark.parametrize(("seconds", "words"), [(0.2, "0 s"), (40.0, "40 s"), (60.0, "1 min"), (697.2, "11 min 37 s"), (1259.6, "21 min")])
+def test_a_duration_in_words(seconds: float, words: str) -> None:
+    assert duration(seconds) == words
