@@ -12,6 +12,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
+from sph.analysis.planned import planned
 from sph.analysis.study import NAME
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
@@ -106,12 +107,12 @@ class Suite:
         return [self._sizes[case, level] for level in self.cases[case].levels]
 
     def plan(self, case: str) -> dict[str, Any]:
-        """What measuring a case needs, as plain data: its configuration, sizes, and (level, run, scene) of every run in order."""
+        """What measuring a case needs: its configuration, sizes, and (level, run, planned scene) of every run in order."""
         return {
             "name": case,
             "case": self.cases[case].model_dump(),
             "sizes": self.sizes(case),
-            "runs": [(planned.level, planned.run, planned.scene) for planned in self.of(case).values()],
+            "runs": [(each.level, each.run, planned(each.scene)) for each in self.of(case).values()],
         }
 
 

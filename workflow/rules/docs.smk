@@ -5,11 +5,11 @@
 
 rule docs:
     """Write the documentation from the docstrings; what it needs: pip install -c constraints.txt -e ".[docs]"."""
-    input:
-        sources=sorted(str(path) for path in SPH.rglob("*.py")),
     output:
         "results/docs/index.html",
     log:
         "results/docs/logs/docs.log",
+    params:
+        sources=sources("**/*.py"),
     script:
         "../scripts/write_docs.py"
