@@ -7,8 +7,6 @@ one, as by ``cp -p``, unzip or ``rsync -a``: so the parameters hold the contents
 from __future__ import annotations
 
 import functools
-import hashlib
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -33,8 +31,7 @@ class Planned(NamedTuple):
 
     def __repr__(self) -> str:
         """Digest of all of it: what Snakemake keeps with a result and compares; a scene may hold a record of megabytes."""
-        text = json.dumps([self.scene, list(self.files.values())], sort_keys=True, default=repr)
-        return f"Planned({hashlib.sha256(text.encode()).hexdigest()[:16]})"
+        return f"Planned({trajectory.text_digest([self.scene, list(self.files.values())])})"
 
     def build(self) -> Scene:
         """The scene; ValueError where a file has changed since it was planned."""

@@ -18,6 +18,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from sph.analysis.fields import check_probe
 from sph.analysis.metrics import METRIC_BY_NAME
 from sph.analysis.study import Plan
 from sph.analysis.tables import ROW, text_column
@@ -258,8 +259,8 @@ class SensitivityPlan:
 
     def _axes(self, probe: str) -> list[Axis]:
         scene = make_scene(self._bases[self.fidelities[0]], self.origin)
-        if probe not in scene.probes:
-            raise ValueError(f"metrics.probe: {probe!r} is not one of the scene's probes {', '.join(scene.probes)}")
+        for fidelity, keys in self._bases.items():
+            check_probe(probe, make_scene(keys, self.origin), f"{self.origin}: at fidelity {fidelity}")
         axes = []
         for name, factor in self.settings.factors.items():
             where = f"{self.origin}: factors.{name}"

@@ -41,12 +41,15 @@ Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory fil
 
 def check_writable(path: Path, option: str = "--out") -> None:
     """Refuse a file that could not be written after hours of work; ValueError names the option."""
+    from sph.files import check_name
+
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
+    check_name(path)
     if path.is_dir():
         raise ValueError(f"{option} {path}: is a folder")
     try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
             pass
     except OSError as error:
         raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; mend that or choose another place") from error

@@ -18,7 +18,7 @@ from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
-from sph.validation import CASES
+from sph.validation import CASES, PROBES
 
 FOLDER = "results/validation"
 """Where the results go, relative to the working folder."""
@@ -89,7 +89,10 @@ class Suite:
             for level, finer in case.levels.items():
                 for run, variant in case.runs.items():
                     scene = merge(merge(scenes[name], variant), finer)
-                    built = _checked(scene, f"{origin}: case {name}, run {run!r}, level {level!r}")
+                    where = f"{origin}: case {name}, run {run!r}, level {level!r}"
+                    built = _checked(scene, where)
+                    if len(built.probes) < PROBES.get(name, 0):
+                        raise ValueError(f"{where}: probes: {len(built.probes)}, this case measures at the first {PROBES[name]}")
                     self.runs[f"{name}/{run}/{file_name(level)}"] = Planned(name, run, level, scene)
                 section, field = case.size.split(".")
                 self._sizes[name, level] = float(getattr(getattr(built, section), field))

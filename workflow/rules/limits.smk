@@ -5,7 +5,9 @@ import functools
 
 from sph.analysis.limits import FOLDER as LIMITS, load_limits
 
-CHANGES = functools.cache(functools.partial(load_limits, PLAN.study.limits, FOLDERS))
+CHANGES = functools.cache(
+    functools.partial(load_limits, PLAN.study.limits, FOLDERS, PLAN.study.metrics.probe)
+)
 
 
 rule limits:

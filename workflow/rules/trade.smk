@@ -7,7 +7,13 @@ from sph.analysis.trade import FOLDER as TRADE, load_trade
 
 # Read and checked once a rule of the ladder is asked for.
 LADDER = functools.cache(
-    functools.partial(load_trade, PLAN.study.trade, PLAN.study.fidelities, FOLDERS)
+    functools.partial(
+        load_trade,
+        PLAN.study.trade,
+        PLAN.study.fidelities,
+        FOLDERS,
+        PLAN.study.metrics.probe,
+    )
 )
 
 
