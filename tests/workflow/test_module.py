@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from test_workflow import ROOT, planned_jobs, snakemake, write_config
+from test_workflow import ROOT, planned_jobs, write_config
 
 from sph.scene import Scene
 
