@@ -7,10 +7,10 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 import sph
+from sph.analysis.planned import planned, sources
 from sph.analysis.sampling import chosen_runs
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
-from sph.configuration import scene_files
 
 min_version("9.18")
 
@@ -32,25 +32,13 @@ RESULTS = PLAN.folder
 RUN = "{folder}/runs/{run}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
-# Snakemake does not see edits in imported modules: the sources of each stage are its inputs.
-SOLVER = sorted(
-    str(path)
-    for pattern in ("[!_]*.py", "ground_motion/*.py")
-    for path in SPH.glob(pattern)
-)
-SEARCHING = SOLVER + sorted(str(path) for path in SPH.glob("stability/*.py"))
-ANALYSIS = sorted(
-    str(path)
-    for pattern in ("analysis/*.py", "analysis/measured/*.csv")
-    for path in SPH.glob(pattern)
-)
-DRAWING = ANALYSIS + sorted(str(path) for path in SPH.glob("analysis/figures/*.py"))
-
-
-PAGE = DRAWING + sorted(
-    str(path)
-    for pattern in ("page/*.*", "command/reference.py", "validation/measured/*.csv")
-    for path in SPH.glob(pattern)
+# Snakemake does not see edits in imported modules: the contents of the sources of each stage are its parameters.
+SOLVER = sources("[!_]*.py", "ground_motion/*.py")
+SEARCHING = SOLVER + sources("stability/*.py")
+ANALYSIS = sources("analysis/*.py", "analysis/measured/*.csv")
+DRAWING = ANALYSIS + sources("analysis/figures/*.py")
+PAGE = DRAWING + sources(
+    "page/*.*", "command/reference.py", "validation/measured/*.csv"
 )
 
 

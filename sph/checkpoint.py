@@ -10,8 +10,9 @@ from __future__ import annotations
 import hashlib
 import os
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from sph import trajectory
 from sph.files import alone, beside, tidy
@@ -45,7 +46,8 @@ def run_to_file(
     """
     path = Path(path)
     seconds = checkpoint_seconds() if seconds is None else seconds
-    digest = run_digest(scene, until, restart)
+    earlier = {} if restart is None else trajectory.read_run(restart).attrs
+    digest, solver = run_digest(scene, until, earlier), solvers(earlier)
     with alone(path, "run", lambda: say(f"{path}: another process is writing it, waiting for its end")) as followed:
         checkpoint = Checkpoint(path, digest, seconds, say)
         if followed and (finished := _of_this_run(path, digest)):
@@ -58,7 +60,7 @@ def run_to_file(
             if restart is not None:
                 simulation.resume(restart)
         result = simulation.go(until, report, checkpoint.offer)
-        result.trajectory.attrs["run_digest"] = digest
+        result.trajectory.attrs |= {"run_digest": digest, "solver_digest": solver}
         trajectory.write(path, result.trajectory, result.restart)
         checkpoint.discard()
     return result
@@ -76,11 +78,16 @@ def checkpoint_seconds() -> float:
     return seconds
 
 
-def run_digest(scene: Scene, until: Until, restart: Path | str | None) -> str:
-    """Digest of all that decides the bits of a run: solver, scene, stage and the run gone on from; ValueError for an unreadable one."""
-    earlier = {} if restart is None else trajectory.read_run(restart).attrs
+def run_digest(scene: Scene, until: Until, earlier: Mapping[str, Any]) -> str:
+    """Digest of all that decides the bits of a run: solver, scene, stage and the run gone on from, by its attributes."""
     before = earlier.get("run_digest", earlier.get("scene"))
     return hashlib.sha256(f"{solver_digest()} {until} {scene.model_dump_json()} {before}".encode()).hexdigest()[:16]
+
+
+def solvers(earlier: Mapping[str, Any]) -> str:
+    """Digests of the solvers that made a run: of the run gone on from, by its attributes, and of this one where it is another."""
+    before = str(earlier.get("solver_digest", "unknown")) if earlier else ""
+    return " ".join(dict.fromkeys([*before.split(), solver_digest()]))
 
 
 class Checkpoint:

@@ -185,8 +185,23 @@ def scene_files(scene: Any) -> list[str]:
 def without_files(scene: Any) -> Any:
     """A scene's mapping without the names of files, for comparing: it holds their content."""
     if isinstance(scene, Mapping):
-        return {name: without_files(value) for name, value in scene.items() if name != "file"}
+        return {name: without_files(value) for name, value in scene.items() if name != "file" or isinstance(value, Mapping)}
     return [without_files(item) for item in scene] if isinstance(scene, (list, tuple)) else scene
+
+
+def differences(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
+    """Dotted keys whose values differ in the mappings of two scenes, with both; None for a key that one lacks.  Names of files do not
+    count: a scene holds their content."""
+    left, right = _flat(without_files(one)), _flat(without_files(other))
+    pairs = {name: (left.get(name), right.get(name)) for name in sorted(left.keys() | right.keys())}
+    return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    flat: dict[str, Any] = {}
+    for name, value in data.items():
+        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
+    return flat
 
 
 def found_file(folders: Sequence[Path], name: str, where: str) -> Path:

@@ -1,17 +1,23 @@
 """Files that exist are whole: written under a temporary name by one process at a time, then renamed.
 
 The temporary name is the file's own (``.NAME.part``), so that what a killed process leaves is overwritten by the next one instead
-of piling up; a lock (``.NAME.lock``) keeps two processes from sharing it.
+of piling up; a lock (``.NAME.lock``) keeps two processes from sharing it.  Of a long NAME these have a digest, so that every name that
+the file system takes will do.
 """
 
 from __future__ import annotations
 
+import errno
 import fcntl
+import hashlib
 import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+LONGEST_HIDDEN = 140
+"""Longest name of a hidden file, bytes; the file systems in use take 255, those that encrypt names 143."""
 
 
 @contextmanager
@@ -37,7 +43,29 @@ def whole(path: Path | str) -> Iterator[Path]:
 
 def beside(path: Path, role: str) -> Path:
     """Hidden file of a role beside a file."""
-    return path.with_name(f".{path.name}.{role}")
+    name = f".{path.name}.{role}"
+    if len(os.fsencode(name)) > LONGEST_HIDDEN:
+        name = f".{hashlib.sha256(os.fsencode(path.name)).hexdigest()[:16]}.{role}"
+    return path.with_name(name)
+
+
+def check_name(path: Path) -> None:
+    """ValueError for a name that the file system does not take, with the longest that it does."""
+    try:
+        os.lstat(path)
+    except OSError as error:
+        size, longest = len(os.fsencode(path.name)), os.pathconf(path.parent, "PC_NAME_MAX")
+        if error.errno == errno.ENAMETOOLONG and size > longest:
+            raise ValueError(f"{path}: the name takes {size} bytes, at most {longest} are possible there; choose a shorter one") from error
+
+
+def content_digest(*paths: Path) -> str:
+    """Digest of names and contents of files."""
+    digest = hashlib.sha256()
+    for path in paths:
+        data = path.read_bytes()
+        digest.update(os.fsencode(path.name) + b"\0" + str(len(data)).encode() + b"\0" + data)
+    return digest.hexdigest()[:16]
 
 
 def tidy(path: Path) -> None:
@@ -58,6 +86,7 @@ def alone(path: Path, role: str, wait: Callable[[], None] | None = None) -> Iter
     while True:
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
+            check_name(path)
             handle = open(lock, "w")  # noqa: SIM115
         except OSError as error:
             raise unwritable(path, error) from error

@@ -22,7 +22,7 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
-from sph.configuration import one_line, without_files
+from sph.configuration import differences, one_line
 from sph.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.early_stop import quiet_from, rest_reason
 from sph.guard import likely_cause, trouble
@@ -477,11 +477,10 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
         free += ("motion",)
     if time <= quiet_from(old) + 0.5 * old.numerics.time_step:
         free += ("early_stop",)
-    past, future = (_flat(without_files(scene.model_dump())) for scene in (old, new))
     bad = [
-        one_line(f"{name}: {past.get(name)!r} in the file, {future.get(name)!r} in the scene")
-        for name in sorted(past.keys() | future.keys())
-        if past.get(name) != future.get(name) and not is_among(name, free)
+        one_line(f"{name}: {past!r} in the file, {future!r} in the scene")
+        for name, (past, future) in differences(old.model_dump(), new.model_dump()).items()
+        if not is_among(name, free)
     ]
     if bad:
         raise ValueError(f"{path}: cannot go on from this run at {time:g} s, its scene differs in\n  " + "\n  ".join(bad))
@@ -492,10 +491,3 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
 def is_among(name: str, keys: Iterable[str]) -> bool:
     """Whether a dotted key, or the section that it stands in, is one of these keys."""
     return any(fnmatchcase(part, key) for key in keys for part in (name, name.split(".")[0]))
-
-
-def _flat(data: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in data.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, dict) else {prefix + name: value}
-    return flat

@@ -8,6 +8,7 @@ renamed, so a file that exists is whole.
 
 from __future__ import annotations
 
+import hashlib
 import json
 import platform
 from collections.abc import Mapping
@@ -19,6 +20,7 @@ import numpy as np
 import xarray as xr
 
 from sph import __version__
+from sph.configuration import without_files
 from sph.files import whole
 from sph.scene import Scene, make_scene
 
@@ -111,9 +113,20 @@ def run_attributes(scene: Scene) -> dict[str, Any]:
         "title": scene.title or scene.name,
         "source": f"sph {__version__}",
         "scene": scene.model_dump_json(),
+        "scene_digest": scene_digest(scene),
         "versions": json.dumps({"sph": __version__, "python": platform.python_version()} | {p: _version(p) for p in PACKAGES}),
         "machine": f"{platform.system()} {platform.machine()}",
     }
+
+
+def scene_digest(scene: Scene) -> str:
+    """Digest of all that a scene says, wherever its files lie: their content is part of it, their names are not."""
+    return text_digest(without_files(scene.model_dump(mode="json")))
+
+
+def text_digest(data: Any) -> str:
+    """Digest of plain data, whatever the order of its keys."""
+    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _version(package: str) -> str:

@@ -80,6 +80,13 @@ def probe_history(trajectory: xr.Dataset, probe: str) -> ProbeHistory:
     return ProbeHistory(time[start:], ux - ux[0], uy - uy[0], np.hypot(vx, vy), float(np.hypot(ux[0], uy[0])))
 
 
+def check_probe(probe: str, scene: Scene, where: str) -> None:
+    """ValueError beginning with ``where`` for a probe to be measured that a scene lacks."""
+    if probe not in scene.probes:
+        known = ", ".join(scene.probes) or "of which it has none"
+        raise ValueError(f"{where}: metrics.probe: {probe!r} is not one of the scene's probes, {known}")
+
+
 def _initial_height(trajectory: xr.Dataset, frame: int) -> np.ndarray:
     return trajectory["y0"].values
 

@@ -13,7 +13,8 @@ import pandas as pd
 import xarray as xr
 from pydantic import model_validator
 
-from sph.analysis.metrics import METRIC_BY_NAME, MetricSettings, measure
+from sph.analysis.fields import check_probe
+from sph.analysis.metrics import METRIC_BY_NAME, PROBE, MetricSettings, measure
 from sph.analysis.tables import ROW, read_csv
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
@@ -56,21 +57,22 @@ class Limits(Section):
 class LimitRuns:
     """The scene of every run, by file name without suffix, and the change and case it belongs to."""
 
-    def __init__(self, limits: Limits, base: Mapping[str, Any], origin: str) -> None:
+    def __init__(self, limits: Limits, base: Mapping[str, Any], origin: str, probe: str = PROBE) -> None:
         self.runs: dict[str, dict[str, Any]] = {}
         self.rows: list[tuple[str, str]] = []
         for change, settings in limits.changes.items():
             for case, point in limits.cases.items():
                 scene = merge(merge(merge(base, limits.overrides), point), settings)
-                make_scene(scene, f"{origin}: change {change!r}, case {case!r}")
+                where = f"{origin}: change {change!r}, case {case!r}"
+                check_probe(probe, make_scene(scene, where), where)
                 self.runs[f"{file_name(change)}/{file_name(case)}"] = scene
                 self.rows.append((change, case))
 
 
-def load_limits(path: Path | str = "config/limits.yaml", folders: Sequence[Path] = (Path(),)) -> LimitRuns:
-    """Validate the configuration and every scene; ValueError names file, key and value."""
+def load_limits(path: Path | str = "config/limits.yaml", folders: Sequence[Path] = (Path(),), probe: str = PROBE) -> LimitRuns:
+    """Validate the configuration and every scene, which has the ``probe`` that is measured; ValueError names file, key and value."""
     limits = validated(Limits, read_yaml(found_file(folders, str(path), "limits")), str(path))
-    return LimitRuns(limits, read_scene(found_file(folders, limits.scene, f"{path}: scene")), str(path))
+    return LimitRuns(limits, read_scene(found_file(folders, limits.scene, f"{path}: scene")), str(path), probe)
 
 
 def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], settings: MetricSettings) -> pd.DataFrame:

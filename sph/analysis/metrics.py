@@ -46,6 +46,9 @@ CLASSES = ("stable", "minor", "damaged", "collapse")
 UNDETERMINED = "undetermined"
 """Class of a diverged run."""
 
+PROBE = "A"
+"""The probe that is measured by default."""
+
 AREA_THRESHOLDS = {"area_moved_10cm": 0.1, "area_moved_50cm": 0.5, "area_moved_100cm": 1.0}
 """Displacements (m) beyond which the moved area is counted, by the metric's name."""
 
@@ -58,7 +61,7 @@ OUTLINE_GRID = 4
 class MetricSettings(Section):
     """Thresholds of the metrics; each is a choice of ours, the paper gives none."""
 
-    probe: str = key("probe whose motion is measured", default="A", source="Figs. 6-7", pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")
+    probe: str = key("probe whose motion is measured", default=PROBE, source="Figs. 6-7", pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")
     onset_threshold: float = key("displacement of the probe at which its motion has begun", "m", gt=0, le=100, default=0.05)
     arrest_tolerance: float = key("distance to its final place within which the probe has arrested", "m", gt=0, le=100, default=0.05)
     moved_threshold: float = key("displacement beyond which slope material counts for the run-out", "m", gt=0, le=100, default=0.5)

@@ -18,11 +18,12 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
+from sph.analysis.fields import check_probe
 from sph.analysis.metrics import METRIC_BY_NAME
 from sph.analysis.study import Plan
 from sph.analysis.tables import ROW, text_column
 from sph.analysis.trade import Label, Overrides
-from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, scene_files, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.particles import locate_probes, place_particles
 from sph.scene import make_scene
 from sph.timestep import check_time_step
@@ -214,11 +215,6 @@ class SensitivityPlan:
         own, other = self.fidelities
         return self.settings.confirm.points if self.settings.confirm and other != own else 0
 
-    @property
-    def files(self) -> list[str]:
-        """Files that the scenes of all runs name."""
-        return scene_files(list(self._bases.values()))
-
     def design(self, design: str, chosen: Sequence[str] = ()) -> dict[str, Point]:
         """Values of the factors of every run of a design, by name; ``chosen`` factors are varied in 'sobol' and 'confirm'."""
         if design in self._designs:
@@ -228,6 +224,10 @@ class SensitivityPlan:
     def scene(self, design: str, run: str, chosen: Sequence[str] = ()) -> dict[str, Any]:
         """Scene of a run of a design, as a mapping."""
         return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
+
+    def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
+        """Scenes of all runs of a design, in their order."""
+        return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]
 
     def check(self) -> None:
         """Build the scene of every run, with its particles and probes, and of every corner of the ranges at every fidelity; ValueError
@@ -259,8 +259,8 @@ class SensitivityPlan:
 
     def _axes(self, probe: str) -> list[Axis]:
         scene = make_scene(self._bases[self.fidelities[0]], self.origin)
-        if probe not in scene.probes:
-            raise ValueError(f"metrics.probe: {probe!r} is not one of the scene's probes {', '.join(scene.probes)}")
+        for fidelity, keys in self._bases.items():
+            check_probe(probe, make_scene(keys, self.origin), f"{self.origin}: at fidelity {fidelity}")
         axes = []
         for name, factor in self.settings.factors.items():
             where = f"{self.origin}: factors.{name}"

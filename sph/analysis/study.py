@@ -35,6 +35,7 @@ from sph.analysis.dimensions import (
     title_of,
     value_of,
 )
+from sph.analysis.fields import check_probe
 from sph.analysis.metrics import GRID, MetricSettings
 from sph.analysis.sampling import KINDS, MOST_RUNS, Sample, read_cases
 from sph.analysis.stages import SharedStages, Stages
@@ -401,9 +402,10 @@ class Plan:
         self.study.figure_files  # noqa: B018  refuses what a figure lacks
 
     def built(self, **point: str) -> Scene:
-        """The validated scene of a point; ValueError for one that cannot share its gravity stage."""
+        """The validated scene of a point; ValueError for one that cannot share its gravity stage or lacks the probe that is measured."""
         at = ", ".join(f"{name} = {value}" for name, value in point.items())
         scene = make_scene(self.scene(**point), f"{self.origin} at {at}" if at else self.origin)
+        check_probe(self.study.metrics.probe, scene, f"{self.origin} at {at}" if at else self.origin)
         if scene.coupling.initial_state == "fluid":
             raise ValueError(
                 f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "

@@ -15,6 +15,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
+from sph.analysis.fields import check_probe
+from sph.analysis.metrics import PROBE
 from sph.analysis.study import NAME
 from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.particles import locate_probes, place_particles
@@ -132,11 +134,11 @@ class Rung(NamedTuple):
 class Ladder:
     """A ladder with its scene file read: every row of its table, and the scene of every run."""
 
-    def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str) -> None:
+    def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
         if trade.baseline not in fidelities:
             raise ValueError(f"{origin}: baseline: {trade.baseline!r} is not one of the fidelities {', '.join(fidelities)}")
         self.trade, self.origin = trade, origin
-        self._base, self._fidelities = base, fidelities
+        self._base, self._fidelities, self._probe = base, fidelities, probe
         self.runs: dict[str, dict[str, Any]] = {}
         stems: dict[str, str] = {}
         repeats: dict[str, int] = {}
@@ -184,6 +186,7 @@ class Ladder:
     def _checked(self, scene: Mapping[str, Any], where: str) -> Scene:
         """The scene, built as a run would build it; ValueError says where it is refused."""
         built = make_scene(scene, where)
+        check_probe(self._probe, built, where)
         try:
             check_time_step(built)
             locate_probes(built, place_particles(built))
@@ -216,15 +219,21 @@ def check_file_names(where: str, labels: Iterable[str]) -> None:
             raise ValueError(f"{where}: {other!r} and {label!r} give the same file name {file_name(label)!r}")
 
 
-def load_trade(config: Mapping[str, Any] | Path | str, fidelities: Mapping[str, Overrides], folders: Sequence[Path] = (Path(),)) -> Ladder:
+def load_trade(
+    config: Mapping[str, Any] | Path | str,
+    fidelities: Mapping[str, Overrides],
+    folders: Sequence[Path] = (Path(),),
+    probe: str = PROBE,
+) -> Ladder:
     """Validate a ladder and every scene in it; ValueError names file, key and value.
 
-    ``fidelities`` are those of the study; ``folders`` are searched in order for the ladder's and the scene's file.
+    ``fidelities`` and the ``probe`` that is measured are those of the study; ``folders`` are searched in order for the ladder's and the
+    scene's file.
     """
     origin = "trade" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(found_file(folders, str(config), "trade"))
     trade = validated(Trade, data, origin)
-    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{origin}: scene")), fidelities, origin)
+    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{origin}: scene")), fidelities, origin, probe)
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -18,8 +18,9 @@ from pydantic import model_validator
 
 from sph.analysis.dimensions import GRID_KEYS, point_name
 from sph.analysis.metrics import CLASSES, GRID
+from sph.analysis.planned import Planned, planned
 from sph.analysis.refinement import Place, Span
-from sph.analysis.study import Axis, Plan
+from sph.analysis.study import Axis, Plan, Point
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, read_yaml, validated
 
@@ -221,11 +222,17 @@ class TriggerPlan:
 
     def runs(self, path_to_points: str, pattern: str, fidelity: str | None = None) -> list[str]:
         """Files of the runs of a table of points, in its order, at the searching fidelity or another; ``pattern`` as of the rule."""
+        return [pattern.format(folder=folder, run=point_name(point)) for folder, point in self._points(path_to_points, fidelity)]
+
+    def planned(self, path_to_points: str, fidelity: str | None = None) -> list[Planned]:
+        """Scenes of the same runs."""
+        return [planned(self.plans[folder].scene(**point)) for folder, point in self._points(path_to_points, fidelity)]
+
+    def _points(self, path_to_points: str, fidelity: str | None) -> Iterator[tuple[str, Point]]:
+        """Folder and point of every run."""
         points = pd.read_csv(path_to_points, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None)
-        return [
-            pattern.format(folder=self.folders[fidelity or self.fidelity, case], run=point_name(dict(zip(GRID, point, strict=True))))
-            for case, *point in points
-        ]
+        for case, *point in points:
+            yield self.folders[fidelity or self.fidelity, case], dict(zip(GRID, point, strict=True))
 
     @property
     def searched(self) -> dict[str, str]:

@@ -2,9 +2,9 @@
 
 Exit codes: 0 done; 2 refused, with one message that names what and the remedy: the scene, the command line, a file that cannot be
 read or written (earlier files are as they were), or nothing measured is as good as asked; 3 the run was stopped by its guard (status
-``diverged``), and what there is was written.  A static test that diverges after the slope has failed counts as failed: 0.  Anything
-else is a fault of the program, with a traceback (1), or of its surroundings: 130 interrupted, 137 killed; ``sph run`` then goes on
-from its checkpoint.
+``diverged``), and what there is was written; 4 a result is not what is planned now (``explain``).  A static test that diverges after
+the slope has failed counts as failed: 0.  Anything else is a fault of the program, with a traceback (1), or of its surroundings: 130
+interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-REFUSED, DIVERGED = 2, 3
+REFUSED, DIVERGED, DIFFERS = 2, 3, 4
 SMALLEST_ACCELERATION = 1e-6
 """Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
@@ -42,12 +42,15 @@ Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory fil
 
 def check_writable(path: Path, option: str = "--out") -> None:
     """Refuse a file that could not be written after hours of work; ValueError names the option."""
+    from sph.files import check_name
+
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
+    check_name(path)
     if path.is_dir():
         raise ValueError(f"{option} {path}: is a folder")
     try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=f".{path.name}."):
+        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
             pass
     except OSError as error:
         raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; mend that or choose another place") from error
@@ -340,6 +343,38 @@ def status(
             return watch(plan, place, listed)
         states = [look(job, place) for job in listed()]
     print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
+
+
+@app.command(
+    epilog="Examples:  sph explain results/paper/standard/study.csv S_R=0.10 gamma=100 amplitude=6.0 --column runout  |  "
+    "sph explain results/paper/standard/study.csv  |  sph explain results/paper/standard/stages/gravity.nc --json"
+)
+def explain(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="table of runs (CSV), or file of a run (netCDF), in the folder of its results")
+    ],
+    where: Annotated[list[str] | None, typer.Argument(metavar="[COLUMN=VALUE]...", help="which rows, all by default")] = None,
+    column: Annotated[str | None, typer.Option(help="the only column to define; all by default")] = None,
+    configfile: Annotated[
+        Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable")] = False,
+) -> None:
+    """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 where one is not as planned now."""
+    from sph.command.explain import explain, lines, record
+
+    with refusals():
+        wrong = [condition for condition in where or () if "=" not in condition]
+        if wrong:
+            raise ValueError(f"{wrong[0]!r}: write COLUMN=VALUE, e.g. S_R=0.10")
+        conditions = dict(condition.split("=", 1) for condition in where or ())
+        rows, plan = explain(file, conditions, configfile)
+        known = [number.column for number in rows[0].numbers]
+        if column is not None and column not in known:
+            raise ValueError(f"--column {column!r}: must be {', '.join(known) or 'left out for the file of a run'}")
+    print(json.dumps(record(rows, plan), indent=1) if as_json else "\n".join(lines(rows, plan, column)))
+    if any(row.differs for row in rows):
+        raise typer.Exit(DIFFERS)
 
 
 Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]

@@ -45,7 +45,7 @@ def search_to_file(scene: Mapping[str, Any], by: str, path: Path | str, report: 
     They are in a checkpoint as that of a run, written after each and told by a digest (see ``sph.checkpoint``).
     """
     path = Path(path)
-    built = make_scene(scene)
+    built, solver = make_scene(scene), solver_digest()
     digest = hashlib.sha256(f"{sources_digest()} {by} {built.model_dump_json()}".encode()).hexdigest()[:16]
     kept, made = beside(path, "checkpoint"), list[Trial]()
 
@@ -57,7 +57,8 @@ def search_to_file(scene: Mapping[str, Any], by: str, path: Path | str, report: 
             trajectory.write(kept, so_far.assign_attrs(run_digest=digest))
 
     with alone(path, "run"):
-        trajectory.write(path, run_search(scene, by, keep, {trial.value: trial for trial in read_trials(kept, digest)}))
+        found = run_search(scene, by, keep, {trial.value: trial for trial in read_trials(kept, digest)})
+        trajectory.write(path, found.assign_attrs(solver_digest=solver))
         kept.unlink(missing_ok=True)
         tidy(kept)
 

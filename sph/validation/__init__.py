@@ -62,3 +62,5 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V15": (measure_conservation, draw_conservation),
 }
 """What is measured and drawn for every case."""
+PROBES = {"V2": 2, "V3": 1, "V4": 1}
+"""Probes that a case measures at: the first of its scenes."""

@@ -12,12 +12,13 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
+from sph.analysis.planned import planned
 from sph.analysis.study import NAME
 from sph.analysis.trade import Label, Overrides, check_file_names, file_name
 from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene import Scene, make_scene
 from sph.timestep import check_time_step
-from sph.validation import CASES
+from sph.validation import CASES, PROBES
 
 FOLDER = "results/validation"
 """Where the results go, relative to the working folder."""
@@ -88,7 +89,10 @@ class Suite:
             for level, finer in case.levels.items():
                 for run, variant in case.runs.items():
                     scene = merge(merge(scenes[name], variant), finer)
-                    built = _checked(scene, f"{origin}: case {name}, run {run!r}, level {level!r}")
+                    where = f"{origin}: case {name}, run {run!r}, level {level!r}"
+                    built = _checked(scene, where)
+                    if len(built.probes) < PROBES.get(name, 0):
+                        raise ValueError(f"{where}: probes: {len(built.probes)}, this case measures at the first {PROBES[name]}")
                     self.runs[f"{name}/{run}/{file_name(level)}"] = Planned(name, run, level, scene)
                 section, field = case.size.split(".")
                 self._sizes[name, level] = float(getattr(getattr(built, section), field))
@@ -106,12 +110,12 @@ class Suite:
         return [self._sizes[case, level] for level in self.cases[case].levels]
 
     def plan(self, case: str) -> dict[str, Any]:
-        """What measuring a case needs, as plain data: its configuration, sizes, and (level, run, scene) of every run in order."""
+        """What measuring a case needs: its configuration, sizes, and (level, run, planned scene) of every run in order."""
         return {
             "name": case,
             "case": self.cases[case].model_dump(),
             "sizes": self.sizes(case),
-            "runs": [(planned.level, planned.run, planned.scene) for planned in self.of(case).values()],
+            "runs": [(each.level, each.run, planned(each.scene)) for each in self.of(case).values()],
         }
 
 

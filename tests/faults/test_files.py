@@ -226,6 +226,47 @@ def test_a_checkpoint_that_is_not_this_run_s_is_ignored(tmp_path: Path, run_file
         same_files(path, run_file)
 
 
+# ---------------------------------------------------------------- names
+
+
+@pytest.mark.parametrize("letter", ["x", "é"])
+@pytest.mark.parametrize("size", [139, 140, 237, 238, 240, 243, 244, 245, 246, 250, 254, 255])
+def test_every_name_that_the_file_system_takes_will_do(tmp_path: Path, letter: str, size: int) -> None:
+    """With lock, temporary file and checkpoint beside it; sizes are bytes."""
+    name = (size - 3) // len(letter.encode()) * letter
+    path = tmp_path / f"{name.ljust(len(name) + (size - 3) % len(letter.encode()), 'x')}.nc"
+    assert len(os.fsencode(path.name)) == size
+    with alone(path, "run"):
+        kept = beside(path, "checkpoint")
+        for file in (kept, path):
+            with whole(file) as temporary:
+                temporary.write_text(file.name)
+        assert len({beside(file, role) for file in (path, kept) for role in ("part", "lock", "run", "checkpoint")}) == 8
+        assert sorted(tmp_path.iterdir()) == sorted({path, kept, beside(path, "run")})
+        assert beside(path, "part") != beside(path.with_name(f"y{path.name[1:]}"), "part")
+    kept.unlink()
+    assert path.read_text() == path.name and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_run_with_the_longest_name(tmp_path: Path, scene_file: Path) -> None:
+    path = tmp_path / f"{'x' * 252}.nc"
+    result = call("run", scene_file, "--until", "gravity", "--checkpoint", 1e-9, "--out", path)
+    assert result.exit_code == 0, result.output
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted([scene_file.name, path.name])
+    assert trajectory.read_run(path).attrs["status"] == "paused"
+
+
+def test_a_name_that_is_too_long_is_refused_before_any_work(tmp_path: Path, scene_file: Path) -> None:
+    for name in (f"{'x' * 253}.nc", f"{'é' * 127}.nc"):
+        result = call("run", scene_file, "--out", tmp_path / name)
+        refused(result, "the name takes 25", "at most 255 are possible there; choose a shorter one")
+        assert "of 3 s" not in result.stderr and [p.name for p in tmp_path.iterdir()] == [scene_file.name]
+    with pytest.raises(ValueError, match="the name takes 256 bytes"), whole(tmp_path / ("x" * 256)):
+        pytest.fail("the work has begun")
+    plotted = call("check", scene_file, "--plot", tmp_path / f"{'x' * 252}.png")
+    refused(plotted, "the name takes 256 bytes")
+
+
 # ---------------------------------------------------------------- two processes, clocks, logs
 
 

@@ -10,10 +10,11 @@ rule docs:
         pages=sorted(
             str(path) for path in SPH.parent.glob("docs/**/*.*") if path.is_file()
         ),
-        sources=sorted(str(path) for path in SPH.rglob("*.py")),
     output:
         "results/docs/index.html",
     log:
         "results/logs/docs.log",
+    params:
+        sources=sources("**/*.py"),
     script:
         "../scripts/write_docs.py"

@@ -25,9 +25,6 @@ rule extremes:
 
 rule extremes_run:
     """Run the scene with one key at one value, from the start to the end, on one core."""
-    input:
-        sources=SOLVER,
-        files=lambda wildcards: scene_files(SWEEPS().runs[wildcards.run]),
     output:
         f"{EXTREMES}/runs/{{run}}.nc",
     log:
@@ -40,7 +37,8 @@ rule extremes_run:
     resources:
         **asked(lambda wildcards: SWEEPS().runs[wildcards.run]),
     params:
-        scene=lambda wildcards: SWEEPS().runs[wildcards.run],
+        sources=SOLVER,
+        scene=lambda wildcards: planned(SWEEPS().runs[wildcards.run]),
         until="end",
         enforce_limit=lambda wildcards: not wildcards.run.startswith(TIME_STEP_FOLDER),
     script:
@@ -50,7 +48,6 @@ rule extremes_run:
 rule extremes_table:
     """Measure every run."""
     input:
-        sources=SOLVER + ANALYSIS,
         runs=lambda wildcards: [f"{EXTREMES}/runs/{run}.nc" for run in SWEEPS().runs],
     output:
         report(
@@ -62,7 +59,10 @@ rule extremes_table:
     log:
         f"{EXTREMES}/logs/extremes.log",
     params:
-        names=lambda wildcards: list(SWEEPS().runs),
+        sources=SOLVER + ANALYSIS,
+        scenes=lambda wildcards: {
+            run: planned(scene) for run, scene in SWEEPS().runs.items()
+        },
         rows=lambda wildcards: [row._asdict() for row in SWEEPS().rows],
     script:
         "../scripts/measure_extremes.py"
@@ -71,7 +71,6 @@ rule extremes_table:
 rule extremes_figure:
     """Draw the sweeps: status and checks of every run."""
     input:
-        sources=DRAWING,
         table=f"{EXTREMES}/extremes.csv",
     output:
         png=report(
@@ -83,5 +82,7 @@ rule extremes_figure:
         pdf=f"{EXTREMES}/figures/extremes.pdf",
     log:
         f"{EXTREMES}/logs/figure.log",
+    params:
+        sources=DRAWING,
     script:
         "../scripts/draw_extremes.py"

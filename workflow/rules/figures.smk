@@ -6,7 +6,6 @@
 rule figure:
     """Draw a figure: 1-3 show what goes in, 4-5 profiles at the end, 6-7 the motion of particle A."""
     input:
-        sources=SOLVER + DRAWING,
         runs=lambda wildcards: [
             RUN.format(folder=RESULTS, run=PLAN.study.name_of(point))
             for _, point in PLAN.study.figure_runs(int(wildcards.number))
@@ -24,7 +23,12 @@ rule figure:
     wildcard_constraints:
         number="[1-7]",
     params:
+        sources=SOLVER + DRAWING,
         figure=lambda wildcards: int(wildcards.number),
+        scenes=lambda wildcards: [
+            planned(PLAN.scene(**point))
+            for _, point in PLAN.study.figure_runs(int(wildcards.number))
+        ],
         titles=lambda wildcards: [
             list(titles) for titles, _ in PLAN.study.figure_runs(int(wildcards.number))
         ],
@@ -36,7 +40,6 @@ rule figure:
 rule study_figure:
     """Draw displacement and run-out of all runs against each dimension."""
     input:
-        sources=DRAWING,
         table=f"{RESULTS}/study.csv",
     output:
         png=report(
@@ -49,6 +52,7 @@ rule study_figure:
     log:
         f"{RESULTS}/logs/study_figure.log",
     params:
+        sources=DRAWING,
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
         dimensions=lambda wildcards: PLAN.dimensions,
         probe=PLAN.study.metrics.probe,
@@ -60,7 +64,6 @@ rule study_figure:
 rule profiles:
     """Draw profiles at the end of some runs."""
     input:
-        sources=SOLVER + DRAWING,
         runs=lambda wildcards: expand(RUN, folder=RESULTS, run=PLAN.study.profile_runs),
     output:
         png=report(
@@ -73,7 +76,11 @@ rule profiles:
     log:
         f"{RESULTS}/logs/profiles.log",
     params:
+        sources=SOLVER + DRAWING,
         figure=4,
+        scenes=lambda wildcards: [
+            planned(PLAN.run_scene(run)) for run in PLAN.study.profile_runs
+        ],
         titles=lambda wildcards: [[title] for title in PLAN.profile_titles],
         fidelity=PLAN.study.fidelity,
     script:

@@ -5,7 +5,9 @@ import functools
 
 from sph.analysis.limits import FOLDER as LIMITS, load_limits
 
-CHANGES = functools.cache(functools.partial(load_limits, PLAN.study.limits, FOLDERS))
+CHANGES = functools.cache(
+    functools.partial(load_limits, PLAN.study.limits, FOLDERS, PLAN.study.metrics.probe)
+)
 
 
 rule limits:
@@ -16,9 +18,6 @@ rule limits:
 
 rule limits_run:
     """Run the scene with one choice changed, from the start to the end, on one core."""
-    input:
-        sources=SOLVER,
-        files=lambda wildcards: scene_files(CHANGES().runs[wildcards.run]),
     output:
         f"{LIMITS}/runs/{{run}}.nc",
     log:
@@ -31,7 +30,8 @@ rule limits_run:
     resources:
         **asked(lambda wildcards: CHANGES().runs[wildcards.run]),
     params:
-        scene=lambda wildcards: CHANGES().runs[wildcards.run],
+        sources=SOLVER,
+        scene=lambda wildcards: planned(CHANGES().runs[wildcards.run]),
         until="end",
     script:
         "../scripts/simulate.py"
@@ -40,7 +40,6 @@ rule limits_run:
 rule limits_table:
     """Measure every run against the scene as it is."""
     input:
-        sources=SOLVER + ANALYSIS,
         runs=lambda wildcards: [f"{LIMITS}/runs/{run}.nc" for run in CHANGES().runs],
     output:
         report(
@@ -52,7 +51,9 @@ rule limits_table:
     log:
         f"{LIMITS}/logs/limits.log",
     params:
+        sources=SOLVER + ANALYSIS,
         rows=lambda wildcards: CHANGES().rows,
+        scenes=lambda wildcards: [planned(scene) for scene in CHANGES().runs.values()],
         settings=PLAN.study.metrics.model_dump(),
     script:
         "../scripts/measure_limits.py"

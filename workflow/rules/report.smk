@@ -10,7 +10,6 @@ SECTIONS = sections_of(PLAN.study.of_the_paper)
 rule page:
     """Write the page: verdicts, figures, tables, cost, and every run to look at."""
     input:
-        sources=SOLVER + PAGE,
         study=f"{RESULTS}/study.csv",
         runs=lambda wildcards: expand(RUN, folder=RESULTS, run=PLAN.study.page_runs),
         stages=lambda wildcards: expand(
@@ -29,12 +28,17 @@ rule page:
     log:
         f"{RESULTS}/logs/page.log",
     params:
+        sources=SOLVER + PAGE,
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,
         layout=lambda wildcards: PLAN.layout,
         dimensions=lambda wildcards: PLAN.dimensions,
         size=lambda wildcards: len(PLAN.study.runs),
         names=lambda wildcards: PLAN.study.page_runs,
+        scenes=lambda wildcards: [
+            planned(PLAN.run_scene(run)) for run in PLAN.study.page_runs
+        ]
+        + [planned(PLAN.stage(stage)) for stage in PLAN.page_stages],
         stages=lambda wildcards: [
             tuple(f"{RESULTS}/stages/{name}.nc" for name in PLAN.stages(run))
             for run in PLAN.study.page_runs

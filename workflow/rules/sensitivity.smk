@@ -28,6 +28,16 @@ DESIGNS = functools.cache(
 )
 
 
+def varied(wildcards):
+    """Factors that a design varies beside those that vary all: the ones that matter, once they are known.
+
+    No function of ``input``: Snakemake runs nothing again for a parameter that is made from it.
+    """
+    if wildcards.design in ALL_FACTORS:
+        return []
+    return chosen_factors(checkpoints.sensitivity_factors.get().output[0])
+
+
 wildcard_constraints:
     design="morris|tornado|sobol|confirm",
 
@@ -50,8 +60,6 @@ rule sensitivity:
 rule sensitivity_run:
     """Run a point of a design from the start to the end, on one core."""
     input:
-        sources=SOLVER,
-        files=lambda wildcards: DESIGNS().files,
         factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
     output:
         f"{SENSITIVITY}/runs/{{design}}/{{run}}.nc",
@@ -65,8 +73,9 @@ rule sensitivity_run:
     resources:
         **asked(lambda wildcards: PLAN.scene()),
     params:
-        scene=lambda wildcards, input: DESIGNS().scene(
-            wildcards.design, wildcards.run, chosen_factors(input.factors)
+        sources=SOLVER,
+        scene=lambda wildcards: planned(
+            DESIGNS().scene(wildcards.design, wildcards.run, varied(wildcards))
         ),
         until="end",
     script:
@@ -76,29 +85,22 @@ rule sensitivity_run:
 rule sensitivity_measure:
     """Measure every run of a design."""
     input:
-        sources=SOLVER + ANALYSIS,
         factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
         runs=lambda wildcards: [
             f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
-            for run in DESIGNS().design(
-                wildcards.design,
-                (
-                    ()
-                    if wildcards.design in ALL_FACTORS
-                    else chosen_factors(
-                        checkpoints.sensitivity_factors.get().output[0]
-                    )
-                ),
-            )
+            for run in DESIGNS().design(wildcards.design, varied(wildcards))
         ],
     output:
         f"{SENSITIVITY}/samples/{{design}}.csv",
     log:
         f"{SENSITIVITY}/logs/{{design}}.log",
     params:
-        points=lambda wildcards, input: DESIGNS().design(
-            wildcards.design, chosen_factors(input.factors)
-        ),
+        sources=SOLVER + ANALYSIS,
+        points=lambda wildcards: DESIGNS().design(wildcards.design, varied(wildcards)),
+        scenes=lambda wildcards: [
+            planned(scene)
+            for scene in DESIGNS().scenes(wildcards.design, varied(wildcards))
+        ],
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
         settings=PLAN.study.metrics.model_dump(),
@@ -109,7 +111,6 @@ rule sensitivity_measure:
 rule sensitivity_sample:
     """All runs in one table, as netCDF and CSV."""
     input:
-        sources=ANALYSIS,
         samples=lambda wildcards: expand(
             "{sensitivity}/samples/{design}.csv",
             sensitivity=SENSITIVITY,
@@ -127,6 +128,7 @@ rule sensitivity_sample:
     log:
         f"{SENSITIVITY}/logs/sample.log",
     params:
+        sources=ANALYSIS,
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
     script:
@@ -136,7 +138,6 @@ rule sensitivity_sample:
 rule sensitivity_morris:
     """Elementary effects of all factors."""
     input:
-        sources=ANALYSIS,
         sample=f"{SENSITIVITY}/samples/morris.csv",
     output:
         report(
@@ -148,6 +149,7 @@ rule sensitivity_morris:
     log:
         f"{SENSITIVITY}/logs/morris_table.log",
     params:
+        sources=ANALYSIS,
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
         resamples=lambda wildcards: DESIGNS().settings.morris.resamples,
@@ -177,7 +179,6 @@ checkpoint sensitivity_factors:
 rule sensitivity_tornado:
     """The metrics at both ends of every factor."""
     input:
-        sources=ANALYSIS,
         sample=f"{SENSITIVITY}/samples/tornado.csv",
     output:
         report(
@@ -189,6 +190,7 @@ rule sensitivity_tornado:
     log:
         f"{SENSITIVITY}/logs/tornado_table.log",
     params:
+        sources=ANALYSIS,
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
         described=lambda wildcards, input: described(input.sample),
@@ -199,7 +201,6 @@ rule sensitivity_tornado:
 rule sensitivity_sobol:
     """Fit and cross-validate the surrogate, and compute the indices with it."""
     input:
-        sources=ANALYSIS,
         factors=FACTORS,
         sample=f"{SENSITIVITY}/samples/sobol.csv",
     output:
@@ -215,6 +216,7 @@ rule sensitivity_sobol:
     benchmark:
         f"{SENSITIVITY}/benchmarks/sobol_table.tsv"
     params:
+        sources=ANALYSIS,
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
         settings=lambda wildcards: DESIGNS().settings.sobol.model_dump(),
@@ -227,7 +229,6 @@ rule sensitivity_sobol:
 rule sensitivity_confirm:
     """The first points of the Sobol' sample beside the same ones at another fidelity."""
     input:
-        sources=ANALYSIS,
         sample=f"{SENSITIVITY}/samples/sobol.csv",
         confirmed=f"{SENSITIVITY}/samples/confirm.csv",
     output:
@@ -240,6 +241,7 @@ rule sensitivity_confirm:
     log:
         f"{SENSITIVITY}/logs/confirm_table.log",
     params:
+        sources=ANALYSIS,
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
         fidelities=lambda wildcards: DESIGNS().fidelities,
@@ -251,7 +253,6 @@ rule sensitivity_confirm:
 rule sensitivity_figure:
     """Draw a table of the sensitivity analysis."""
     input:
-        sources=DRAWING,
         factors=FACTORS,
         table=lambda wildcards: f"{SENSITIVITY}/{wildcards.figure}.csv",
         indices=lambda wildcards: (
@@ -273,6 +274,7 @@ rule sensitivity_figure:
     wildcard_constraints:
         figure="|".join(SAMPLE_OF),
     params:
+        sources=DRAWING,
         axes=lambda wildcards: DESIGNS().axes,
         described=lambda wildcards, input: described(input.sample),
         fidelity=PLAN.study.fidelity,

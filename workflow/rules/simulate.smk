@@ -1,15 +1,10 @@
 # Purpose: simulate every run, work that runs share done once.
-# Inputs:  the scene, with the files of its ground line and motion; the solver's sources.
+# Inputs:  the scene, with the files of its ground line and motion, and the solver's sources, by their contents.
 # Outputs: stages/gravity*.nc, stages/amplitude-*.nc or trunk*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
 
 
 rule gravity:
     """Bring gravity on; shared by all runs that agree in what acts before the shaking."""
-    input:
-        sources=SOLVER,
-        files=lambda wildcards: scene_files(
-            PLANS(wildcards.folder).stage(wildcards.gravity)
-        ),
     output:
         "{folder}/stages/{gravity}.nc",
     log:
@@ -19,7 +14,8 @@ rule gravity:
     resources:
         **asked(stage_scene, lambda wildcards: "gravity"),
     params:
-        scene=stage_scene,
+        sources=SOLVER,
+        scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="gravity",
     script:
         "../scripts/simulate.py"
@@ -28,10 +24,6 @@ rule gravity:
 rule trunk:
     """Shake until the first failure; shared by all runs that differ in what acts after it: S_R and gamma."""
     input:
-        sources=SOLVER,
-        files=lambda wildcards: scene_files(
-            PLANS(wildcards.folder).stage(wildcards.trunk)
-        ),
         restart=lambda wildcards: "{folder}/stages/{gravity}.nc".format(
             folder=wildcards.folder,
             gravity=PLANS(wildcards.folder).gravity_of(wildcards.trunk),
@@ -46,7 +38,8 @@ rule trunk:
     resources:
         **asked(stage_scene),
     params:
-        scene=stage_scene,
+        sources=SOLVER,
+        scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="first_failure",
     script:
         "../scripts/simulate.py"
@@ -55,10 +48,6 @@ rule trunk:
 rule simulate:
     """Simulate a run from its trunk to the end; a trunk in which nothing failed is taken over as it is."""
     input:
-        sources=SOLVER,
-        files=lambda wildcards: scene_files(
-            PLANS(wildcards.folder).run_scene(wildcards.run)
-        ),
         restart=lambda wildcards: "{folder}/stages/{trunk}.nc".format(
             folder=wildcards.folder,
             trunk=PLANS(wildcards.folder).stages(wildcards.run).trunk,
@@ -74,7 +63,8 @@ rule simulate:
     resources:
         **asked(stage_scene),
     params:
-        scene=stage_scene,
+        sources=SOLVER,
+        scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="end",
     script:
         "../scripts/simulate.py"

@@ -5,9 +5,6 @@
 
 rule yield_acceleration:
     """Search the constant acceleration at which the slope fails: the strength of the sliding block beside every run."""
-    input:
-        sources=SEARCHING,
-        files=lambda wildcards: scene_files(PLANS(wildcards.folder).scene()),
     output:
         "{folder}/stages/yield_acceleration.nc",
     log:
@@ -17,7 +14,8 @@ rule yield_acceleration:
     resources:
         **asked(searched_scene, lambda wildcards: "yield_acceleration"),
     params:
-        scene=searched_scene,
+        sources=SEARCHING,
+        scene=lambda wildcards: planned(searched_scene(wildcards)),
         by="yield_acceleration",
     script:
         "../scripts/simulate.py"
@@ -26,7 +24,6 @@ rule yield_acceleration:
 rule measure:
     """Measure the runs of a part of the study."""
     input:
-        sources=SEARCHING + ANALYSIS,
         yields=lambda wildcards: (
             f"{RESULTS}/stages/yield_acceleration.nc" if PLAN.one_slope else []
         ),
@@ -42,7 +39,12 @@ rule measure:
     wildcard_constraints:
         part="[0-9]+",
     params:
+        sources=SEARCHING + ANALYSIS,
         points=lambda wildcards: PLAN.part(wildcards.part),
+        scenes=lambda wildcards: [
+            planned(PLAN.run_scene(run)) for run in PLAN.part(wildcards.part)
+        ],
+        slope=lambda wildcards: planned(PLAN.slope) if PLAN.one_slope else None,
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
         settings=PLAN.study.metrics.model_dump(),
     script:
@@ -52,7 +54,6 @@ rule measure:
 rule study:
     """Put the metrics of all runs into one table, as netCDF and CSV."""
     input:
-        sources=ANALYSIS,
         run=lambda wildcards: RUN.format(
             folder=RESULTS, run=next(iter(PLAN.study.runs))
         ),
@@ -72,6 +73,8 @@ rule study:
     benchmark:
         f"{RESULTS}/benchmarks/study.tsv"
     params:
+        sources=ANALYSIS,
+        scene=lambda wildcards: planned(PLAN.run_scene(next(iter(PLAN.study.runs)))),
         layout=lambda wildcards: PLAN.layout,
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,
@@ -82,7 +85,6 @@ rule study:
 rule claims:
     """Decide the paper's twelve claims by numbers."""
     input:
-        sources=ANALYSIS,
         study=lambda wildcards: PLAN.study.needs_the_paper("the claims")
         or f"{RESULTS}/study.nc",
     output:
@@ -95,6 +97,7 @@ rule claims:
     log:
         f"{RESULTS}/logs/claims.log",
     params:
+        sources=ANALYSIS,
         settings=PLAN.study.claims.model_dump(),
     script:
         "../scripts/decide_claims.py"

@@ -7,7 +7,13 @@ from sph.analysis.trade import FOLDER as TRADE, load_trade
 
 # Read and checked once a rule of the ladder is asked for.
 LADDER = functools.cache(
-    functools.partial(load_trade, PLAN.study.trade, PLAN.study.fidelities, FOLDERS)
+    functools.partial(
+        load_trade,
+        PLAN.study.trade,
+        PLAN.study.fidelities,
+        FOLDERS,
+        PLAN.study.metrics.probe,
+    )
 )
 
 
@@ -27,9 +33,6 @@ rule trade:
 
 rule trade_run:
     """Run a rung of the ladder from the start to the end, on its own, on one core."""
-    input:
-        sources=SOLVER,
-        files=lambda wildcards: scene_files(LADDER().runs[wildcards.run]),
     output:
         f"{TRADE}/runs/{{run}}.nc",
     log:
@@ -42,7 +45,8 @@ rule trade_run:
     resources:
         **asked(lambda wildcards: LADDER().runs[wildcards.run]),
     params:
-        scene=lambda wildcards: LADDER().runs[wildcards.run],
+        sources=SOLVER,
+        scene=lambda wildcards: planned(LADDER().runs[wildcards.run]),
         until="end",
     script:
         "../scripts/simulate.py"
@@ -51,7 +55,6 @@ rule trade_run:
 rule trade_table:
     """Measure every run of the ladder: costs, deviations from the reference, order of convergence."""
     input:
-        sources=SOLVER + ANALYSIS,
         runs=lambda wildcards: [f"{TRADE}/runs/{run}.nc" for run in LADDER().runs],
     output:
         nc=f"{TRADE}/trade.nc",
@@ -70,7 +73,10 @@ rule trade_table:
     log:
         f"{TRADE}/logs/trade.log",
     params:
-        names=lambda wildcards: list(LADDER().runs),
+        sources=SOLVER + ANALYSIS,
+        scenes=lambda wildcards: {
+            run: planned(scene) for run, scene in LADDER().runs.items()
+        },
         rows=lambda wildcards: [row._asdict() for row in LADDER().rows],
         baseline=lambda wildcards: LADDER().trade.baseline,
         convergence=lambda wildcards: LADDER().trade.convergence,
@@ -82,7 +88,6 @@ rule trade_table:
 rule trade_figure:
     """Draw the ladder: error against cost, or results against spacing."""
     input:
-        sources=SOLVER + DRAWING,
         table=f"{TRADE}/trade.csv",
         convergence=f"{TRADE}/convergence.csv",
     output:
@@ -97,5 +102,7 @@ rule trade_figure:
         f"{TRADE}/logs/{{figure}}.log",
     wildcard_constraints:
         figure="tradeoff|convergence",
+    params:
+        sources=SOLVER + DRAWING,
     script:
         "../scripts/draw_trade.py"

@@ -48,7 +48,6 @@ rule maps:
 checkpoint want_points:
     """The points that a round of a search wants, from those of the rounds before it."""
     input:
-        sources=ANALYSIS,
         points=branch(
             lambda wildcards: int(wildcards.round) > 0,
             then=lambda wildcards: TRIGGER().points(
@@ -60,6 +59,7 @@ checkpoint want_points:
     log:
         "{folder}/trigger/logs/{search}-{round}-wanted.log",
     params:
+        sources=ANALYSIS,
         lattices=lambda wildcards: [
             lattice.model_dump() for lattice in TRIGGER().lattices(wildcards.search)
         ],
@@ -71,7 +71,6 @@ checkpoint want_points:
 rule measure_points:
     """Measure the runs of a round and add them to those of the rounds before it."""
     input:
-        sources=ANALYSIS,
         earlier=branch(
             lambda wildcards: int(wildcards.round) > 0,
             then=lambda wildcards: TRIGGER().points(
@@ -87,6 +86,10 @@ rule measure_points:
     log:
         "{folder}/trigger/logs/{search}-{round}-points.log",
     params:
+        sources=ANALYSIS,
+        scenes=lambda wildcards: TRIGGER().planned(
+            checkpoints.want_points.get(**wildcards).output[0]
+        ),
         settings=PLAN.study.metrics.model_dump(),
     script:
         "../scripts/measure_points.py"
@@ -109,7 +112,6 @@ rule searched_points:
 rule trigger_table:
     """Bracket the critical amplitudes, with the pseudo-static estimate and the sliding block's; decide the paper's claim."""
     input:
-        sources=SEARCHING + ANALYSIS,
         points="{folder}/trigger/points.csv",
         yields=lambda wildcards: [
             f"{folder}/stages/yield_acceleration.nc"
@@ -132,7 +134,11 @@ rule trigger_table:
     log:
         "{folder}/trigger/logs/trigger.log",
     params:
+        sources=SEARCHING + ANALYSIS,
         scenes=lambda wildcards: TRIGGER().scenes,
+        slopes=lambda wildcards: [
+            planned(PLANS(folder).slope) for folder in TRIGGER().searched.values()
+        ],
         classes=lambda wildcards: TRIGGER().classes("trigger"),
         settings=PLAN.study.metrics.model_dump(),
         attrs=lambda wildcards: TRIGGER().facts,
@@ -143,7 +149,6 @@ rule trigger_table:
 checkpoint want_confirmation:
     """The ends of brackets that are run again at another fidelity."""
     input:
-        sources=ANALYSIS,
         critical="{folder}/trigger/trigger.csv",
         points="{folder}/trigger/points.csv",
     output:
@@ -151,6 +156,7 @@ checkpoint want_confirmation:
     log:
         "{folder}/trigger/logs/confirm-wanted.log",
     params:
+        sources=ANALYSIS,
         confirm=lambda wildcards: TRIGGER().confirm,
     script:
         "../scripts/want_confirmation.py"
@@ -159,7 +165,6 @@ checkpoint want_confirmation:
 rule confirm_table:
     """Compare the ends of brackets at both fidelities."""
     input:
-        sources=ANALYSIS,
         points="{folder}/trigger/points.csv",
         ends="{folder}/trigger/rounds/confirm-wanted.csv",
         runs=lambda wildcards: TRIGGER().runs(
@@ -177,6 +182,11 @@ rule confirm_table:
     log:
         "{folder}/trigger/logs/confirm.log",
     params:
+        sources=ANALYSIS,
+        scenes=lambda wildcards: TRIGGER().planned(
+            checkpoints.want_confirmation.get(**wildcards).output[0],
+            TRIGGER().confirm["fidelity"],
+        ),
         settings=PLAN.study.metrics.model_dump(),
     script:
         "../scripts/confirm_trigger.py"
@@ -185,7 +195,6 @@ rule confirm_table:
 rule map_tables:
     """The cells of the maps, and the shares of S_R and gamma that reach each class."""
     input:
-        sources=ANALYSIS,
         points="{folder}/trigger/maps.csv",
     output:
         cells="{folder}/trigger/cells.csv",
@@ -198,6 +207,7 @@ rule map_tables:
     log:
         "{folder}/trigger/logs/cells.log",
     params:
+        sources=ANALYSIS,
         lattices=lambda wildcards: [
             lattice.model_dump() for lattice in TRIGGER().lattices("maps")
         ],
@@ -210,7 +220,6 @@ rule map_tables:
 rule trigger_figure:
     """Draw the critical amplitudes against S_R."""
     input:
-        sources=DRAWING,
         critical="{folder}/trigger/trigger.csv",
     output:
         png=report(
@@ -223,6 +232,7 @@ rule trigger_figure:
     log:
         "{folder}/trigger/logs/figure-trigger.log",
     params:
+        sources=DRAWING,
         figure="trigger",
         note=lambda wildcards: (
             f"{TRIGGER().note} · brackets to {TRIGGER().trigger.tolerance:g} m/s²"
@@ -234,7 +244,6 @@ rule trigger_figure:
 rule map_figure:
     """Draw a map, or the shares."""
     input:
-        sources=DRAWING,
         points="{folder}/trigger/maps.csv",
         shares="{folder}/trigger/shares.csv",
     output:
@@ -250,6 +259,7 @@ rule map_figure:
     wildcard_constraints:
         figure="shares|map-[a-z]+",
     params:
+        sources=DRAWING,
         figure=lambda wildcards: wildcards.figure,
         note=lambda wildcards: TRIGGER().note,
     script:

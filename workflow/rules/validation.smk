@@ -7,7 +7,7 @@ from sph.validation.suite import FOLDER as VALIDATION, load_suite
 
 # Read and checked once a rule of the suite is asked for.
 SUITE = functools.cache(functools.partial(load_suite, PLAN.study.validation, FOLDERS))
-VALIDATING = DRAWING + sorted(str(path) for path in SPH.glob("validation/*.py"))
+VALIDATING = DRAWING + sources("validation/*.py")
 
 
 wildcard_constraints:
@@ -28,11 +28,6 @@ rule validation:
 
 rule validation_run:
     """One run of a case, or one search by many runs, on one core."""
-    input:
-        sources=SEARCHING,
-        files=lambda wildcards: scene_files(
-            SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene
-        ),
     output:
         f"{VALIDATION}/runs/{{case}}/{{run}}.nc",
     log:
@@ -48,7 +43,10 @@ rule validation_run:
             lambda wildcards: SUITE().cases[wildcards.case].by,
         ),
     params:
-        scene=lambda wildcards: SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene,
+        sources=SEARCHING,
+        scene=lambda wildcards: planned(
+            SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene
+        ),
         until="end",
         by=lambda wildcards: SUITE().cases[wildcards.case].by,
     script:
@@ -58,7 +56,6 @@ rule validation_run:
 rule validation_case:
     """Measure a case on all its levels, and draw it."""
     input:
-        sources=SEARCHING + VALIDATING,
         runs=lambda wildcards: [
             f"{VALIDATION}/runs/{run}.nc" for run in SUITE().files(wildcards.case)
         ],
@@ -74,6 +71,7 @@ rule validation_case:
     log:
         f"{VALIDATION}/logs/{{case}}.log",
     params:
+        sources=SEARCHING + VALIDATING,
         suite=lambda wildcards: SUITE().plan(wildcards.case),
     script:
         "../scripts/measure_case.py"

@@ -3,19 +3,24 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph import trajectory
 from sph.analysis.critical import confirm_table, read_ends
 from sph.analysis.metrics import MetricSettings, measure
+from sph.analysis.planned import Planned
 from sph.analysis.points import read_points
 from sph.analysis.tables import write_csv
 from sph.command.job import job_log
 
 
 def confirm_trigger(
-    path_to_ends: str, path_to_points: str, paths_to_runs: Sequence[str], settings: Mapping[str, Any], path_to_csv: str
+    path_to_ends: str,
+    path_to_points: str,
+    paths_to_runs: Sequence[str],
+    scenes: Sequence[Planned],
+    settings: Mapping[str, Any],
+    path_to_csv: str,
 ) -> None:
-    """One row an end; the paths in the ends' order."""
-    metrics = [measure(trajectory.read(path), MetricSettings(**settings)) for path in paths_to_runs]
+    """One row an end; paths and planned scenes in the ends' order."""
+    metrics = [measure(scene.read(path), MetricSettings(**settings)) for path, scene in zip(paths_to_runs, scenes, strict=True)]
     write_csv(confirm_table(read_ends(path_to_ends), read_points(path_to_points), metrics), path_to_csv)
 
 
@@ -25,6 +30,7 @@ if __name__ == "__main__":
             snakemake.input.ends,  # type: ignore[name-defined]
             snakemake.input.points,  # type: ignore[name-defined]
             snakemake.input.get("runs", []),  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.params.settings,  # type: ignore[name-defined]
             snakemake.output[0],  # type: ignore[name-defined]
         )

@@ -3,16 +3,21 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sph import trajectory
 from sph.analysis.figures import FIGURES, save
+from sph.analysis.planned import Planned
 from sph.command.job import job_log
 
 
 def draw_figure(
-    number: int, paths_to_runs: Sequence[str], titles: Sequence[Sequence[str]], fidelity: str, paths_to_pictures: Sequence[str]
+    number: int,
+    paths_to_runs: Sequence[str],
+    scenes: Sequence[Planned],
+    titles: Sequence[Sequence[str]],
+    fidelity: str,
+    paths_to_pictures: Sequence[str],
 ) -> None:
-    """Draw a figure from runs; ``titles`` name each run: nothing, its panel, or its panel and its curve."""
-    runs = [trajectory.read(path) for path in paths_to_runs]
+    """Draw a figure from runs of planned scenes; ``titles`` name each run: nothing, its panel, or its panel and its curve."""
+    runs = [scene.read(path) for path, scene in zip(paths_to_runs, scenes, strict=True)]
     shown: Any = runs[0]
     if titles[0]:
         shown = {}
@@ -26,6 +31,7 @@ if __name__ == "__main__":
         draw_figure(
             snakemake.params.figure,  # type: ignore[name-defined]
             snakemake.input.runs,  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.params.titles,  # type: ignore[name-defined]
             snakemake.params.fidelity,  # type: ignore[name-defined]
             [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]

@@ -27,7 +27,7 @@ if __name__ == "__main__":
     with job_log(snakemake.log[0]):  # type: ignore[name-defined]
         draw_trigger(
             snakemake.params.figure,  # type: ignore[name-defined]
-            {name: str(path) for name, path in snakemake.input.items() if name != "sources"},  # type: ignore[name-defined]
+            {name: str(path) for name, path in snakemake.input.items()},  # type: ignore[name-defined]
             snakemake.params.note,  # type: ignore[name-defined]
             [snakemake.output.png, snakemake.output.pdf],  # type: ignore[name-defined]
         )

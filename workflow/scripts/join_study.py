@@ -4,15 +4,22 @@ from collections.abc import Mapping, Sequence
 
 from sph import trajectory
 from sph.analysis.advice import expected_sentence
+from sph.analysis.planned import Planned
 from sph.analysis.tables import Layout, join_study
 from sph.command.job import job_log
 
 
 def join(
-    paths_to_parts: Sequence[str], layout: Layout, path_to_run: str, attrs: Mapping[str, str], path_to_nc: str, path_to_csv: str
+    paths_to_parts: Sequence[str],
+    layout: Layout,
+    path_to_run: str,
+    planned: Planned,
+    attrs: Mapping[str, str],
+    path_to_nc: str,
+    path_to_csv: str,
 ) -> None:
-    """The tables of the study; ``attrs`` and those of a run go into the netCDF."""
-    run = trajectory.read(path_to_run)
+    """The tables of the study; ``attrs`` and those of a run, whose scene is planned, go into the netCDF."""
+    run = planned.read(path_to_run)
     facts = {name: run.attrs[name] for name in ("source", "versions", "scene")} | {
         "expected_error": expected_sentence(trajectory.scene_of(run))
     }
@@ -25,6 +32,7 @@ if __name__ == "__main__":
             snakemake.input.parts,  # type: ignore[name-defined]
             snakemake.params.layout,  # type: ignore[name-defined]
             snakemake.input.run,  # type: ignore[name-defined]
+            snakemake.params.scene,  # type: ignore[name-defined]
             {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},  # type: ignore[name-defined]
             snakemake.output.nc,  # type: ignore[name-defined]
             snakemake.output.csv,  # type: ignore[name-defined]

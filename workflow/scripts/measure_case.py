@@ -9,7 +9,6 @@ import xarray as xr
 from sph.analysis.figures import save
 from sph.analysis.tables import write_csv
 from sph.command.job import job_log
-from sph.scene import make_scene
 from sph.validation import CASES
 from sph.validation.level import Level, Result, read_result
 from sph.validation.slopes import read_search
@@ -21,11 +20,12 @@ def measure_case(plan: Mapping[str, Any], paths_to_runs: Sequence[str], path_to_
     """One row a quantity, and the picture; the paths in the plan's order, none for a case of functions alone."""
     case = Case(**plan["case"])
     levels: dict[str, Level] = {}
-    for number, (level, run, scene) in enumerate(plan["runs"]):
+    for number, (level, run, planned) in enumerate(plan["runs"]):
         if case.by == "computation":
-            result = Result(make_scene(scene), xr.Dataset())
+            result = Result(planned.build(), xr.Dataset())
         else:
             result = (read_result if case.by == "simulation" else read_search)(paths_to_runs[number])
+            planned.check(result.data.attrs, paths_to_runs[number])
         levels[level] = {**levels.get(level, {}), run: result}
     write_csv(pd.DataFrame(case_rows(plan["name"], case, levels, plan["sizes"])), path_to_csv)
     save(CASES[plan["name"]][1](levels), *paths_to_pictures)

@@ -3,22 +3,25 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph import trajectory
 from sph.analysis.extremes import Row, extremes_table
+from sph.analysis.planned import Planned
 from sph.analysis.tables import write_csv
 from sph.command.job import job_log
 
 
-def measure_extremes(paths_to_runs: Mapping[str, str], rows: Sequence[Mapping[str, Any]], path_to_csv: str) -> None:
-    """One row a value and case; paths by the name of the run."""
-    table = extremes_table([Row(**row) for row in rows], lambda name: trajectory.read(paths_to_runs[name]))
+def measure_extremes(
+    paths_to_runs: Mapping[str, str], scenes: Mapping[str, Planned], rows: Sequence[Mapping[str, Any]], path_to_csv: str
+) -> None:
+    """One row a value and case; paths and planned scenes by the name of the run."""
+    table = extremes_table([Row(**row) for row in rows], lambda name: scenes[name].read(paths_to_runs[name]))
     write_csv(table, path_to_csv)
 
 
 if __name__ == "__main__":
     with job_log(snakemake.log[0]):  # type: ignore[name-defined]
         measure_extremes(
-            dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+            dict(zip(snakemake.params.scenes, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.params.rows,  # type: ignore[name-defined]
             snakemake.output[0],  # type: ignore[name-defined]
         )

@@ -3,19 +3,24 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph import trajectory
 from sph.analysis.metrics import MetricSettings, measure
+from sph.analysis.planned import Planned
 from sph.analysis.points import measured_points, no_points, read_points, read_wanted
 from sph.analysis.tables import write_csv
 from sph.command.job import job_log
 
 
 def measure_points(
-    path_to_earlier: str | None, path_to_wanted: str, paths_to_runs: Sequence[str], settings: Mapping[str, Any], path_to_points: str
+    path_to_earlier: str | None,
+    path_to_wanted: str,
+    paths_to_runs: Sequence[str],
+    scenes: Sequence[Planned],
+    settings: Mapping[str, Any],
+    path_to_points: str,
 ) -> None:
-    """One row a point; the paths in the order of the wanted points."""
+    """One row a point; paths and planned scenes in the order of the wanted points."""
     earlier = read_points(path_to_earlier) if path_to_earlier else no_points()
-    metrics = [measure(trajectory.read(path), MetricSettings(**settings)) for path in paths_to_runs]
+    metrics = [measure(scene.read(path), MetricSettings(**settings)) for path, scene in zip(paths_to_runs, scenes, strict=True)]
     write_csv(measured_points(earlier, read_wanted(path_to_wanted), metrics), path_to_points)
 
 
@@ -25,6 +30,7 @@ if __name__ == "__main__":
             snakemake.input.get("earlier"),  # type: ignore[name-defined]
             snakemake.input.wanted,  # type: ignore[name-defined]
             snakemake.input.get("runs", []),  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.params.settings,  # type: ignore[name-defined]
             snakemake.output[0],  # type: ignore[name-defined]
         )

@@ -5,8 +5,8 @@ from typing import Any
 
 import pandas as pd
 
-from sph import trajectory
 from sph.analysis.metrics import MetricSettings
+from sph.analysis.planned import Planned
 from sph.analysis.sensitivity import Axis, Point, Quantity
 from sph.analysis.sensitivity_tables import sample_columns, sample_row
 from sph.analysis.tables import write_csv
@@ -15,6 +15,7 @@ from sph.command.job import job_log
 
 def measure_sample(
     paths_to_runs: Sequence[str],
+    scenes: Sequence[Planned],
     design: str,
     points: Mapping[str, Point],
     axes: Sequence[Axis],
@@ -22,12 +23,12 @@ def measure_sample(
     settings: Mapping[str, Any],
     path_to_csv: str,
 ) -> None:
-    """One row a run, in the order of the points."""
+    """One row a run; paths and planned scenes in the order of the points."""
     columns = sample_columns(axes, quantities)
     chosen = MetricSettings(**settings)
     rows = [
-        sample_row(f"{design}/{run}", point, trajectory.read(path), columns, chosen)
-        for (run, point), path in zip(points.items(), paths_to_runs, strict=True)
+        sample_row(f"{design}/{run}", point, scene.read(path), columns, chosen)
+        for (run, point), path, scene in zip(points.items(), paths_to_runs, scenes, strict=True)
     ]
     write_csv(pd.DataFrame(rows), path_to_csv)
 
@@ -36,6 +37,7 @@ if __name__ == "__main__":
     with job_log(snakemake.log[0]):  # type: ignore[name-defined]
         measure_sample(
             snakemake.input.runs,  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.wildcards.design,  # type: ignore[name-defined]
             snakemake.params.points,  # type: ignore[name-defined]
             snakemake.params.axes,  # type: ignore[name-defined]

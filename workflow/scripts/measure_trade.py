@@ -7,6 +7,7 @@ from sph import trajectory
 from sph.analysis.convergence import convergence_table
 from sph.analysis.machine import machine_class
 from sph.analysis.metrics import MetricSettings
+from sph.analysis.planned import Planned
 from sph.analysis.tables import flat_dataset, write_csv
 from sph.analysis.trade import Rung
 from sph.analysis.trade_table import TRADE, ladder_table, measured_run
@@ -17,6 +18,7 @@ TIMING = "solver's loop of whole runs on one core each, side by side on as many 
 
 def measure_trade(
     paths_to_runs: Mapping[str, str],
+    scenes: Mapping[str, Planned],
     rows: Sequence[Mapping[str, Any]],
     baseline: str,
     convergence_knob: str,
@@ -25,9 +27,9 @@ def measure_trade(
     path_to_csv: str,
     path_to_convergence: str,
 ) -> None:
-    """One row a rung and case; paths by the name of the run."""
+    """One row a rung and case; paths and planned scenes by the name of the run."""
     chosen = MetricSettings(**settings)
-    runs = {name: measured_run(trajectory.read(path), chosen) for name, path in paths_to_runs.items()}
+    runs = {name: measured_run(scenes[name].read(path), chosen) for name, path in paths_to_runs.items()}
     ladder, machine = [Rung(**row) for row in rows], machine_class()
     frame = ladder_table(ladder, runs, baseline, machine)
     of_reference = next(row.runs[0] for row in ladder if row.reference)
@@ -41,7 +43,8 @@ def measure_trade(
 if __name__ == "__main__":
     with job_log(snakemake.log[0]):  # type: ignore[name-defined]
         measure_trade(
-            dict(zip(snakemake.params.names, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+            dict(zip(snakemake.params.scenes, snakemake.input.runs, strict=True)),  # type: ignore[name-defined]
+            snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.params.rows,  # type: ignore[name-defined]
             snakemake.params.baseline,  # type: ignore[name-defined]
             snakemake.params.convergence,  # type: ignore[name-defined]

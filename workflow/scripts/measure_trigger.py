@@ -8,6 +8,7 @@ from sph.analysis.baseline import newmark_amplitude
 from sph.analysis.claims import decide_trigger
 from sph.analysis.critical import CRITICAL, critical_table
 from sph.analysis.metrics import MetricSettings, class_displacement
+from sph.analysis.planned import Planned
 from sph.analysis.points import read_points
 from sph.analysis.tables import flat_dataset, write_csv
 from sph.command.job import job_log
@@ -17,6 +18,7 @@ from sph.scene import make_scene
 def measure_trigger(
     path_to_points: str,
     path_to_yields: Mapping[str, str],
+    slopes: Sequence[Planned],
     scenes: Mapping[str, Mapping[str, Any]],
     classes: Sequence[str],
     settings: Mapping[str, Any],
@@ -24,10 +26,11 @@ def measure_trigger(
     paths_to_tables: Sequence[str],
     path_to_claim: str,
 ) -> None:
-    """One row a case, S_R, gamma and class; yield acceleration and scene by case; ``attrs`` go into the netCDF, the first of the tables."""
+    """One row a case, S_R, gamma and class; yield acceleration and scene by case, in whose order the planned scenes of the searches are;
+    ``attrs`` go into the netCDF, the first of the tables."""
     chosen, estimates = MetricSettings(**settings), {}
-    for case, path in path_to_yields.items():
-        scene, yields = make_scene(scenes[case]), float(trajectory.read(path).attrs["value"])
+    for (case, path), slope in zip(path_to_yields.items(), slopes, strict=True):
+        scene, yields = make_scene(scenes[case]), float(slope.read(path).attrs["value"])
         estimates[case] = {
             name: {
                 "yield_acceleration": yields,
@@ -46,6 +49,7 @@ if __name__ == "__main__":
         measure_trigger(
             snakemake.input.points,  # type: ignore[name-defined]
             dict(zip(snakemake.params.scenes, snakemake.input.yields, strict=True)),  # type: ignore[name-defined]
+            snakemake.params.slopes,  # type: ignore[name-defined]
             snakemake.params.scenes,  # type: ignore[name-defined]
             snakemake.params.classes,  # type: ignore[name-defined]
             snakemake.params.settings,  # type: ignore[name-defined]

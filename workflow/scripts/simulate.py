@@ -1,19 +1,18 @@
 """Simulate one stage or run of a study, or search the limit of a scene by many runs."""
 
-from collections.abc import Mapping
-from typing import Any, TextIO
+from typing import TextIO
 
+from sph.analysis.planned import Planned
 from sph.checkpoint import run_to_file
 from sph.command.concerns import of_motion
 from sph.command.job import job_log
 from sph.command.progress import reporter
-from sph.scene import make_scene
 from sph.solver import Until
 from sph.stability.record import search_to_file
 
 
 def simulate(
-    scene: Mapping[str, Any],
+    planned: Planned,
     until: Until,
     path_to_restart: str | None,
     path_to_trajectory: str,
@@ -27,16 +26,17 @@ def simulate(
         print(line, file=log)
 
     with reporter(path_to_trajectory, log) as report:
-        built = make_scene(scene)
+        built = planned.build()
         for concern in of_motion(built):
             say(f"warning: {concern.sentence()}")
         result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)
     print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
 
-def find_limit(scene: Mapping[str, Any], by: str, path_to_trials: str, log: TextIO) -> None:
+def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO) -> None:
     """Search the strength at which a scene just stands, from the trials of a search that was killed, and write the trials."""
-    search_to_file(scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True))
+    planned.build()  # refuses files that have changed
+    search_to_file(planned.scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True))
 
 
 if __name__ == "__main__":

@@ -3,12 +3,14 @@
 from pathlib import Path
 
 from sph.command.job import job_log
-from sph.page.build import StudyFiles, write_page
+from sph.page.build import StudyFiles, attributes, write_page
 from sph.page.sections import sections_of
 
 if __name__ == "__main__":
     with job_log(snakemake.log[0]) as log:  # type: ignore[name-defined]
         given, params = snakemake.input, snakemake.params  # type: ignore[name-defined]
+        for path, planned in zip([*given.runs, *given.stages], params.scenes, strict=True):
+            planned.check(attributes(path), path)
         study = StudyFiles(
             params.name,
             params.fidelity,

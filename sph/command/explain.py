@@ -1,0 +1,398 @@
+"""Where a number of a table comes from (``sph explain``): its run, what that was made from and by, and whether that is what is planned now.
+
+A table names the runs of a row, by its dimensions or by a column; the place of a run's file names its scene in the configuration.  A row
+*agrees* if every run holds the scene that the configuration and the files on disk give now, was made by the solver that is installed, and
+gives the row's numbers when it is measured again.  What rests on many runs together (claims, indices, brackets) is traced by the table of
+its runs.
+"""
+
+from __future__ import annotations
+
+import functools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+import xarray as xr
+
+from sph import trajectory
+from sph.analysis.dimensions import is_number, point_name, value_of
+from sph.analysis.extremes import EXTREMES, ExtremeRuns, load_extremes, measure_extreme
+from sph.analysis.extremes import FOLDER as EXTREMES_FOLDER
+from sph.analysis.limits import FOLDER as LIMITS_FOLDER
+from sph.analysis.limits import LIMITS, LimitRuns, load_limits
+from sph.analysis.metrics import GRID, measure
+from sph.analysis.planned import differing
+from sph.analysis.points import POINTS
+from sph.analysis.sensitivity import SensitivityPlan, chosen_factors, load_sensitivity
+from sph.analysis.sensitivity_tables import sample_columns
+from sph.analysis.study import Plan
+from sph.analysis.study_row import run_values
+from sph.analysis.tables import read_csv
+from sph.analysis.trade import FOLDER as TRADE_FOLDER
+from sph.analysis.trade import Ladder, file_name, load_trade
+from sph.analysis.trade_table import TRADE, measured_run
+from sph.analysis.trigger import FOLDER as TRIGGER_FOLDER
+from sph.analysis.trigger import TriggerPlan, load_trigger
+from sph.command.status import located_plan
+from sph.configuration import CONTENT_KEYS
+from sph.jit import solver_digest
+from sph.scene import Scene, make_scene
+from sph.trajectory import Variable
+from sph.validation.suite import FOLDER as VALIDATION_FOLDER
+from sph.validation.suite import Suite, load_suite
+
+SEARCH = "yield_acceleration"
+"""File of the search whose result the rows of a study share, without suffix."""
+OF_ALL = {"wall_time", "particle_steps_per_second"}
+"""Columns of the ladder that are medians over repeats."""
+
+
+class Content(NamedTuple):
+    """What a run's scene took from a file."""
+
+    section: str
+    file: str
+    digest: str
+
+
+class Origin(NamedTuple):
+    """A run behind a number."""
+
+    file: str
+    scene_digest: str
+    contents: list[Content]
+    solver_digest: str
+    versions: str
+    status: str
+    differs: list[str]  # from what is planned now; empty where it agrees
+
+
+class Number(NamedTuple):
+    """A column of a row."""
+
+    column: str
+    value: str  # as in the table
+    unit: str
+    definition: str
+    again: str | None  # measured again; None for what is not measured from these runs alone
+    agrees: bool
+
+
+class Row(NamedTuple):
+    """A row of a table and where it comes from."""
+
+    point: dict[str, str]  # what tells it from the other rows
+    origins: list[Origin]
+    numbers: list[Number]
+
+    @property
+    def differs(self) -> list[str]:
+        """What differs from what is planned now, a line each."""
+        found = [f"{origin.file}: {line}" for origin in self.origins for line in origin.differs]
+        return found + [f"{n.column}: {n.value} in the table, {n.again} measured now" for n in self.numbers if not n.agrees]
+
+
+class Table(NamedTuple):
+    """How the rows of a table are traced."""
+
+    columns: Sequence[Variable]
+    named: Sequence[str]  # columns that tell rows apart
+    files: Callable[[Mapping[str, str]], list[str]]  # files of a row's runs
+    values: Callable[[list[xr.Dataset]], Mapping[str, Any]]  # columns measured from these runs
+
+
+class Project:
+    """The configurations of a working folder, each read when it is asked for, and the scene that they plan for a file."""
+
+    def __init__(self, folder: Path, configfile: Path | None, results: Path | None = None) -> None:
+        self.folder, self.plan = folder, located_plan(results, configfile)[0]
+        self._folders = [folder, Path(trajectory.__file__).parents[1]]
+
+    @functools.cached_property
+    def trigger(self) -> TriggerPlan:
+        """The searches for critical amplitudes."""
+        return load_trigger(self.plan, self._folders)
+
+    @functools.cached_property
+    def sensitivity(self) -> SensitivityPlan:
+        """The designs of the sensitivity analysis."""
+        return load_sensitivity(self.plan.study.sensitivity, self.plan, self._folders, check=False)
+
+    @functools.cached_property
+    def ladder(self) -> Ladder:
+        """The ladder."""
+        study = self.plan.study
+        return load_trade(study.trade, study.fidelities, self._folders, study.metrics.probe)
+
+    @functools.cached_property
+    def limits(self) -> LimitRuns:
+        """The changes, one at a time."""
+        return load_limits(self.plan.study.limits, self._folders, self.plan.study.metrics.probe)
+
+    @functools.cached_property
+    def extremes(self) -> ExtremeRuns:
+        """The sweeps."""
+        return load_extremes(self.plan.study.extremes, self._folders)
+
+    @functools.cached_property
+    def suite(self) -> Suite:
+        """The reference cases."""
+        return load_suite(self.plan.study.validation, self._folders)
+
+    def scene(self, file: str) -> Scene:
+        """The scene planned for a file, relative to the working folder; ValueError where none is."""
+        place, name = str(Path(file).parent), Path(file).stem
+        try:
+            return make_scene(self._mapping(file, place, name), file)
+        except KeyError as error:
+            raise ValueError("no such run is planned now") from error
+
+    def _mapping(self, file: str, place: str, name: str) -> Mapping[str, Any]:
+        run = file.partition("/runs/")[2].removesuffix(".nc")
+        if file.startswith(f"{TRADE_FOLDER}/runs/"):
+            return self.ladder.runs[run]
+        if file.startswith(f"{LIMITS_FOLDER}/runs/"):
+            return self.limits.runs[run]
+        if file.startswith(f"{EXTREMES_FOLDER}/runs/"):
+            return self.extremes.runs[run]
+        if file.startswith(f"{VALIDATION_FOLDER}/runs/"):
+            return self.suite.runs[run].scene
+        if file.startswith(f"{self.plan.folder}/sensitivity/runs/"):
+            design, _, point = run.partition("/")
+            return self.sensitivity.scene(design, point, self._factors)
+        folder, kind = place.rpartition("/")[::2]
+        plan = self.plan if folder == self.plan.folder else self.trigger.plans[folder]
+        return plan.run_scene(name) if kind == "runs" else plan.slope if name == SEARCH else plan.stage(name)
+
+    @property
+    def _factors(self) -> list[str]:
+        chosen = self.folder / self.plan.folder / "sensitivity" / "factors.json"
+        return chosen_factors(chosen) if chosen.is_file() else []
+
+    def table(self, file: str) -> Table:
+        """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
+        plan, settings = self.plan, self.plan.study.metrics
+        place, name = str(Path(file).parent), Path(file).name
+        if file == f"{plan.folder}/study.csv":
+            return self._study()
+        if Path(place).parts[-1:] == (TRIGGER_FOLDER,) and name in ("points.csv", "maps.csv") and place.startswith("results/"):
+            trigger, fidelity = self.trigger, self.trigger.fidelity
+            return Table(
+                POINTS,
+                ["case", *GRID],
+                lambda row: [f"{trigger.folders[fidelity, row['case']]}/runs/{point_name({axis: row[axis] for axis in GRID})}.nc"],
+                lambda runs: measure(runs[0], settings),
+            )
+        if file == f"{plan.folder}/sensitivity/sample.csv" or place == f"{plan.folder}/sensitivity/samples":
+            return Table(
+                sample_columns(self.sensitivity.axes, self.sensitivity.quantities),
+                ["run"],
+                lambda row: [f"{plan.folder}/sensitivity/runs/{row['run']}.nc"],
+                lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
+            )
+        if file == f"{TRADE_FOLDER}/trade.csv":
+            runs_of = {(rung.knob, rung.rung, rung.case): rung.runs for rung in self.ladder.rows}
+            return Table(
+                TRADE,
+                ["knob", "rung", "case"],
+                lambda row: [f"{TRADE_FOLDER}/runs/{run}.nc" for run in runs_of[row["knob"], row["rung"], row["case"]]],
+                lambda runs: {n: v for n, v in measured_run(runs[0], settings).items() if n not in OF_ALL},
+            )
+        if file == f"{LIMITS_FOLDER}/limits.csv":
+            return Table(
+                LIMITS,
+                ["change", "case"],
+                lambda row: [f"{LIMITS_FOLDER}/runs/{file_name(row['change'])}/{file_name(row['case'])}.nc"],
+                lambda runs: measure(runs[0], settings),
+            )
+        if file == f"{EXTREMES_FOLDER}/extremes.csv":
+            rows = {(row.sweep, row.value, row.case): row for row in self.extremes.rows}
+            return Table(
+                EXTREMES,
+                ["sweep", "value", "case"],
+                lambda row: [f"{EXTREMES_FOLDER}/runs/{run}.nc" for run in rows[row["sweep"], row["value"], row["case"]].runs],
+                lambda runs: measure_extreme(runs[0], False) if runs else {},
+            )
+        raise ValueError(
+            f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
+            "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
+            "sensitivity/samples/*.csv, trade.csv, limits.csv, extremes.csv in their folders"
+        )
+
+    def _study(self) -> Table:
+        plan, layout = self.plan, self.plan.layout
+        search = [f"{plan.folder}/stages/{SEARCH}.nc"] * plan.one_slope
+
+        def files(row: Mapping[str, str]) -> list[str]:
+            name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
+            return [f"{plan.folder}/runs/{name}.nc", *search]
+
+        def values(runs: list[xr.Dataset]) -> Mapping[str, Any]:
+            return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if search else math.nan)
+
+        named = ["case"] * layout.named + [axis.name for axis in layout.axes]
+        return Table([row._replace(dtype="str") if row in layout.axes else row for row in layout.columns], named, files, values)
+
+
+def located(file: Path) -> tuple[Path, str, Path | None]:
+    """Working folder of a result, its file relative to that, and its study's folder; ValueError for a file outside ``results``."""
+    path = file.resolve()
+    at = next((number for number, part in reversed(list(enumerate(path.parts))) if part == "results"), None)
+    if at is None:
+        raise ValueError(f"{file}: lies in no folder 'results', so that nothing is planned for it; 'sph info {file}' shows its scene")
+    folder = Path(*path.parts[:at])
+    relative = path.relative_to(folder)
+    alone = str(Path(*relative.parts[:2])) in (TRADE_FOLDER, LIMITS_FOLDER, EXTREMES_FOLDER, VALIDATION_FOLDER)
+    if alone and folder != Path.cwd():
+        raise ValueError(f"{file}: belongs to no study; give the command in {folder}, where the configuration is")
+    return folder, relative.as_posix(), None if alone else Path(*path.parts[: at + 3])
+
+
+def explain(file: Path, conditions: Mapping[str, str], configfile: Path | None = None) -> tuple[list[Row], Plan]:
+    """The rows of a table of which the conditions hold, or one row without numbers for a run's file, and the study they belong to.
+
+    ValueError names a file that cannot be traced, an unknown column, and conditions of which no row is.
+    """
+    folder, relative, results = located(file)
+    if not file.is_file():
+        raise ValueError(f"{file}: there is no such file")
+    project = Project(folder, configfile, results)
+    if file.suffix == ".nc":
+        return [Row({}, [origin(project, relative)[0]], [])], project.plan
+    table = project.table(relative)
+    frame = read_csv(file, table.columns, file.name)
+    written = pd.read_csv(file, dtype=str, keep_default_na=False)[list(frame.columns)]
+    columns = [column.name for column in table.columns]
+    for name in conditions:
+        if name not in columns:
+            raise ValueError(f"{file}: has no column {name!r}; it has {', '.join(columns)}")
+    rows: list[dict[str, str]] = [{str(name): cell for name, cell in row.items()} for row in written.to_dict("records")]
+    count = len(rows)
+    rows = [row for row in rows if all(_is(row[name], value) for name, value in conditions.items())]
+    if not rows:
+        at = ", ".join(f"{name}={value}" for name, value in conditions.items())
+        raise ValueError(f"{file}: has no row with {at}; it has {count} rows, told apart by {', '.join(table.named)}")
+    known = functools.lru_cache(maxsize=16)(functools.partial(origin, project))  # rows share a search
+    return [_row(table, row, known) for row in rows], project.plan
+
+
+def origin(project: Project, file: str) -> tuple[Origin, xr.Dataset | None]:
+    """What a run was made from and by, and where that is not what is planned now; its trajectory, None where there is none."""
+    path = project.folder / file
+    if not path.is_file():
+        return Origin(file, "", [], "", "", "", ["there is no such file"]), None
+    run = trajectory.read(path)
+    made = trajectory.scene_of(run, file)
+    digest, solver = trajectory.scene_digest(made), str(run.attrs.get("solver_digest", ""))
+    try:
+        differs = differing(run.attrs, project.scene(file), file)
+    except ValueError as error:
+        differs = [str(error)]
+    if run.attrs.get("scene_digest", digest) != digest:
+        differs.append(f"its scene has the digest {digest}, it says {run.attrs['scene_digest']}: the file has been changed")
+    if solver != solver_digest():
+        differs.append(f"made by the solver {solver or 'of a version that did not note it'}, installed is {solver_digest()}")
+    versions, status = (str(run.attrs.get(name, "")) for name in ("versions", "status"))
+    return Origin(file, digest, contents(made.model_dump(mode="json")), solver, versions, status, differs), run
+
+
+def contents(scene: Mapping[str, Any], section: str = "") -> list[Content]:
+    """What the sections of a scene took from files: their names, and digests of the content, as the scene holds it."""
+    found = []
+    if isinstance(scene.get("file"), str):
+        held = {name: scene[name] for name in CONTENT_KEYS if scene.get(name) is not None}
+        if held:
+            found.append(Content(section, scene["file"], trajectory.text_digest(held)))
+    for name, part in scene.items():
+        if isinstance(part, Mapping):
+            found += contents(part, f"{section}.{name}" if section else name)
+    return found
+
+
+def _row(table: Table, row: Mapping[str, str], known: Callable[[str], tuple[Origin, xr.Dataset | None]]) -> Row:
+    try:
+        found = [known(file) for file in table.files(row)]
+    except KeyError:
+        found = [(Origin("-", "", [], "", "", "", ["no such run is planned now"]), None)]
+    runs = [run for _, run in found if run is not None]
+    again = table.values(runs) if len(runs) == len(found) else {}
+    numbers = []
+    for column in table.columns:
+        if column.name not in table.named:
+            value = again.get(column.name)
+            text = None if value is None else repr(value) if isinstance(value, float) else str(value)
+            numbers.append(
+                Number(
+                    column.name,
+                    row[column.name],
+                    column.units,
+                    column.text,
+                    text,
+                    text is None or _is(row[column.name], text),
+                )
+            )
+    return Row({name: row[name] for name in table.named}, [each for each, _ in found], numbers)
+
+
+def _is(written: str, value: str) -> bool:
+    """Whether a cell holds a value: the same text, or the same number."""
+    if written == value or {written.lower(), value.lower()} == {"nan"}:
+        return True
+    return is_number(written) and is_number(value) and value_of(written) == value_of(value)
+
+
+def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
+    """Rows in words: one in full, many by a line each and what differs."""
+    text: list[str] = []
+    for row in rows:
+        at = ", ".join(f"{name} {value}" for name, value in row.point.items())
+        if len(rows) == 1:
+            text += [at] * bool(at) + [line for each in row.origins for line in _origin_lines(each)] + _number_lines(row, plan, column)
+        elif not row.differs:
+            text.append(f"{at}: agrees")
+        text += [f"{at}{': ' if at else ''}DIFFERS: {line}" for line in row.differs]
+    agreeing = sum(not row.differs for row in rows)
+    what = "the run agrees" if agreeing and not rows[0].point else "agrees" if len(rows) == 1 else f"{agreeing} of {len(rows)} rows agree"
+    if agreeing < len(rows) == 1:
+        return [*text, "does not agree with what is planned now; the same snakemake command makes anew what it knows to be outdated, "
+                "a file that is deleted in any case"]  # fmt: skip
+    return [*text, f"{what} with the configuration, the files on disk and the installed solver"]
+
+
+def _origin_lines(each: Origin) -> list[str]:
+    return [
+        f"run      {each.file} ({each.status or 'a search'})" if each.scene_digest else f"run      {each.file}",
+        f"scene    {each.scene_digest}",
+        *(f"content  {found.digest}  {found.section} from {found.file}" for found in each.contents),
+        f"solver   {each.solver_digest or 'not noted'}",
+        f"versions {each.versions}",
+    ]
+
+
+def _number_lines(row: Row, plan: Plan, column: str | None) -> list[str]:
+    shown = [number for number in row.numbers if column in (None, number.column)]
+    settings = ", ".join(f"{name} {value}" for name, value in plan.study.metrics.model_dump().items())
+    return [f"{n.column} = {n.value} {n.unit}: {n.definition}" for n in shown] + [f"settings {settings}"] * bool(shown)
+
+
+def record(rows: Sequence[Row], plan: Plan) -> dict[str, Any]:
+    """Rows for machines."""
+    return {
+        "study": plan.study.study,
+        "fidelity": plan.study.fidelity,
+        "agrees": not any(row.differs for row in rows),
+        "installed_solver": solver_digest(),
+        "settings": plan.study.metrics.model_dump(),
+        "rows": [
+            {
+                "row": row.point,
+                "differs": row.differs,
+                "runs": [each._asdict() | {"contents": [found._asdict() for found in each.contents]} for each in row.origins],
+                "numbers": [number._asdict() for number in row.numbers],
+            }
+            for row in rows
+        ],
+    }
