@@ -214,7 +214,7 @@ class Project:
                 EXTREMES,
                 ["sweep", "value", "case"],
                 lambda row: [f"{EXTREMES_FOLDER}/runs/{run}.nc" for run in rows[row["sweep"], row["value"], row["case"]].runs],
-                lambda runs: measure_extreme(runs[0], False) if runs else {},
+                lambda runs: {n: v for n, v in measure_extreme(runs[0], False).items() if n != "asymmetry"} if runs else {},
             )
         raise ValueError(
             f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "

@@ -163,6 +163,30 @@ def test_what_is_traced_is_there_for_machines(finished: Path, monkeypatch: pytes
     assert numbers["runout"]["unit"] == "m" and float(numbers["runout"]["again"]) == float(numbers["runout"]["value"])
 
 
+def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    limits = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "changes": {"as it is": {}, "weak": {"coupling": {"S_R": 0.1}}}}
+    (copied / "limits.yaml").write_text(yaml.safe_dump(limits, sort_keys=False))
+    sweep = {"scene_key": "coupling.S_R", "values": [0.1, 2.0]}
+    steps = {"factors": [0.5], "schemes": {"plain": {}}}
+    extremes = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "repeats": 1, "sweeps": {"S_R": sweep}, "time_steps": steps}
+    (copied / "extremes.yaml").write_text(yaml.safe_dump(extremes, sort_keys=False))
+    config = write(copied, "0.10", "0.50", limits="limits.yaml", extremes="extremes.yaml")
+    tables = {"results/limits/limits.csv": 2, "results/extremes/extremes.csv": 3}
+    result = snakemake(copied, "--cores", "1", *config, "--", *tables)
+    assert result.returncode == 0, result.stderr
+    for table, count in tables.items():
+        shown = explained(copied, monkeypatch, table)
+        assert shown.exit_code == 0 and f"{count} of {count} rows agree" in shown.stdout, shown.output
+        one, *_ = sorted((copied / table).parent.glob("runs/**/*.nc"))
+        shutil.copy(copied / RUN.format("0.50"), one)
+    result = snakemake(copied, "--cores", "1", "--keep-going", *config, "--", *tables)
+    text = result.stdout + result.stderr
+    assert text.count("was made from another scene than the one planned") >= 2
+    replace(copied, "strong.csv")
+    jobs = planned_jobs(copied, *config, "--", *tables)
+    assert jobs == {"limits_run": 2, "extremes_run": 2, "limits_table": 1, "extremes_table": 1}
+
+
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {}
 
 

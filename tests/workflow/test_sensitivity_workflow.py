@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -13,11 +14,13 @@ import pytest
 import xarray as xr
 import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
+from typer.testing import CliRunner
 
 from sph import trajectory
 from sph.analysis.elementary_effects import MORRIS
 from sph.analysis.surrogate import SOBOL
 from sph.analysis.tables import read_csv
+from sph.command.cli import app
 from sph.configuration import merge
 from sph.scene import Scene
 
@@ -86,6 +89,26 @@ def test_a_run_holds_the_factors_of_its_row(analysed: Path) -> None:
     assert (scene.coupling.S_R, scene.motion.amplitude) == (sample["S_R"], sample["amplitude"])
     confirmed = trajectory.scene_of(trajectory.read(analysed / FOLDER / "runs" / "confirm" / "0000.nc"))
     assert confirmed.numerics.spacing == 6.0
+
+
+def test_every_run_is_traced(analysed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(analysed)
+    written(analysed)
+    result = CliRunner().invoke(app, ["explain", f"{FOLDER}/sample.csv", "--configfile", "study.yaml"])
+    assert result.exit_code == 0 and "20 of 20 rows agree" in result.stdout, result.output
+
+
+def test_other_ranges_and_another_scene_run_everything_again(analysed: Path, tmp_path: Path) -> None:
+    """Runs keep their names: measured as they are, they would pass for those of the new values."""
+    folder = Path(shutil.copytree(analysed, tmp_path / "other"))
+    name, factor = next(iter(SENSITIVITY["factors"].items()))
+    bounds = [value * 1.01 for value in factor["bounds"]]
+    jobs = planned_jobs(folder, *written(folder, {"factors": {name: {"bounds": bounds}}}), "--", "sensitivity")
+    assert jobs["sensitivity_run"] >= 8 and jobs["sensitivity_measure"] >= 2
+    path = folder / "slope.yaml"
+    path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | {"duration": 2.9}))
+    os.utime(path, (1e9, 1e9))
+    assert planned_jobs(folder, *written(folder), "--", "sensitivity")["sensitivity_run"] >= 11
 
 
 def test_a_finished_analysis_has_nothing_to_do(analysed: Path) -> None:

@@ -11,11 +11,13 @@ import pytest
 import xarray as xr
 import yaml
 from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
+from typer.testing import CliRunner
 
 from sph import trajectory
 from sph.analysis.critical import BRACKETED, CRITICAL, read_confirm, read_critical
 from sph.analysis.maps import read_shares
 from sph.analysis.points import names, read_points
+from sph.command.cli import app
 from sph.configuration import merge
 from sph.scene import Scene
 
@@ -114,6 +116,14 @@ def test_figures_are_drawn(searched: Path) -> None:
     for name in ("trigger", "shares", "map-class", "map-displacement", "map-runout", "map-failed"):
         picture = searched / FOLDER / "figures" / f"{name}.png"
         assert picture.read_bytes().startswith(b"\x89PNG") and picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_every_point_is_traced(searched: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(searched)
+    write(searched)
+    for table, count in (("points", 8), ("maps", 12)):
+        result = CliRunner().invoke(app, ["explain", f"{FOLDER}/{table}.csv", "--configfile", "study.yaml"])
+        assert result.exit_code == 0 and f"{count} of {count} rows agree" in result.stdout, result.output
 
 
 def test_a_finished_search_has_nothing_to_do(searched: Path) -> None:

@@ -61,7 +61,7 @@ rule extremes_table:
     params:
         sources=SOLVER + ANALYSIS,
         scenes=lambda wildcards: {
-            run: planned(scene) for run, scene in SWEEPS().runs.items()
+            name: planned(scene) for name, scene in SWEEPS().runs.items()
         },
         rows=lambda wildcards: [row._asdict() for row in SWEEPS().rows],
     script:

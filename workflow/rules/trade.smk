@@ -75,7 +75,7 @@ rule trade_table:
     params:
         sources=SOLVER + ANALYSIS,
         scenes=lambda wildcards: {
-            run: planned(scene) for run, scene in LADDER().runs.items()
+            name: planned(scene) for name, scene in LADDER().runs.items()
         },
         rows=lambda wildcards: [row._asdict() for row in LADDER().rows],
         baseline=lambda wildcards: LADDER().trade.baseline,

@@ -1,0 +1,72 @@
+"""A probe that a scene lacks is refused when it is planned, not when its runs are measured."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from small_scenes import SLOPE
+
+from sph.analysis.limits import load_limits
+from sph.analysis.sensitivity import load_sensitivity
+from sph.analysis.study import Plan, load_study
+from sph.analysis.trade import load_trade
+from sph.analysis.trigger import load_trigger
+from sph.configuration import read_yaml
+from sph.validation.suite import load_suite
+
+ROOT = Path(__file__).resolve().parents[2]
+CONFIG = read_yaml(ROOT / "config" / "config.yaml") | {"fidelity": "draft"}
+LIMITS = {"scene": "slope.yaml", "cases": {"one": {}}, "changes": {"as it is": {}, "other": {"numerics": {"spacing": 4.0}}}}
+TRADE = {
+    "scene": "slope.yaml",
+    "cases": {"one": {}},
+    "timed_case": "one",
+    "reference": {"knob": "spacing", "rung": "4 m"},
+    "knobs": {"spacing": {"about": "Spacing.", "rungs": {"4 m": {"numerics": {"spacing": 4.0}}, "5 m": {}}}},
+}
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    for name, data in (("slope", SLOPE), ("limits", LIMITS), ("trade", TRADE)):
+        (tmp_path / f"{name}.yaml").write_text(yaml.safe_dump(data, sort_keys=False))
+    return tmp_path
+
+
+def unchecked(probe: str) -> Plan:
+    return load_study(CONFIG | {"metrics": {"probe": probe}}, [ROOT], check=False)
+
+
+LOADERS: dict[str, Callable[[Path, str], Any]] = {
+    "study": lambda folder, probe: load_study(CONFIG | {"metrics": {"probe": probe}}, [ROOT]),
+    "trigger": lambda folder, probe: load_trigger(unchecked(probe), [ROOT]),
+    "sensitivity": lambda folder, probe: load_sensitivity("config/sensitivity.yaml", unchecked(probe), [ROOT], check=False),
+    "limits": lambda folder, probe: load_limits("limits.yaml", [folder], probe),
+    "trade": lambda folder, probe: load_trade("trade.yaml", {"paper": {}}, [folder], probe),
+}
+
+
+@pytest.mark.parametrize("kind", LOADERS)
+def test_a_probe_that_the_scene_lacks_is_refused_by_its_key(folder: Path, kind: str) -> None:
+    LOADERS[kind](folder, "A")
+    with pytest.raises(ValueError, match=r"metrics\.probe: 'B' is not one of the scene's probes, A"):
+        LOADERS[kind](folder, "B")
+
+
+def test_a_scene_without_a_probe(folder: Path) -> None:
+    (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": {}}))
+    with pytest.raises(ValueError, match=r"limits\.yaml: change 'as it is', case 'one': metrics\.probe: 'A' .* of which it has none"):
+        load_limits("limits.yaml", [folder])
+
+
+@pytest.mark.parametrize(("case", "probes"), [("V2", {"A": [1.0, 5.0]}), ("V3", {}), ("V4", {})])
+def test_a_reference_case_has_the_probes_that_it_measures_at(folder: Path, case: str, probes: dict[str, Any]) -> None:
+    (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": probes}))
+    data = {"title": "t", "scene": "slope.yaml", "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
+    (folder / "validation.yaml").write_text(yaml.safe_dump({"cases": {case: data}}))
+    with pytest.raises(ValueError, match=rf"case {case}, run 'run', level 'only': probes: {len(probes)}, this case measures at the first"):
+        load_suite("validation.yaml", [folder])
