@@ -8,7 +8,6 @@ with a traceback (1), or of its surroundings: 130 interrupted, 137 killed; ``sph
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -19,6 +18,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.table import Table
+
+from sph.strict_json import to_json
 
 REFUSED, DIVERGED = 2, 3
 SMALLEST_ACCELERATION = 1e-6
@@ -206,7 +207,7 @@ def check(
     layers = layer_rows(found)
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        print(json.dumps({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
+        print(to_json({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
         return
     width = max(len(label) for label, _ in rows(found))
     for label, text in rows(found):
@@ -302,7 +303,7 @@ def metrics(
     with refusals():
         values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
-        print(json.dumps(values, indent=1))
+        print(to_json(values, indent=1))
         return
     table = Table("metric", "value", "unit", "definition")
     for row in METRICS:
@@ -335,7 +336,7 @@ def status(
         if watching and not as_json:
             return watch(plan, place, listed)
         states = [look(job, place) for job in listed()]
-    print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
+    print(to_json(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
 
 
 Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]
@@ -435,7 +436,7 @@ def newmark(
         up = None if upslope is None else parse_acceleration(upslope, "--upslope")
         peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
         answer = slide(motion, parse_settings(set_), down, up, peak)
-    print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
+    print(to_json(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
 @app.command(epilog="Examples:  sph cost config/config.yaml  |  sph cost config/config.yaml --fidelity paper --cores 64 --speed 0.8")
@@ -464,7 +465,7 @@ def cost(
                 raise ValueError(f"--fidelity {fidelity!r}: must be {', '.join(plan.study.fidelities)}")
             plan, folder = plan.at(fidelity), folder.with_name(fidelity)
         found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
-    print(json.dumps(record(found), indent=1) if as_json else "\n".join(lines(found)))
+    print(to_json(record(found), indent=1) if as_json else "\n".join(lines(found)))
 
 
 @app.command(
@@ -501,7 +502,7 @@ def motion(
     for warning in shaking.warnings:
         say(warning)
     if as_json:
-        print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
+        print(to_json({name: values._asdict() for name, values in found.items()}, indent=1))
         return
     table = Table("", *found)
     for row in rows(found):
