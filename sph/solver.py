@@ -391,7 +391,11 @@ class Run:
             raise ValueError(f"{path}: its restart state does not belong to its trajectory ({', '.join(wrong) or f'step {self.step}'})")
         for name, array in self._kept().items():
             array[...] = restart[name].values
-        self._divide(int(restart.attrs.get("substeps", 1)))
+        substeps = int(restart.attrs.get("substeps", 1))
+        most = 1 if self.scene.numerics.adaptive_step is None else MOST_STEPS // self.scene.steps(self.scene.duration)
+        if substeps > most:
+            raise ValueError(f"{path}: its restart state divides the time step by {substeps}, at most by {most}; run it again")
+        self._divide(substeps)
         for store in (self._frames, self._series):
             for name in store:
                 store[name] = list(old[name].values)

@@ -8,7 +8,6 @@ renamed, so a file that exists is whole.
 
 from __future__ import annotations
 
-import json
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -21,6 +20,7 @@ import xarray as xr
 from sph import __version__
 from sph.files import whole
 from sph.scene import Scene, make_scene
+from sph.strict_json import parse_json, to_json
 
 
 class Variable(NamedTuple):
@@ -103,8 +103,8 @@ def run_attributes(scene: Scene) -> dict[str, Any]:
         "Conventions": "CF-1.10",
         "title": scene.title or scene.name,
         "source": f"sph {__version__}",
-        "scene": scene.model_dump_json(),
-        "versions": json.dumps({"sph": __version__, "python": platform.python_version()} | {p: _version(p) for p in PACKAGES}),
+        "scene": scene.stored(),
+        "versions": to_json({"sph": __version__, "python": platform.python_version()} | {p: _version(p) for p in PACKAGES}),
         "machine": f"{platform.system()} {platform.machine()}",
     }
 
@@ -157,6 +157,10 @@ def read_restart(path: Path | str) -> xr.Dataset:
     loaded = _read(path, "restart", "a trajectory with a restart state")
     if "step" not in loaded.attrs:
         raise ValueError(f"{path}: its restart state has no attribute 'step'; it was written by another version, run it again")
+    for name, least in (("step", 0), ("substeps", 1)):
+        value = loaded.attrs.get(name, least)
+        if not isinstance(value, (int, np.integer)) or value < least:
+            raise ValueError(f"{path}: its restart state has {name} {value}, a whole number from {least} on is needed; run it again")
     return loaded
 
 
@@ -173,7 +177,7 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
     """The scene a trajectory was run with; ValueError where its attribute ``scene`` cannot be read or is refused."""
     try:
-        data = json.loads(ds.attrs["scene"])
+        data = parse_json(ds.attrs["scene"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{origin}: its attribute 'scene' cannot be read: {error}") from error
     return make_scene(data, origin)
