@@ -11,6 +11,7 @@ from sph.analysis.planned import planned, sources
 from sph.analysis.sampling import chosen_runs
 from sph.analysis.study import load_study
 from sph.analysis.trigger import load_trigger, plan_of
+from sph.configuration import check_files
 
 min_version("9.18")
 
@@ -18,6 +19,11 @@ min_version("9.18")
 configfile: "config/config.yaml"
 
 
+# Snakemake reads 030 as 24, and of two equal keys the last.  Files of which another workflow hands on a part hold more than is known here.
+outermost = workflow.modifier
+while outermost.parent_modifier:
+    outermost = outermost.parent_modifier
+check_files(workflow.configfiles if outermost.globals["config"] is config else [])
 # Where the library lies that is imported, also when this workflow is a module of another one.
 SPH = Path(os.path.abspath(sph.__file__)).parent
 FOLDERS = [Path.cwd(), SPH.parent]

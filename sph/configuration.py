@@ -7,7 +7,9 @@ default and range (``key``); the tables in ``docs/reference`` are generated from
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping, Sequence
+import re
+import stat
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
@@ -58,12 +60,21 @@ class FileSection(Section):
         ):
             return keys
         try:
-            if not os.path.isfile(keys["file"]):
-                raise ValueError(f"there is no such file, seen from {Path.cwd()}")
+            check_file(keys["file"])
             return {**keys, **cls.read_content(Path(keys["file"]), keys)}
         except (OSError, ValueError) as error:
             reason = error.strerror or error if isinstance(error, OSError) else error
             raise ValueError(f"file: {one_line(keys['file'])}: {reason}") from error
+
+
+def check_file(name: str) -> None:
+    """ValueError for what is no file with content: nothing, a folder, a device or a pipe."""
+    try:
+        mode = os.stat(name).st_mode
+    except (OSError, ValueError) as error:
+        raise ValueError(f"there is no such file, seen from {Path.cwd()}") from error
+    if not stat.S_ISREG(mode):
+        raise ValueError(f"is {'a folder' if stat.S_ISDIR(mode) else 'a device or a pipe'}; name a file")
 
 
 VARIANT_KEYS = ("shape", "law", "kind")
@@ -75,6 +86,9 @@ MOST_VALUES = 200_000
 """Most values in a YAML text; what an alias repeats counts every time."""
 DEEPEST = 30
 """Deepest nesting of sections and lists."""
+DECIMAL = {"int": re.compile(r"[+-]?(0|[1-9][0-9]*)"), "float": re.compile(r"[^_:]*")}
+"""How the numbers are written that every reader takes for the same: not 030, 1:30, 0x1F and 1_000, which are 24, 90, 31 and 1000 in YAML
+1.1, and words or other numbers elsewhere."""
 MOST_LINES, LONGEST_LINE = 30, 600
 """Most lines of a refusal, and their longest, characters."""
 
@@ -96,8 +110,15 @@ def read_yaml(path: Path | str) -> dict[str, Any]:
     return data
 
 
+def check_files(paths: Iterable[Path | str]) -> None:
+    """ValueError for a YAML file that ``read_yaml`` refuses, though others read it: 030 as 24, and of two equal keys the last."""
+    for path in paths:
+        read_yaml(path)
+
+
 def parse_yaml(text: str) -> Any:
-    """Plain data in a YAML text; raises ValueError where it is malformed, has a key twice, or is too large or deep, aliases expanded."""
+    """Plain data in a YAML text; raises ValueError where it is malformed, has a key twice or a number that is not decimal, or is too large
+    or deep, aliases expanded."""
     try:
         loader = yaml.SafeLoader(text)
         node = loader.get_single_node()
@@ -111,14 +132,22 @@ def parse_yaml(text: str) -> Any:
         raise ValueError(str(error) or type(error).__name__) from error
 
 
-def _extent(node: yaml.Node, known: dict[int, tuple[int, int]], depth: int = 1) -> tuple[int, int]:
-    """Number of values and of levels below a node, aliases expanded; ``known`` holds those of the nodes seen, so that it takes no time."""
+def _extent(node: yaml.Node, known: dict[int, tuple[int, int]], path: tuple[Any, ...] = ()) -> tuple[int, int]:
+    """Number of values and of levels below a node, aliases expanded; ``known`` holds those of the nodes seen, so that it takes no time.
+
+    ``path`` are the names and places of the node and of those that it stands in.
+    """
+    depth = len(path) + 1
     if depth <= DEEPEST and id(node) not in known:
-        parts = node.value if isinstance(node, yaml.CollectionNode) else []
+        parts: list[tuple[Any, yaml.Node]] = []
         if isinstance(node, yaml.MappingNode):
-            _check_once([name.value for name, _ in parts if isinstance(name, yaml.ScalarNode)], node.start_mark.line + 1)
-            parts = [part for pair in parts for part in pair]
-        extents = [_extent(part, known, depth + 1) for part in parts]
+            _check_once([name.value for name, _ in node.value if isinstance(name, yaml.ScalarNode)], node.start_mark.line + 1)
+            parts = [(name.value, part) for name, value in node.value for part in (name, value)]
+        elif isinstance(node, yaml.SequenceNode):
+            parts = list(enumerate(node.value))
+        else:
+            _check_decimal(node, path)
+        extents = [_extent(part, known, (*path, name)) for name, part in parts]
         known[id(node)] = 1 + sum(size for size, _ in extents), 1 + max((levels for _, levels in extents), default=0)
     size, levels = known.get(id(node), (0, DEEPEST))
     if depth + levels > DEEPEST + 1:
@@ -126,6 +155,15 @@ def _extent(node: yaml.Node, known: dict[int, tuple[int, int]], depth: int = 1) 
     if size > MOST_VALUES:
         raise ValueError(f"it holds more than {MOST_VALUES:,} values, those that aliases repeat counted every time")
     return size, levels
+
+
+def _check_decimal(node: yaml.Node, path: tuple[Any, ...]) -> None:
+    kind = node.tag.rpartition(":")[2]
+    if kind != "timestamp" and (kind not in DECIMAL or DECIMAL[kind].fullmatch(node.value)):
+        return
+    where = one_line(".".join(str(part)[:LONGEST_LINE] for part in path), LONGEST_LINE // 3)
+    fault = "a date" if kind == "timestamp" else "not one number to all readers of YAML; write decimal digits without a leading zero"
+    raise ValueError(f"{where + ': ' if where else ''}{one_line(node.value, 60)} is {fault}; quote it where it is a text")
 
 
 def _check_once(names: Sequence[str], line: int) -> None:

@@ -24,10 +24,12 @@ class UniformStress(Section):
 
 
 class InitialVelocity(Section):
-    """Velocity of the soil at the start, linear between places."""
+    """Velocity of the soil at the start, linear between places; axes are a survey's where there is one."""
 
     along: Literal["x", "y"] = key("coordinate on which the velocity depends")
-    position: tuple[Coordinate, ...] = key("places, increasing; beyond the ends the velocity is that at the end", "m", min_length=1)
+    position: tuple[Coordinate, ...] = key(
+        "places, increasing, a survey's coordinates where it has one; beyond the ends the velocity is that at the end", "m", min_length=1
+    )
     x: tuple[Velocity, ...] = key("horizontal velocity at the places", "m/s")
     y: tuple[Velocity, ...] = key("vertical velocity at the places", "m/s")
 
@@ -40,9 +42,14 @@ class InitialVelocity(Section):
             raise ValueError(f"position: the places {list(self.position)} m must increase")
         return self
 
+    def at(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity (n,) along x and y at places (n,), m/s."""
+        place = x if self.along == "x" else y
+        return np.interp(place, self.position, self.x), np.interp(place, self.position, self.y)
+
 
 class VelocityGradient(Section):
-    """A homogeneous deformation that moves the soil instead of forces: an element test."""
+    """A homogeneous deformation that moves the soil instead of forces: an element test; axes are a survey's where there is one."""
 
     xx: float = key("dv_x/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
     xy: float = key("dv_x/dy", "1/s", ge=-1e4, le=1e4, default=0.0)

@@ -78,9 +78,10 @@ class GroundLine(FileSection, Shape):
         line = line if line[-1, 0] >= line[0, 0] else line[::-1]
         if self.window is None:
             return line
-        inside = line[(self.window[0] < line[:, 0]) & (line[:, 0] < self.window[1])]
-        ends = [(x, np.interp(x, line[:, 0], line[:, 1])) for x in self.window]
-        return np.vstack([ends[0], inside, ends[1]])
+        (x, y), (left, right) = line.T, self.window
+        # A window may end on a vertical step, of which the side within it counts: np.interp takes the last of several points at one x.
+        first, last = (left, np.interp(left, x, y)), (right, np.interp(-right, -x[::-1], y[::-1]))
+        return np.vstack([first, line[(left < x) & (x < right)], last])
 
     @property
     def direction(self) -> int:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
-from sph.geometry import Bodies, Slope
-from sph.ground_line import GroundLine
+from sph.geometry import Bodies
+from sph.places import ABOVE, shifted
 from sph.scene import Scene
 from sph.walls import HOLDING
 
@@ -78,9 +77,9 @@ def place_particles(scene: Scene) -> Particles:
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Layer (n,) at places (n,): 0 is the scene's own soil, k its k-th layer.  Walls go on as the soil beside them."""
     half = 0.5 * scene.numerics.spacing
-    x = np.clip(x, half, scene.geometry.width - half)
-    ground = np.interp(x, *scene.geometry.surface)
-    y = np.clip(y, half, np.maximum(ground, half))
+    x, y = shifted(np.clip(x, half, scene.geometry.width - half), np.maximum(y, half), scene.numerics.spacing)
+    ground = scene.geometry.ground(x)
+    y = np.minimum(y, np.maximum(ground - ABOVE * scene.numerics.spacing, half))
     places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
     index = np.zeros(np.shape(x), int)
     for number, layer in enumerate(scene.layers.values(), 1):
@@ -103,21 +102,16 @@ def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray
 
 
 def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    geometry = scene.geometry
+    geometry, (x, y) = scene.geometry, shifted(x, y, scene.numerics.spacing)
     if isinstance(geometry, Bodies):
         return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
-    if isinstance(geometry, GroundLine):
-        return y <= np.interp(x, *geometry.surface) + 1e-9 * scene.numerics.spacing
-    if not isinstance(geometry, Slope):
-        return np.ones(x.size, bool)
-    face = (x - geometry.apron_length) * math.tan(math.radians(geometry.slope_angle))
-    return (y < geometry.base_depth) | (y - geometry.base_depth <= face)
+    return y < geometry.ground(x)
 
 
 def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
     """Index of the soil particle nearest to each probe's place; ValueError for a place away from the soil."""
     places = {"crest_edge": scene.geometry.crest, "toe": scene.geometry.toe}
-    soil_x, soil_y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
+    soil_x, soil_y = shifted(particles.x[: particles.n_soil], particles.y[: particles.n_soil], scene.numerics.spacing)
     found = {}
     for name, place in scene.probes.items():
         px, py = places[place] if isinstance(place, str) else scene.geometry.in_box(*place)

@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, field_validator, model_validator
 
 from sph.configuration import Section, key, merge, read_scene, validated
 from sph.geometry import Geometry
@@ -26,7 +26,7 @@ from sph.ground_motion.record import Record, processed
 from sph.layers import Layer
 from sph.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.numerics import Numerics
-from sph.places import Point
+from sph.places import ABOVE, RIGHT, Point
 from sph.soil import Coupling, Soil
 from sph.walls import Walls
 
@@ -136,20 +136,23 @@ class Scene(Section):
         default={"A": "crest_edge"},
     )
 
-    @model_validator(mode="before")
+    @model_validator(mode="wrap")
     @classmethod
-    def _complete_layers(cls, data: Any) -> Any:
-        """Layers whose soil is the scene's own but for the keys they name."""
+    def _complete_layers(cls, data: Any, make: ModelWrapValidatorHandler[Scene]) -> Scene:
+        """Layers whose soil is the scene's own but for the keys they name, which their soil knows as the keys that were set."""
         if not isinstance(data, Mapping) or not isinstance(data.get("layers"), Mapping):
-            return data
+            return make(data)
         own = data.get("soil", {})
-        layers = {
-            name: {**layer, "soil": merge(own, layer.get("soil", {}))}
-            if isinstance(layer, Mapping) and isinstance(own, Mapping) and isinstance(layer.get("soil", {}), Mapping)
-            else layer
+        named = {
+            name: layer.get("soil", {})
             for name, layer in data["layers"].items()
+            if isinstance(layer, Mapping) and isinstance(own, Mapping) and isinstance(layer.get("soil", {}), Mapping)
         }
-        return {**data, "layers": layers}
+        complete = {name: {**data["layers"][name], "soil": merge(own, soil)} for name, soil in named.items()}
+        scene = make({**data, "layers": {**data["layers"], **complete}})
+        for name, soil in named.items():
+            scene.layers[name].soil.model_fields_set.intersection_update(soil)
+        return scene
 
     @field_validator("title")
     @classmethod
@@ -310,6 +313,14 @@ class Scene(Section):
         if walls.sides == "absorbing" and self.coupling.initial_state == "fluid":
             raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
 
+    def stored(self) -> str:
+        """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
+
+        def inherited(soil: Soil) -> set[str]:
+            return {key for key, value in self.soil if key not in soil.model_fields_set and getattr(soil, key) == value}
+
+        return self.model_dump_json(exclude={"layers": {name: {"soil": inherited(layer.soil)} for name, layer in self.layers.items()}})
+
     @property
     def soils(self) -> tuple[Soil, ...]:
         """The scene's own soil and those of its layers in order."""
@@ -323,7 +334,8 @@ class Scene(Section):
     @property
     def lattice(self) -> tuple[int, int]:
         """Columns and rows of the lattice at half offsets that fills the box."""
-        columns, rows = (math.ceil(side / self.numerics.spacing - 0.5 - 1e-9) for side in (self.geometry.width, self.geometry.height))
+        sides = ((self.geometry.width, RIGHT), (self.geometry.height, ABOVE))
+        columns, rows = (math.ceil(side / self.numerics.spacing - 0.5 - shift) for side, shift in sides)
         return columns, rows
 
     @property
@@ -348,5 +360,9 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 
 
 def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
-    """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
-    return make_scene(merge(read_scene(path), overrides or {}), str(path))
+    """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work.
+
+    A probe among the overrides stands beside the scene's own, also where these are the default.
+    """
+    written = {"probes": Scene.model_fields["probes"].default, **read_scene(path)}
+    return make_scene(merge(written, overrides or {}), str(path))

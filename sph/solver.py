@@ -406,7 +406,11 @@ class Run:
             raise ValueError(f"{path}: its restart state does not belong to its trajectory ({', '.join(wrong) or f'step {self.step}'})")
         for name, array in self._kept().items():
             array[...] = restart[name].values
-        self._divide(int(restart.attrs.get("substeps", 1)))
+        substeps = int(restart.attrs.get("substeps", 1))
+        most = 1 if self.scene.numerics.adaptive_step is None else MOST_STEPS // self.scene.steps(self.scene.duration)
+        if substeps > most:
+            raise ValueError(f"{path}: its restart state divides the time step by {substeps}, at most by {most}; run it again")
+        self._divide(substeps)
         self.limit = float(old["time_step_limit"][-1])
         # The end of a shorter run is no frame of a longer one.
         frames = [number for number, at in enumerate(old["time"].values) if self._has_frame(self.scene.steps(float(at)))]

@@ -240,10 +240,9 @@ def initial_state(particles: Particles, scene: Scene) -> State:
     }
     state = State(**(zero | start))
     if scene.initial_velocity is not None:
-        table, soil = scene.initial_velocity, slice(0, particles.n_soil)
-        place = getattr(particles, table.along)[soil]
-        state.vx[soil] = np.interp(place, table.position, table.x)
-        state.vy[soil] = np.interp(place, table.position, table.y)
+        geometry, soil = scene.geometry, slice(0, particles.n_soil)
+        along_x, state.vy[soil] = scene.initial_velocity.at(*geometry.in_survey(particles.x[soil], particles.y[soil]))
+        state.vx[soil] = geometry.direction * along_x
     return state
 
 
@@ -295,7 +294,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
     correction, repulsion = numerics.gradient_correction, numerics.short_range_repulsion
     n, walls, driven, tension = particles.x.size, scene.walls, scene.prescribed_velocity_gradient, numerics.artificial_stress
     slip = None if particles.first_slip == n else SlipTerm(particles.first_slip, particles.first_slip_side)
-    tilt = math.radians(scene.gravity.inclination)
+    tilt, turn = math.radians(scene.gravity.inclination), scene.geometry.direction
     skin = numerics.neighbour_skin * dx
     pairs_tolerance = numerics.gradient_tolerance * dx
     return Terms(
@@ -328,7 +327,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
         friction=None if walls.friction is None else FrictionTerm(walls.friction.base, walls.friction.sides),
         period=PeriodTerm(round(scene.geometry.width / dx) * dx) if walls.sides == "periodic" else None,
         tension=None if tension is None else TensionTerm(tension.factor, tension.exponent, 1.0 / evaluate(kernel, dx)[0]),
-        driven=None if driven is None else DrivenTerm(driven.xx, driven.xy, driven.yx, driven.yy),
+        driven=None if driven is None else DrivenTerm(driven.xx, turn * driven.xy, turn * driven.yx, driven.yy),
         absorbing=make_absorbing(scene, particles, kernel),
         free_field=make_free_field(scene, particles, kernel),
     )

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import shapely
 
-from sph.configuration import one_line, read_text
+from sph.configuration import DEEPEST, one_line, read_text
+from sph.strict_json import parse_json
 from sph.units import Units, named, unit_of
 
 WKT = re.compile(r"(SRID=\d+;)?\s*(MULTI)?(POINT|LINESTRING|LINEARRING|POLYGON|GEOMETRYCOLLECTION)\b", re.IGNORECASE)
@@ -56,6 +57,8 @@ def _table(text: str) -> list[tuple[float, float]]:
             raise ValueError(f"line {number}: {one_line(line.strip(), 60)!r}: {EXPECTED}")
         points.append((x, y))
         names_allowed = False
+    if len(points) < 2:
+        raise ValueError(f"it holds {len(points) or 'no'} point{'s' * (not points)}; {EXPECTED}, on each of at least two lines")
     return points
 
 
@@ -69,9 +72,14 @@ def _check_metres(number: int, names: list[str]) -> None:
 
 def _points(text: str, form: str) -> list[tuple[float, float]]:
     try:
+        # What is nested too deeply would end the process.
+        if form == "GeoJSON":
+            parse_json(text)
+        elif len(re.findall("GEOMETRYCOLLECTION", text, re.IGNORECASE)) > DEEPEST:
+            raise ValueError(f"it is nested deeper than {DEEPEST} levels")
         with np.errstate(invalid="ignore"):
             found = shapely.from_geojson(text) if form == "GeoJSON" else shapely.from_wkt(text)
-    except shapely.errors.ShapelyError as error:
+    except (shapely.errors.ShapelyError, ValueError) as error:
         raise ValueError(f"it is not {form} of a line: {one_line(str(error), 200)}") from error
     lines = [part for part in shapely.get_parts(shapely.get_parts(found)) if not part.is_empty]
     if len(lines) != 1 or lines[0].geom_type != "LineString":

@@ -9,7 +9,6 @@ renamed, so a file that exists is whole.
 from __future__ import annotations
 
 import hashlib
-import json
 import platform
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
@@ -23,6 +22,7 @@ from sph import __version__
 from sph.configuration import without_files
 from sph.files import whole
 from sph.scene import Scene, make_scene
+from sph.strict_json import parse_json, to_json
 
 
 class Variable(NamedTuple):
@@ -112,9 +112,9 @@ def run_attributes(scene: Scene) -> dict[str, Any]:
         "Conventions": "CF-1.10",
         "title": scene.title or scene.name,
         "source": f"sph {__version__}",
-        "scene": scene.model_dump_json(),
+        "scene": scene.stored(),
         "scene_digest": scene_digest(scene),
-        "versions": json.dumps({"sph": __version__, "python": platform.python_version()} | {p: _version(p) for p in PACKAGES}),
+        "versions": to_json({"sph": __version__, "python": platform.python_version()} | {p: _version(p) for p in PACKAGES}),
         "machine": f"{platform.system()} {platform.machine()}",
     }
 
@@ -126,7 +126,7 @@ def scene_digest(scene: Scene) -> str:
 
 def text_digest(data: Any) -> str:
     """Digest of plain data, whatever the order of its keys."""
-    return hashlib.sha256(json.dumps(data, sort_keys=True).encode()).hexdigest()[:16]
+    return hashlib.sha256(to_json(data, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _version(package: str) -> str:
@@ -177,6 +177,10 @@ def read_restart(path: Path | str) -> xr.Dataset:
     loaded = _read(path, "restart", "a trajectory with a restart state")
     if "step" not in loaded.attrs:
         raise ValueError(f"{path}: its restart state has no attribute 'step'; it was written by another version, run it again")
+    for name, least in (("step", 0), ("substeps", 1)):
+        value = loaded.attrs.get(name, least)
+        if not isinstance(value, (int, np.integer)) or value < least:
+            raise ValueError(f"{path}: its restart state has {name} {value}, a whole number from {least} on is needed; run it again")
     return loaded
 
 
@@ -193,7 +197,7 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
     """The scene a trajectory was run with; ValueError where its attribute ``scene`` cannot be read or is refused."""
     try:
-        data = json.loads(ds.attrs["scene"])
+        data = parse_json(ds.attrs["scene"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{origin}: its attribute 'scene' cannot be read: {error}") from error
     return make_scene(data, origin)

@@ -5,7 +5,6 @@ The table that was measured for this release is part of the package (``SHIPPED``
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -17,6 +16,7 @@ from sph.analysis.tables import EXPECTED
 from sph.analysis.trade import scheme, settings_text
 from sph.analysis.trade_table import QUANTITIES, Summary, read_trade, summary
 from sph.scene import Scene
+from sph.strict_json import parse_json
 
 SHIPPED = Path(__file__).with_name("measured") / "trade.csv"
 """Table measured for this release, by ``snakemake trade``."""
@@ -111,7 +111,10 @@ def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(
 
     fitting = [rung for rung in known if misses(rung) <= (False, error)]
     chosen = min(fitting, key=lambda rung: rung.cost) if fitting else min(known, key=misses)
-    return Advice(chosen, json.loads(chosen.settings), bool(fitting))
+    try:
+        return Advice(chosen, parse_json(chosen.settings), bool(fitting))
+    except ValueError as error:
+        raise ValueError(f"table: the settings of {chosen.name}: {error}") from error
 
 
 def percent(value: float) -> str:

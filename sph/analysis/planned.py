@@ -59,7 +59,7 @@ class Planned(NamedTuple):
 
 def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[str]:
     """Keys in which the scene among a file's attributes differs from a planned one, with both values; names of files do not count."""
-    if attrs.get("scene") == scene.model_dump_json():
+    if attrs.get("scene") == scene.stored():
         return []
     found = trajectory.scene_of(xr.Dataset(attrs=attrs), str(path))
     lines = [

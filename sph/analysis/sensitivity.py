@@ -9,7 +9,6 @@ scrambled Sobol' sequence begins as a shorter one.  Some points of the last desi
 from __future__ import annotations
 
 import itertools
-import json
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -26,6 +25,7 @@ from sph.analysis.trade import Label, Overrides
 from sph.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.particles import locate_probes, place_particles
 from sph.scene import make_scene
+from sph.strict_json import parse_json
 from sph.timestep import check_time_step
 from sph.trajectory import Variable
 
@@ -315,7 +315,7 @@ class SensitivityPlan:
 
 def chosen_factors(path: Path | str | Sequence[str]) -> list[str]:
     """Names in the file of the factors that matter; none where there is no file."""
-    return json.loads(Path(path).read_text(encoding="utf-8")) if isinstance(path, (str, Path)) else []
+    return parse_json(Path(path).read_text(encoding="utf-8")) if isinstance(path, (str, Path)) else []
 
 
 def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:

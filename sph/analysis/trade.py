@@ -7,7 +7,6 @@ so that a typo or a time step above its limit is refused before any work.  Equal
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
@@ -21,6 +20,7 @@ from sph.analysis.study import NAME
 from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.particles import locate_probes, place_particles
 from sph.scene import Scene, make_scene
+from sph.strict_json import to_json
 from sph.timestep import check_time_step
 
 FOLDER = "results/trade"
@@ -238,4 +238,4 @@ def load_trade(
 
 def settings_text(settings: Mapping[str, Any]) -> str:
     """Scene keys as one line of JSON, for a table."""
-    return json.dumps(settings, sort_keys=True, separators=(", ", ": "))
+    return to_json(settings, sort_keys=True, separators=(", ", ": "))

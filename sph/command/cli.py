@@ -9,7 +9,6 @@ interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
 
 from __future__ import annotations
 
-import json
 import sys
 import tempfile
 from collections.abc import Iterator
@@ -20,6 +19,8 @@ from typing import Annotated, Any
 import typer
 from rich.console import Console
 from rich.table import Table
+
+from sph.strict_json import to_json
 
 REFUSED, DIVERGED, DIFFERS = 2, 3, 4
 SMALLEST_ACCELERATION = 1e-6
@@ -213,7 +214,7 @@ def check(
     layers = layer_rows(found)
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        print(json.dumps({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
+        print(to_json({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
         return
     width = max(len(label) for label, _ in rows(found))
     for label, text in rows(found):
@@ -309,7 +310,7 @@ def metrics(
     with refusals():
         values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
-        print(json.dumps(values, indent=1))
+        print(to_json(values, indent=1))
         return
     table = Table("metric", "value", "unit", "definition")
     for row in METRICS:
@@ -342,7 +343,7 @@ def status(
         if watching and not as_json:
             return watch(plan, place, listed)
         states = [look(job, place) for job in listed()]
-    print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
+    print(to_json(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
 
 
 @app.command(
@@ -372,7 +373,7 @@ def explain(
         known = [number.column for number in rows[0].numbers]
         if column is not None and column not in known:
             raise ValueError(f"--column {column!r}: must be {', '.join(known) or 'left out for the file of a run'}")
-    print(json.dumps(record(rows, plan), indent=1) if as_json else "\n".join(lines(rows, plan, column)))
+    print(to_json(record(rows, plan), indent=1) if as_json else "\n".join(lines(rows, plan, column)))
     if any(row.differs for row in rows):
         raise typer.Exit(DIFFERS)
 
@@ -476,7 +477,7 @@ def newmark(
         answer, heed = slide(motion, parse_settings(set_), down, up, peak)
     for warning in heed:
         say(f"warning: {warning}")
-    print(json.dumps(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
+    print(to_json(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
 @app.command(epilog="Examples:  sph cost config/config.yaml  |  sph cost config/config.yaml --fidelity paper --cores 64 --speed 0.8")
@@ -505,7 +506,7 @@ def cost(
                 raise ValueError(f"--fidelity {fidelity!r}: must be {', '.join(plan.study.fidelities)}")
             plan, folder = plan.at(fidelity), folder.with_name(fidelity)
         found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
-    print(json.dumps(record(found), indent=1) if as_json else "\n".join(lines(found)))
+    print(to_json(record(found), indent=1) if as_json else "\n".join(lines(found)))
 
 
 @app.command(
@@ -542,7 +543,7 @@ def motion(
     for warning in shaking.warnings:
         say(f"warning: {warning}")
     if as_json:
-        print(json.dumps({name: values._asdict() for name, values in found.items()}, indent=1))
+        print(to_json({name: values._asdict() for name, values in found.items()}, indent=1))
         return
     table = Table("", *found)
     for row in rows(found):

@@ -6,7 +6,6 @@ A run that went on from a stage, as those of a study do, is repeated from the st
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -18,6 +17,7 @@ from sph import trajectory
 from sph.configuration import merge
 from sph.scene import Scene, load_scene, make_scene
 from sph.solver import Until
+from sph.strict_json import parse_json
 
 STOPPED: dict[str, Until] = {"at the end of the gravity stage": "gravity", "before the first failure": "first_failure"}
 """Where a run was told to stop, by the reason of its status."""
@@ -43,10 +43,32 @@ def given_scene(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | 
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
         return load_scene(path, overrides)
-    kept = trajectory.scene_of(earlier, str(path)).model_dump(mode="json")
-    if {"file", "vertical", "unit"} & set(overrides.get("motion") or ()):
+    kept = parse_json(trajectory.scene_of(earlier, str(path)).stored())
+    _check_layers(kept, overrides, path)
+    motion, vertical = _at(overrides, "motion"), _at(overrides, "motion", "vertical")
+    third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
+    if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit"))):
         kept["motion"].pop("data", None)  # the samples are to be read anew
     return make_scene(merge(kept, overrides), str(path))
+
+
+def _check_layers(kept: Mapping[str, Any], overrides: Mapping[str, Any], path: Path) -> None:
+    """Refuse a key of the soil where a layer holds the same value among all keys: an earlier version stored so what it did not name."""
+    soil = _at(overrides, "soil")
+    for name, layer in kept["layers"].items():
+        for key in soil if isinstance(soil, Mapping) and layer["soil"].keys() >= kept["soil"].keys() else ():
+            if _at(layer, "soil", key) == _at(kept, "soil", key) and _at(overrides, "layers", name, "soil", key) is None:
+                raise ValueError(
+                    f"{path}: soil.{key}: layer {name} has the same {key}, and the file may have been written by an earlier version, which "
+                    f"did not tell a layer's own keys; set layers.{name}.soil.{key} as well, or name the scene's file"
+                )
+
+
+def _at(data: Any, *names: str) -> Any:
+    """Value below names, None where there is none."""
+    for name in names:
+        data = data.get(name) if isinstance(data, Mapping) else None
+    return data
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:
@@ -60,7 +82,7 @@ def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:
     differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
     if not differ:
         return f"every variable has the bits of {path}"
-    old, new = (json.loads(ds.attrs.get("versions", "{}")) | {"machine": ds.attrs.get("machine")} for ds in (earlier, again))
+    old, new = (parse_json(ds.attrs.get("versions", "{}")) | {"machine": ds.attrs.get("machine")} for ds in (earlier, again))
     other = ", ".join(f"{name} {old.get(name)} there and {new[name]} here" for name in new if old.get(name) != new[name])
     return f"not the bits of {path}: {', '.join(differ)}; {other or 'made by other sources or on another processor'}"
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +16,7 @@ from sph.scene import Scene
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
+from sph.strict_json import to_json
 
 
 class Question(NamedTuple):
@@ -49,7 +49,7 @@ def answer(asked: str, scene: Scene, tolerance: float, rule: dict[str, Any], as_
     if out is not None:
         with whole(out) as temporary:
             pd.DataFrame(found.trials).to_csv(temporary, index=False)
-    print(json.dumps(record(question, found, used), indent=1) if as_json else "\n".join(lines(question, found, used)))
+    print(to_json(record(question, found, used), indent=1) if as_json else "\n".join(lines(question, found, used)))
 
 
 def trial_line(question: Question, trial: Trial) -> str:

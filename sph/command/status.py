@@ -12,7 +12,6 @@ failure, else all, else the gravity stage's time a simulated second), and what r
 from __future__ import annotations
 
 import functools
-import json
 import math
 import statistics
 import time as clock
@@ -34,6 +33,7 @@ from sph.command.progress import LINE
 from sph.configuration import merge, read_yaml, without_files
 from sph.files import beside
 from sph.scene import Scene, make_scene
+from sph.strict_json import finite, parse_json
 
 STATES = ("done", "running", "failed", "stopped", "outdated", "waiting")
 REFRESH = 2.0
@@ -117,7 +117,7 @@ def look(job: Job, folder: Path) -> State:
         if not isinstance(error, FileNotFoundError):
             return State(job, "outdated", f"cannot be read: {error.strerror or error}")
     else:
-        same = scene == job.scene.model_dump_json() or _content(_scene(scene)) == _content(job.scene)
+        same = scene == job.scene.stored() or _content(_scene(scene)) == _content(job.scene)
         return State(
             job, "done" if same else "outdated", note if same else "of another scene", took=_benchmark(folder, job), computed=computed
         )
@@ -147,7 +147,7 @@ def _facts(path: Path, changed: int) -> tuple[str, str, float]:
 def _scene(text: str) -> Scene | None:
     """A scene as an earlier version wrote it, without the keys added since; None for what this version refuses."""
     try:
-        return make_scene(json.loads(text))
+        return make_scene(parse_json(text))
     except ValueError:
         return None
 
@@ -266,14 +266,10 @@ def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
         "fidelity": plan.study.fidelity,
         "folder": plan.folder,
         "work_left": found.work,
-        "time_left": _finite(found.time),
+        "time_left": finite(found.time),
         "not_measured": found.unknown,
-        "jobs": [{name: _finite(value) for name, value in row.items()} for row in rows],
+        "jobs": finite(rows),
     }
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def watch(plan: Plan, folder: Path, listed: Callable[[], list[Job]]) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import base64
 import io
-import json
 import math
 import re
 from collections.abc import Mapping, Sequence
@@ -27,6 +26,7 @@ from sph.files import whole
 from sph.page.explorer import explorer
 from sph.page.sections import Section, of, sections_of
 from sph.page.tables import Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
+from sph.strict_json import finite, parse_json
 from sph.trajectory import scene_of
 
 LARGEST = 10_000_000
@@ -174,7 +174,7 @@ def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, lar
 
 def as_json(data: Any) -> str:
     """Data for a script element: JSON in which no character can end the element."""
-    return str(htmlsafe_json_dumps(data, ensure_ascii=False, separators=(",", ":"), allow_nan=False))
+    return str(htmlsafe_json_dumps(finite(data), ensure_ascii=False, separators=(",", ":"), allow_nan=False))
 
 
 def found_part(section: Section, study: StudyFiles) -> Part:
@@ -238,7 +238,7 @@ def versions_of(paths: Sequence[str]) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for path in paths:
         attrs = attributes(path)
-        packages = ", ".join(f"{package} {version}" for package, version in json.loads(attrs["versions"]).items())
+        packages = ", ".join(f"{package} {version}" for package, version in parse_json(attrs["versions"]).items())
         found.setdefault(f"{packages}; {attrs['machine']}", []).append(path)
     return found
 

@@ -8,7 +8,6 @@ number or lies outside the range is ``LOST``.  Frames begin at the end of the gr
 from __future__ import annotations
 
 import base64
-import json
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -24,6 +23,7 @@ from sph.analysis.figures.profile import frame_limits, surface_line
 from sph.analysis.figures.style import colour_map
 from sph.motion import NoMotion
 from sph.particles import SOIL
+from sph.strict_json import to_json
 
 QUANTA = 200
 """Quanta to a spacing."""
@@ -163,4 +163,4 @@ def _within(room: int, runs: Iterator[dict[str, Any]]) -> Iterator[dict[str, Any
 
 
 def _size(data: Any) -> int:
-    return len(json.dumps(data))
+    return len(to_json(data))

@@ -26,6 +26,7 @@ from sph.scene import Scene, load_scene
 from sph.stability.newmark import sliding_block
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
+from sph.strict_json import parse_json
 
 
 @pytest.fixture
@@ -54,6 +55,9 @@ def test_run_writes_what_plot_and_metrics_read(scene_file: Path, tmp_path: Path)
     measured = json.loads(call("metrics", out, "--json").stdout)
     assert measured["status"] == "complete" and 0 < measured["failed_fraction"] <= 1
     assert "failed_fraction" in call("metrics", out).stdout
+    diverged = tmp_path / "diverged.nc"
+    trajectory.write(diverged, trajectory.read(out).assign_attrs(status="diverged"))
+    assert parse_json(call("metrics", diverged, "--json").stdout)["runout"] is None, "null, not NaN"
 
 
 def test_stages_join_on_the_command_line(scene_file: Path, tmp_path: Path) -> None:

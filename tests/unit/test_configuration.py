@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -39,7 +41,7 @@ HOSTILE = {
     "code": ("a: !!python/object/apply:os.system [echo]", "python/object/apply"),
     "a tagged truth": ("a: !!bool x", "x"),
     "a tagged date": ("a: !!timestamp x", "YAML"),
-    "an impossible date": ("a: 2001-99-99", "month"),
+    "an impossible date": ("a: 2001-99-99", "a: 2001-99-99 is a date"),
     "digits": (f"a: {'9' * 5000}", "digits"),
     "a key twice": ("a: 1\nb: {c: 1, d: 2, c: 3}\n", "line 2 has the key 'c' twice"),
     "NUL": ("a: \0", "#x0000"),
@@ -78,6 +80,30 @@ def test_a_huge_file_is_not_read(tmp_path: Path) -> None:
     path.write_bytes(b"#" * (LARGEST_FILE + 1))
     with pytest.raises(ValueError, match=f"larger than {LARGEST_FILE:,} bytes"):
         read_yaml(path)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["030", "-012", "+07", "00", "1:30", "-1:30:45", "1:30.5", "0b11", "0x1F", "1_000", "1_0.5", '!!int "030"', '!!float "1:30"']
+    + ["2024-01-01", "2024-01-01 10:00:00", '!!timestamp "2024-01-01"'],
+)
+def test_a_number_is_decimal_to_all_readers_or_refused_with_its_key(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "some.yaml"
+    path.write_text(f"soil: {{density: 1800}}\nlist:\n- a: 1\n- a: {text}\n")
+    written = text.split()[-1].strip('"') if text.startswith("!!") else text
+    with pytest.raises(ValueError, match=rf"some\.yaml: .*list\.1\.a: {re.escape(written)} is (not one number|a date).*quote it"):
+        read_yaml(path)
+    with pytest.raises(ValueError, match=rf"--set 'soil\.cohesion={re.escape(text)}': .*{re.escape(written)} is"):
+        parse_settings([f"soil.cohesion={text}"])
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("30", 30), ("-7", -7), ("0", 0), ("0.5", 0.5), ("030.5", 30.5), ("5.", 5.0), (".5", 0.5), ("1.5e+3", 1500.0)]
+    + [("'030'", "030"), ("1e3", "1e3"), ("08", "08"), ("1/6 m", "1/6 m"), ("10:00 h", "10:00 h"), ("a_1", "a_1")],
+)
+def test_decimal_numbers_and_words_are_what_they_look_like(text: str, value: Any) -> None:
+    assert parse_yaml(f"a: {text}") == {"a": value}
 
 
 @pytest.mark.parametrize("setting", ["a=" + "[" * 9000, "a=&a [*a]", "a=!!timestamp x", ".".join(9000 * "a") + "=1", "a=2001-99-99"])
@@ -149,6 +175,13 @@ def test_a_bad_file_is_named_with_its_key(tmp_path: Path, content: bytes | None,
         file.write_bytes(content)
     with pytest.raises(ValueError, match=rf"^s.yaml: line: file: {file}: .*{message}"):
         validated(Holder, {"line": {"file": str(file)}}, "s.yaml")
+
+
+def test_what_is_no_file_is_named_with_its_key(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "pipe")
+    for name, message in ((".", "is a folder; name a file"), ("pipe", "is a device or a pipe"), ("a\0b", "no such file")):
+        with pytest.raises(ValueError, match=rf"^s.yaml: line: file: .*: .*{message}"):
+            validated(Holder, {"line": {"file": str(tmp_path / name)}}, "s.yaml")
 
 
 def test_file_and_content_replace_each_other() -> None:

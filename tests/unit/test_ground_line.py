@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from sph.configuration import merge
 from sph.ground_line import GroundLine
 from sph.particles import locate_probes, place_particles
+from sph.places import RIGHT
 from sph.scene import Scene, load_scene, make_scene
 from sph.solver import check_restart
 from sph.stability.standing import FailureRule, slope_height, static_scene
@@ -76,6 +77,34 @@ def test_a_window_takes_a_part() -> None:
     geometry = ground(SLOPE, window=[140, 160])
     assert geometry.origin == (140.0, 430.0)
     assert geometry.surface == ((0.0, 10.0, 20.0), (10.0, 10.0, 22.5))
+
+
+CLIFFS = [
+    [0.0, 440.0],
+    [20.0, 440.0],
+    [20.0, 450.0],
+    [30.0, 450.0],
+    [40.0, 460.0],
+    [60.0, 460.0],
+    [60.0, 455.0],
+    [60.0, 470.0],
+    [80.0, 470.0],
+]
+
+
+@pytest.mark.parametrize(
+    ("window", "surface"),
+    [
+        ((20, 60), ((0.0, 10.0, 20.0, 40.0), (20.0, 20.0, 30.0, 30.0))),  # level at both ends, whatever lies beyond the steps
+        ((10, 60), ((0.0, 10.0, 10.0, 20.0, 30.0, 50.0), (10.0, 10.0, 20.0, 20.0, 30.0, 30.0))),
+        ((20, 70), ((0.0, 10.0, 20.0, 40.0, 40.0, 40.0, 50.0), (20.0, 20.0, 30.0, 30.0, 25.0, 40.0, 40.0))),
+    ],
+)
+@pytest.mark.parametrize("backwards", [False, True])
+def test_a_window_may_end_on_a_vertical_step(window: Any, surface: Any, backwards: bool) -> None:
+    assert ground(CLIFFS[::-1] if backwards else CLIFFS, window=window).surface == surface
+    turned = [[100.0 - x, y] for x, y in CLIFFS][::-1]
+    assert ground(turned, window=[100.0 - x for x in window[::-1]], downhill="right").surface == surface
 
 
 @pytest.mark.parametrize(
@@ -157,10 +186,12 @@ def test_particles_lie_below_the_ground_and_fill_it(points: list[list[float]], s
     geometry, particles = made.geometry, place_particles(made)
     n = particles.n_soil
     x, y = np.array(geometry.surface)
-    assert np.all(particles.y[:n] <= np.interp(particles.x[:n], x, y) + 1e-6)
+    # A particle at a vertical step, or next to nothing left of it, belongs to the right side.
+    assert np.all(particles.y[:n] <= geometry.ground(particles.x[:n] + RIGHT * spacing) + 1e-6)
     columns = np.unique(particles.x[:n])
     tops = np.array([particles.y[:n][particles.x[:n] == column].max() for column in columns])
-    assert np.all(np.abs(tops + 0.5 * spacing - np.interp(columns, x, y)) <= 0.5 * spacing + 1e-6), "within half a spacing of the ground"
+    ground = geometry.ground(columns + RIGHT * spacing)
+    assert np.all(np.abs(tops + 0.5 * spacing - ground) <= 0.5 * spacing + 2e-6), "within half a spacing of the ground"
     area = np.trapezoid(y, x)
     outline = np.hypot(np.diff(x), np.diff(y)).sum() + 2.0 * geometry.height
     assert abs(n * spacing**2 - area) <= spacing * outline

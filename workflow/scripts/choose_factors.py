@@ -1,6 +1,5 @@
 """Name the factors that matter."""
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -8,13 +7,14 @@ from sph.analysis.elementary_effects import MORRIS, influential
 from sph.analysis.tables import read_csv
 from sph.command.job import job_log
 from sph.files import whole
+from sph.strict_json import to_json
 
 
 def choose_factors(paths_to_tables: Sequence[str], factors: Sequence[str] | None, share: float, path_to_names: str) -> None:
     """Those given, or those that the table of the screening, the only path, finds."""
     names = list(factors) if factors else influential(read_csv(paths_to_tables[0], MORRIS, "a screening"), share)
     with whole(path_to_names) as temporary:
-        Path(temporary).write_text(json.dumps(names) + "\n")
+        Path(temporary).write_text(to_json(names) + "\n")
 
 
 if __name__ == "__main__":
