@@ -29,8 +29,7 @@ class Slope(Shape):
     @property
     def width(self) -> float:
         """Inner width of the box, m."""
-        run = self.slope_height / math.tan(math.radians(self.slope_angle))
-        return self.apron_length + run + self.crest_length
+        return self.crest[0] + self.crest_length
 
     @property
     def height(self) -> float:
@@ -50,8 +49,8 @@ class Slope(Shape):
 
     @property
     def crest(self) -> tuple[float, float]:
-        """Crest edge, m."""
-        return self.width - self.crest_length, self.height
+        """Crest edge, m; never before the toe, so that the ground of a vertical face does not turn back."""
+        return self.apron_length + self.slope_height / math.tan(math.radians(self.slope_angle)), self.height
 
 
 class Block(Shape):
