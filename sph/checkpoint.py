@@ -44,6 +44,7 @@ def run_to_file(
     taken over.
     """
     path = Path(path)
+    trajectory.check_name(path)
     seconds = checkpoint_seconds() if seconds is None else seconds
     digest = run_digest(scene, until, restart)
     with alone(path, "run", lambda: say(f"{path}: another process is writing it, waiting for its end")) as followed:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -10,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.concerns import cut_off
-from sph.command.repeat import given_scene
+from sph.command.repeat import given_scene, scene_inputs
 from sph.gravity import GRAVITY
 from sph.ground_motion import LONGEST_INTERVAL, RECORDS
 from sph.ground_motion.measures import Measures, measure
@@ -37,7 +38,8 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
         if overrides:
             raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
         interval, columns = read_even(str(path), unit)
-        return Shaking(path.name, interval, dict(zip(("horizontal", "vertical"), columns, strict=False)))
+        name = os.fsencode(path.name).decode("utf-8", "replace")
+        return Shaking(name, interval, dict(zip(("horizontal", "vertical"), columns, strict=False)))
     if unit is not None:
         raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
     scene = given_scene(path, overrides)
@@ -46,6 +48,11 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
     heed = tuple(concern.sentence() for concern in cut_off(scene))
     return Shaking(scene.name, scene.numerics.time_step / parts, components, heed)
+
+
+def shaking_inputs(path: Path, overrides: Mapping[str, Any]) -> list[str]:
+    """Files that ``read_shaking`` reads."""
+    return [str(path)] if path.suffix.lower() in RECORDS else scene_inputs(path, overrides)
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:

@@ -15,8 +15,8 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
-from sph.configuration import merge
-from sph.scene import Scene, load_scene, make_scene
+from sph.configuration import merge, read_scene, scene_files
+from sph.scene import Scene, make_scene
 from sph.solver import Until
 
 STOPPED: dict[str, Until] = {"at the end of the gravity stage": "gravity", "before the first failure": "first_failure"}
@@ -40,13 +40,22 @@ def earlier_run(path: Path) -> xr.Dataset | None:
 
 def given_scene(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> Scene:
     """The scene in a file, YAML or a trajectory (``earlier``, where it has been read); ValueError with file, key and value."""
+    return make_scene(_mapping(path, overrides, earlier), str(path))
+
+
+def scene_inputs(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> list[str]:
+    """Files that a scene is read from, its own first, then those of records and ground lines; ValueError as ``given_scene``."""
+    return [str(path), *scene_files(_mapping(path, overrides, earlier))]
+
+
+def _mapping(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None) -> dict[str, Any]:
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
-        return load_scene(path, overrides)
+        return merge(read_scene(path), overrides)
     kept = trajectory.scene_of(earlier, str(path)).model_dump(mode="json")
     if {"file", "vertical", "unit"} & set(overrides.get("motion") or ()):
         kept["motion"].pop("data", None)  # the samples are to be read anew
-    return make_scene(merge(kept, overrides), str(path))
+    return merge(kept, overrides)
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:
