@@ -65,7 +65,7 @@ PICTURES = (".png", ".pdf", ".svg")
 
 def check_picture(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
     """Refuse as ``check_writable``, and an ending that is none of a picture."""
-    if path.suffix.lower() not in PICTURES:
+    if not path.name.lower().endswith(PICTURES):
         raise ValueError(f"{option} {path}: the name must end in {', '.join(PICTURES)}")
     check_writable(path, inputs, option)
 
@@ -165,15 +165,14 @@ def run(
     with refusals():
         from sph.checkpoint import run_to_file
         from sph.command.progress import reporter
-        from sph.command.repeat import compare, earlier_run, given_scene, scene_inputs, stopped_at
+        from sph.command.repeat import compare, earlier_run, read_given, stopped_at
 
         if until not in (None, "end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
         earlier = earlier_run(scene)
-        settings = parse_settings(set_)
-        loaded = given_scene(scene, settings, earlier)
+        loaded, inputs = read_given(scene, parse_settings(set_), earlier)
         path = out or Path(f"{loaded.name}.nc")
-        check_writable(path, [*scene_inputs(scene, settings, earlier), *([restart] if restart else [])])
+        check_writable(path, [*inputs, *([restart] if restart else [])])
         repeats = earlier is not None and not set_ and until is None
         with reporter(loaded.name) as report:
             # What was allowed to run with a step above its limit may be repeated.
@@ -220,12 +219,12 @@ def check(
     with refusals():
         from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
         from sph.command.check import check as look_at
-        from sph.command.repeat import given_scene, scene_inputs
+        from sph.command.repeat import read_given
 
-        settings = parse_settings(set_)
+        loaded, inputs = read_given(scene, parse_settings(set_))
         if plot is not None:
-            check_picture(plot, scene_inputs(scene, settings), "--plot")
-        found = look_at(given_scene(scene, settings))
+            check_picture(plot, inputs, "--plot")
+        found = look_at(loaded)
         if plot is not None:
             from sph.analysis.figures.style import save
 
@@ -261,7 +260,7 @@ def plot(
         from sph.analysis.figures import plot_trajectory
         from sph.analysis.figures.style import save
 
-        path = out or file.with_suffix(".png")
+        path = out or file.parent / f"{file.stem}.png"
         check_picture(path, [file])
         save(plot_trajectory(trajectory.read_run(file), time=time, field=field), path)
     print(path)
@@ -289,7 +288,7 @@ def animate(
         from sph.analysis.fields import check_field
         from sph.analysis.figures.film import check_film, rate, save_film
 
-        path = out or file.with_suffix(".gif")
+        path = out or file.parent / f"{file.stem}.gif"
         if fps is not None and speed is not None:
             raise ValueError(f"--fps {fps:g} and --speed {speed:g}: give one of them")
         pictures = 10.0 if fps is None else fps
@@ -365,7 +364,7 @@ def status(
     print(json.dumps(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
 
 
-Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]
+Tolerance = Annotated[float, typer.Option(max=1, help="relative width of the bracket at which the search ends")]
 Rule = Annotated[
     list[str] | None,
     typer.Option("--rule", metavar="KEY=VALUE", help="change the failure rule: displacement, area, observation, ramp; may be repeated"),
@@ -386,15 +385,15 @@ def fos(
 ) -> None:
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands."""
     with refusals():
-        from sph.command.repeat import given_scene, scene_inputs
+        from sph.command.repeat import read_given
         from sph.command.stability import answer
 
         if reduce not in ("strength", "S_R"):
             raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
-        settings = parse_settings(set_)
+        loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
-            check_writable(out, scene_inputs(scene, settings))
-        answer(reduce, given_scene(scene, settings), tolerance, parse_settings(rule, "--rule"), as_json, out)
+            check_writable(out, inputs)
+        answer(reduce, loaded, tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Example:  sph yield-acceleration slope.yaml --set numerics.spacing=2 --out trials.csv")
@@ -408,13 +407,13 @@ def yield_acceleration(
 ) -> None:
     """Find the constant horizontal acceleration at which the slope fails (pseudo-static), for Newmark's method."""
     with refusals():
-        from sph.command.repeat import given_scene, scene_inputs
+        from sph.command.repeat import read_given
         from sph.command.stability import answer
 
-        settings = parse_settings(set_)
+        loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
-            check_writable(out, scene_inputs(scene, settings))
-        answer("acceleration", given_scene(scene, settings), tolerance, parse_settings(rule, "--rule"), as_json, out)
+            check_writable(out, inputs)
+        answer("acceleration", loaded, tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")
@@ -512,14 +511,13 @@ def motion(
 ) -> None:
     """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
     with refusals():
-        from sph.command.motion import measures, read_shaking, rows, shaking_inputs
+        from sph.command.motion import measures, read_shaking, rows
 
         if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
             raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
-        settings = parse_settings(set_)
+        shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
         if out is not None:
-            check_picture(out, shaking_inputs(file, settings), "--plot")
-        shaking = read_shaking(file, settings, unit)  # type: ignore[arg-type]
+            check_picture(out, shaking.files, "--plot")
         found = measures(shaking)
         if out is not None:
             from sph.analysis.figures.ground_motion import figure_ground_motion

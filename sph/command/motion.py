@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.concerns import cut_off
-from sph.command.repeat import given_scene, scene_inputs
+from sph.command.repeat import read_given
 from sph.gravity import GRAVITY
 from sph.ground_motion import LONGEST_INTERVAL, RECORDS
 from sph.ground_motion.measures import Measures, measure
@@ -24,6 +24,7 @@ class Shaking(NamedTuple):
     """Accelerations of the ground by component."""
 
     name: str
+    files: list[str]  # that were read
     interval: float  # s
     components: dict[str, np.ndarray]  # each (n,) m/s2
     warnings: tuple[str, ...] = ()  # what a user of the scene should know
@@ -39,20 +40,15 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
             raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
         interval, columns = read_even(str(path), unit)
         name = os.fsencode(path.name).decode("utf-8", "replace")
-        return Shaking(name, interval, dict(zip(("horizontal", "vertical"), columns, strict=False)))
+        return Shaking(name, [str(path)], interval, dict(zip(("horizontal", "vertical"), columns, strict=False)))
     if unit is not None:
         raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
-    scene = given_scene(path, overrides)
+    scene, files = read_given(path, overrides)
     parts = math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9)
     loading = make_loading(scene, parts)
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
     heed = tuple(concern.sentence() for concern in cut_off(scene))
-    return Shaking(scene.name, scene.numerics.time_step / parts, components, heed)
-
-
-def shaking_inputs(path: Path, overrides: Mapping[str, Any]) -> list[str]:
-    """Files that ``read_shaking`` reads."""
-    return [str(path)] if path.suffix.lower() in RECORDS else scene_inputs(path, overrides)
+    return Shaking(scene.name, files, scene.numerics.time_step / parts, components, heed)
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:

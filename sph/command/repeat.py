@@ -40,22 +40,20 @@ def earlier_run(path: Path) -> xr.Dataset | None:
 
 def given_scene(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> Scene:
     """The scene in a file, YAML or a trajectory (``earlier``, where it has been read); ValueError with file, key and value."""
-    return make_scene(_mapping(path, overrides, earlier), str(path))
+    return read_given(path, overrides, earlier)[0]
 
 
-def scene_inputs(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> list[str]:
-    """Files that a scene is read from, its own first, then those of records and ground lines; ValueError as ``given_scene``."""
-    return [str(path), *scene_files(_mapping(path, overrides, earlier))]
-
-
-def _mapping(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None) -> dict[str, Any]:
+def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> tuple[Scene, list[str]]:
+    """The scene as ``given_scene``, and the files that it was read from: its own, which may be a pipe, records and ground lines."""
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
-        return merge(read_scene(path), overrides)
-    kept = trajectory.scene_of(earlier, str(path)).model_dump(mode="json")
-    if {"file", "vertical", "unit"} & set(overrides.get("motion") or ()):
-        kept["motion"].pop("data", None)  # the samples are to be read anew
-    return merge(kept, overrides)
+        kept = read_scene(path)
+    else:
+        kept = trajectory.scene_of(earlier, str(path)).model_dump(mode="json")
+        if {"file", "vertical", "unit"} & set(overrides.get("motion") or ()):
+            kept["motion"].pop("data", None)  # the samples are to be read anew
+    data = merge(kept, overrides)
+    return make_scene(data, str(path)), [str(path), *scene_files(data)]
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:
