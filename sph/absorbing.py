@@ -93,7 +93,7 @@ def lattice_rows(kernel: Kernel, dx: float) -> Rows:
     offset = np.arange(-reach, reach + 1)
     x, y = np.meshgrid(offset * dx, offset * dx)
     r = np.hypot(x, y)
-    with compile_lock():
+    with compile_lock(required=False):
         slope = np.array([evaluate(kernel, distance)[1] for distance in r.ravel()]).reshape(r.shape)
     weight = -slope / np.where(r > 0.0, r, 1.0)
     viscosity = np.array([0.5 * (weight * x * x).sum(1), (weight * y * y).sum(1)])

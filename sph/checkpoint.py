@@ -45,6 +45,7 @@ def run_to_file(
     taken over.
     """
     path = Path(path)
+    trajectory.check_name(path)
     seconds = checkpoint_seconds() if seconds is None else seconds
     earlier = {} if restart is None else trajectory.read_run(restart).attrs
     digest, solver = run_digest(scene, until, earlier), solvers(earlier)

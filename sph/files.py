@@ -68,6 +68,18 @@ def content_digest(*paths: Path) -> str:
     return digest.hexdigest()[:16]
 
 
+ROLES = ("part", "lock", "run", "checkpoint")
+"""Roles of the hidden files that writing a file makes, and deletes, beside it."""
+
+
+def same_file(one: Path | str, other: Path | str) -> bool:
+    """Whether two names are of one file, also through links; False where one of them does not exist."""
+    try:
+        return os.path.samefile(one, other)
+    except (OSError, ValueError):
+        return False
+
+
 def tidy(path: Path) -> None:
     """Delete what a killed process left beside a file; for who is alone at it."""
     for role in ("part", "lock"):

@@ -17,8 +17,9 @@ import fcntl
 import hashlib
 import json
 import os
+import tempfile
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -75,26 +76,37 @@ def _digest(paths: Iterable[Path]) -> str:
     return digest.hexdigest()[:16]
 
 
+REMEDY = "set SPH_CACHE_DIR to a folder that can be written"
+
+
 def cache_folder() -> Path:
-    """Folder of the compiled code: ``$SPH_CACHE_DIR`` or the user's cache, then the digest."""
-    home = os.environ.get("SPH_CACHE_DIR") or Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "sph"
-    return Path(home) / compiled_digest()
+    """Folder of the compiled code: ``$SPH_CACHE_DIR`` or the user's cache, then the digest; OSError where neither is known."""
+    chosen, users = os.environ.get("SPH_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    try:
+        home = Path(chosen) if chosen else (Path(users) if users else Path.home() / ".cache") / "sph"
+    except RuntimeError as error:
+        raise OSError(f"compiled code cannot be kept: this user has no home folder; {REMEDY}") from error
+    return home.absolute() / compiled_digest()
 
 
 llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")
 # One vector a turn: rows of neighbours are short, and what does not fill a turn is done one by one (a fifth at 19 neighbours).
 llvmlite.binding.set_option("sph", "-force-vector-interleave=1")
-numba.config.CACHE_DIR = str(cache_folder())  # type: ignore[attr-defined]
+_uncached: list[Any] = []
+"""Jitted functions whose compiled code is not kept yet."""
 
 
 def jit(function: Callable[..., Any]) -> Any:
-    """Compile for the solver: cached, inlined, sums may be reordered, division by zero gives infinity.
+    """Compile for the solver: inlined, sums may be reordered, division by zero gives infinity.
 
+    What is compiled under ``compile_lock`` is cached; importing this package needs no folder that can be written.
     Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in
     rounding from the first step (a test compares them), probably because a function called from the cached object
     is optimised apart from the one compiled here, with sums in another order.
     """
-    return numba.njit(cache=True, fastmath=FASTMATH, error_model="numpy", forceinline=True, nogil=True)(function)
+    compiled = numba.njit(fastmath=FASTMATH, error_model="numpy", forceinline=True, nogil=True)(function)
+    _uncached.append(compiled)
+    return compiled
 
 
 @jit
@@ -104,21 +116,44 @@ def rows(first, last):  # type: ignore[no-untyped-def]
 
 
 @contextmanager
-def compile_lock() -> Iterator[None]:
+def compile_lock(required: bool = True) -> Iterator[None]:
     """Let one process at a time compile or load from the cache, and only what is there as it was written.
 
-    OSError names the folder and the remedy if compiled code cannot be kept there.
+    OSError names the folder and the remedy if compiled code cannot be kept there; if that is not ``required``, what is
+    compiled then serves this process alone.
     """
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(_cache())
+        except OSError:
+            if required:
+                raise
+        yield
+
+
+@contextmanager
+def _cache() -> Iterator[None]:
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with open(folder / "lock", "w") as handle:
             fcntl.flock(handle, fcntl.LOCK_EX)
             mend(folder)
+            _keep_in(folder)
             yield
             seal(folder)
     except OSError as error:
-        raise _unusable(folder, error) from error
+        raise OSError(f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or {REMEDY}") from error
+
+
+def _keep_in(folder: Path) -> None:
+    """Have numba cache every function there; where it could not write, it would choose another place without a word: OSError."""
+    for place in (folder, *folder.glob("*/")):
+        tempfile.TemporaryFile(dir=place).close()
+    earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
+    while _uncached:
+        _uncached.pop().enable_caching()
+    numba.config.CACHE_DIR = earlier  # type: ignore[attr-defined]
 
 
 LISTED = "digests.json"
@@ -142,9 +177,9 @@ def seal(folder: Path) -> None:
     """List the files as they are."""
     text = json.dumps(_digests(folder))
     listed = folder / LISTED
-    if not listed.exists() or listed.read_text() != text:
+    if not listed.exists() or listed.read_text(encoding="utf-8") != text:
         temporary = folder / f".{LISTED}"
-        temporary.write_text(text)
+        temporary.write_text(text, encoding="utf-8")
         os.replace(temporary, listed)
 
 
@@ -157,10 +192,3 @@ def _digests(folder: Path) -> dict[str, str]:
             _seen[str(path)] = identity, hashlib.sha256(path.read_bytes()).hexdigest()
         found[str(path.relative_to(folder))] = _seen[str(path)][1]
     return found
-
-
-def _unusable(folder: Path, error: OSError) -> OSError:
-    return OSError(
-        f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or set SPH_CACHE_DIR to a folder "
-        "that can be written"
-    )

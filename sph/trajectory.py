@@ -9,7 +9,9 @@ renamed, so a file that exists is whole.
 from __future__ import annotations
 
 import hashlib
+import os
 import platform
+import sys
 from collections.abc import Mapping
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -138,6 +140,7 @@ def _version(package: str) -> str:
 
 def write(path: Path | str, ds: xr.Dataset, restart: xr.Dataset | None = None) -> None:
     """Write a trajectory, whole or not at all (see ``sph.files.whole``); ``restart`` goes into its own group."""
+    check_name(path)
     with whole(path) as temporary:
         write_compressed(ds, temporary)
         if restart is not None:
@@ -184,7 +187,19 @@ def read_restart(path: Path | str) -> xr.Dataset:
     return loaded
 
 
+def check_name(path: Path | str) -> None:
+    """Refuse a path that the netCDF library cannot be given: with bytes that are no characters of the system's encoding."""
+    encoding = sys.getfilesystemencoding()
+    try:
+        os.path.abspath(path).encode(encoding)
+    except UnicodeEncodeError as error:
+        raise ValueError(
+            f"{path}: its name, or its folder's, is not {encoding}, as netCDF needs it; rename it, or set LC_ALL=C.UTF-8 if that is not set"
+        ) from error
+
+
 def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
+    check_name(path)
     try:
         with xr.open_dataset(path, group=group, engine="netcdf4") as ds:
             return ds.load()

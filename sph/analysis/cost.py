@@ -115,7 +115,7 @@ def _limits(scene: Scene) -> tuple[float, float]:
     """Acoustic and smallest limit of the time step in the lattice, s."""
     key = scene.model_dump_json(exclude=dict.fromkeys(UNLIKE, True) | {"coupling": {"S_R", "gamma"}})
     if key not in _known:
-        with compile_lock():
+        with compile_lock(required=False):
             seconds = [limit.seconds for limit in limits(scene)]
         _known[key] = seconds[0], min(seconds)
     return _known[key]

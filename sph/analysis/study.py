@@ -11,7 +11,7 @@ import functools
 import itertools
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -40,7 +40,7 @@ from sph.analysis.metrics import GRID, MetricSettings
 from sph.analysis.sampling import KINDS, MOST_RUNS, Sample, read_cases
 from sph.analysis.stages import SharedStages, Stages
 from sph.analysis.tables import Layout
-from sph.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
+from sph.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, scene_files, validated
 from sph.scene import Scene, make_scene
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
@@ -421,11 +421,21 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
     """
     origin = "config" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(config)
-    if isinstance(data.get("cases"), str):
-        data = {**data, "cases": read_cases(folders, data["cases"])}
+    cases = data["cases"] if isinstance(data.get("cases"), str) else None
+    if cases is not None:
+        data = {**data, "cases": read_cases(folders, cases)}
     study = validated(Study, data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
     plan = Plan(study, read_scene(scene), str(scene))
     if check:
         plan.validate()
+        sources: list[Path | str] = [scene, *scene_files(plan.scene()), *([] if cases is None else [found_file(folders, cases, "cases")])]
+        _check_apart(sources, Path(folders[0], "results", study.study), origin)
     return plan
+
+
+def _check_apart(sources: Iterable[Path | str], results: Path, origin: str) -> None:
+    """Refuse a study that is read from among its results, which are written over."""
+    for file in map(Path, sources):
+        if results.resolve() in file.resolve().parents:
+            raise ValueError(f"{origin}: {file} lies in {results}, where results are written over; move it elsewhere")

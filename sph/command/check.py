@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-from matplotlib.figure import Figure
+from typing import TYPE_CHECKING, NamedTuple
 
 from sph.analysis.cost import cost
-from sph.analysis.figures.scene import figure_scene
 from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of, peak_accelerations
 from sph.geometry import SLOPES
 from sph.particles import Particles, locate_probes, place_particles
 from sph.scene import Scene
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 
 class Check(NamedTuple):
@@ -77,5 +77,7 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
 
 
 def draw(found: Check) -> Figure:
-    """The scene as a figure."""
+    """The scene as a figure; without one, no drawing library is needed, nor a folder that it can write."""
+    from sph.analysis.figures.scene import figure_scene
+
     return figure_scene(found.scene, found.particles, found.probes)

@@ -3,16 +3,18 @@
 Exit codes: 0 done; 2 refused, with one message that names what and the remedy: the scene, the command line, a file that cannot be
 read or written (earlier files are as they were), or nothing measured is as good as asked; 3 the run was stopped by its guard (status
 ``diverged``), and what there is was written; 4 a result is not what is planned now (``explain``).  A static test that diverges after
-the slope has failed counts as failed: 0.  Anything else is a fault of the program, with a traceback (1), or of its surroundings: 130
-interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
+the slope has failed counts as failed: 0.  Anything else is a fault of the program, with a traceback (1), or of its surroundings: 1
+without one where nobody reads what is printed (``| head``), 130 interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
 """
 
 from __future__ import annotations
 
+import os
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,6 +22,7 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from sph.files import ROLES, beside, same_file
 from sph.strict_json import to_json
 
 REFUSED, DIVERGED, DIFFERS = 2, 3, 4
@@ -41,8 +44,8 @@ Settings = Annotated[
 Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
 
 
-def check_writable(path: Path, option: str = "--out") -> None:
-    """Refuse a file that could not be written after hours of work; ValueError names the option."""
+def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
+    """Refuse a file that could not be written after hours of work, and one that the command reads; ValueError names the option."""
     from sph.files import check_name
 
     if not path.parent.is_dir():
@@ -50,11 +53,31 @@ def check_writable(path: Path, option: str = "--out") -> None:
     check_name(path)
     if path.is_dir():
         raise ValueError(f"{option} {path}: is a folder")
+    if path.exists() and not path.is_file() or path == Path("-"):
+        raise ValueError(f"{option} {path}: must be a file, which is written whole or not at all; name one")
+    check_apart(path, inputs, option)
     try:
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
             pass
     except OSError as error:
         raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; mend that or choose another place") from error
+
+
+PICTURES = (".png", ".pdf", ".svg")
+
+
+def check_picture(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
+    """Refuse as ``check_writable``, and an ending that is none of a picture."""
+    if not path.name.lower().endswith(PICTURES):
+        raise ValueError(f"{option} {path}: the name must end in {', '.join(PICTURES)}")
+    check_writable(path, inputs, option)
+
+
+def check_apart(path: Path, inputs: Iterable[Path | str], option: str) -> None:
+    """Refuse to write over a file that the command reads, by whatever name; ValueError names the option."""
+    for given in inputs:
+        if any(same_file(own, given) for own in (path, *(beside(path, role) for role in ROLES))):
+            raise ValueError(f"{option} {path}: would replace {given}, which is read; name another file")
 
 
 @contextmanager
@@ -65,6 +88,8 @@ def refusals() -> Iterator[None]:
     except MemoryError as error:
         print("sph: not enough memory; choose a larger numerics.spacing or longer outputs.frame_interval", file=sys.stderr)
         raise typer.Exit(REFUSED) from error
+    except BrokenPipeError:
+        raise  # who reads what is printed has enough
     except (ValueError, OSError) as error:
         say(str(error))
         raise typer.Exit(REFUSED) from error
@@ -144,16 +169,14 @@ def run(
         from sph.checkpoint import run_to_file
         from sph.command.concerns import of_motion
         from sph.command.progress import reporter
-        from sph.command.repeat import compare, earlier_run, given_scene, stopped_at
+        from sph.command.repeat import compare, earlier_run, read_given, stopped_at
 
         if until not in (None, "end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
         earlier = earlier_run(scene)
-        loaded = given_scene(scene, parse_settings(set_), earlier)
+        loaded, inputs = read_given(scene, parse_settings(set_), earlier)
         path = out or Path(f"{loaded.name}.nc")
-        check_writable(path)
-        if path.exists() and path.samefile(scene):
-            raise ValueError(f"--out {path}: is the run to repeat; name another file")
+        check_writable(path, [*inputs, *([restart] if restart else [])])
         repeats = earlier is not None and not set_ and until is None
         for concern in of_motion(loaded):
             say(f"warning: {concern.sentence()}")
@@ -181,10 +204,10 @@ def run(
 @app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
 def info(scene: SceneFile, set_: Settings = None) -> None:
     """Show what a scene amounts to: particles, wave speeds, time-step limits, terms, cost."""
-    from sph.command.info import describe
-    from sph.command.repeat import given_scene
-
     with refusals():
+        from sph.command.info import describe
+        from sph.command.repeat import given_scene
+
         rows = describe(given_scene(scene, parse_settings(set_)))
     width = max(len(label) for label, _ in rows)
     for label, text in rows:
@@ -199,18 +222,19 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
 ) -> None:
     """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
-    from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
-    from sph.command.check import check as look_at
-    from sph.command.repeat import given_scene
-    from sph.files import whole
-
     with refusals():
+        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
+        from sph.command.check import check as look_at
+        from sph.command.repeat import read_given
+
+        loaded, inputs = read_given(scene, parse_settings(set_))
         if plot is not None:
-            check_writable(plot, "--plot")
-        found = look_at(given_scene(scene, parse_settings(set_)))
+            check_picture(plot, inputs, "--plot")
+        found = look_at(loaded)
         if plot is not None:
-            with whole(plot) as temporary:
-                draw(found).savefig(temporary, dpi=200, format=plot.suffix[1:] or "png")
+            from sph.analysis.figures.style import save
+
+            save(draw(found), plot)
     layers = layer_rows(found)
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
@@ -237,15 +261,14 @@ def plot(
     time: Annotated[float | None, typer.Option(help="time of the profile in s; the last frame by default")] = None,
 ) -> None:
     """Draw a trajectory: profile, probes and energies."""
-    from sph import trajectory
-    from sph.analysis.figures import plot_trajectory
-    from sph.files import whole
-
     with refusals():
-        path = out or file.with_suffix(".png")
-        figure = plot_trajectory(trajectory.read_run(file), time=time, field=field)
-        with whole(path) as temporary:
-            figure.savefig(temporary, dpi=200, format=path.suffix[1:] or "png")
+        from sph import trajectory
+        from sph.analysis.figures import plot_trajectory
+        from sph.analysis.figures.style import save
+
+        path = out or file.parent / f"{file.stem}.png"
+        check_picture(path, [file])
+        save(plot_trajectory(trajectory.read_run(file), time=time, field=field), path)
     print(path)
 
 
@@ -266,18 +289,18 @@ def animate(
     dpi: Annotated[int, typer.Option(help="dots per inch; 120 makes a picture of 850 pixels across")] = 120,
 ) -> None:
     """Draw a trajectory through time: the profile, coloured by a field on one scale, as a GIF or an MP4."""
-    from sph import trajectory
-    from sph.analysis.fields import check_field
-    from sph.analysis.figures.film import check_film, rate, save_film
-
     with refusals():
-        path = out or file.with_suffix(".gif")
+        from sph import trajectory
+        from sph.analysis.fields import check_field
+        from sph.analysis.figures.film import check_film, rate, save_film
+
+        path = out or file.parent / f"{file.stem}.gif"
         if fps is not None and speed is not None:
             raise ValueError(f"--fps {fps:g} and --speed {speed:g}: give one of them")
         pictures = 10.0 if fps is None else fps
         check_film(path, pictures, dpi)
         check_field(field)
-        check_writable(path)
+        check_writable(path, [file])
         run = trajectory.read_run(file)
         save_film(run, path, field, every, pictures if speed is None else rate(run, every, speed), motion, dpi)
     print(path)
@@ -289,12 +312,13 @@ def export(
     vtk: Annotated[Path, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
 ) -> None:
     """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, every number as it is stored."""
-    from sph import trajectory
-    from sph.analysis.paraview import export_paraview
-
     with refusals():
+        from sph import trajectory
+        from sph.analysis.paraview import export_paraview
+
         if vtk.exists() and not vtk.is_dir():
             raise ValueError(f"--vtk {vtk}: is a file; name a folder")
+        check_apart(vtk / f"{file.stem}.pvd", [file], "--vtk")
         print(export_paraview(trajectory.read_run(file), vtk, file.stem))
 
 
@@ -304,10 +328,10 @@ def metrics(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Measure a trajectory: displacement of A, run-out, deposit, area moved, class, status."""
-    from sph import trajectory
-    from sph.analysis.metrics import METRICS, MetricSettings, measure
-
     with refusals():
+        from sph import trajectory
+        from sph.analysis.metrics import METRICS, MetricSettings, measure
+
         values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
         print(to_json(values, indent=1))
@@ -331,10 +355,10 @@ def status(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
 ) -> None:
     """Show from a second terminal how far a study is: done, running, failed, waiting, and the time left; it disturbs nothing."""
-    from sph.command.status import Job, jobs, lines, located_plan, look, record, watch
-    from sph.command.targets import target_jobs
-
     with refusals():
+        from sph.command.status import Job, jobs, lines, located_plan, look, record, watch
+        from sph.command.targets import target_jobs
+
         plan, place = located_plan(folder, configfile)
 
         def listed() -> list[Job]:
@@ -378,7 +402,7 @@ def explain(
         raise typer.Exit(DIFFERS)
 
 
-Tolerance = Annotated[float, typer.Option(help="relative width of the bracket at which the search ends")]
+Tolerance = Annotated[float, typer.Option(max=1, help="relative width of the bracket at which the search ends")]
 Rule = Annotated[
     list[str] | None,
     typer.Option("--rule", metavar="KEY=VALUE", help="change the failure rule: displacement, area, observation, ramp; may be repeated"),
@@ -398,15 +422,16 @@ def fos(
     out: Trials = None,
 ) -> None:
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands."""
-    from sph.command.repeat import given_scene
-    from sph.command.stability import answer
-
     with refusals():
+        from sph.command.repeat import read_given
+        from sph.command.stability import answer
+
         if reduce not in ("strength", "S_R"):
             raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
+        loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
-            check_writable(out)
-        answer(reduce, given_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
+            check_writable(out, inputs)
+        answer(reduce, loaded, tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Example:  sph yield-acceleration slope.yaml --set numerics.spacing=2 --out trials.csv")
@@ -419,13 +444,14 @@ def yield_acceleration(
     out: Trials = None,
 ) -> None:
     """Find the constant horizontal acceleration at which the slope fails (pseudo-static), for Newmark's method."""
-    from sph.command.repeat import given_scene
-    from sph.command.stability import answer
-
     with refusals():
+        from sph.command.repeat import read_given
+        from sph.command.stability import answer
+
+        loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
-            check_writable(out)
-        answer("acceleration", given_scene(scene, parse_settings(set_)), tolerance, parse_settings(rule, "--rule"), as_json, out)
+            check_writable(out, inputs)
+        answer("acceleration", loaded, tolerance, parse_settings(rule, "--rule"), as_json, out)
 
 
 @app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")
@@ -436,11 +462,11 @@ def advise(
     table: Annotated[Path | None, typer.Option(help="a ladder's trade.csv; the one measured for this release by default")] = None,
 ) -> None:
     """Name the cheapest measured setting within an error; exit code 2 and the best there is if none is."""
-    from sph.analysis import advice
-    from sph.analysis.trade_table import QUANTITIES, WORDS, against, read_trade
-    from sph.command.advise import lines
-
     with refusals():
+        from sph.analysis import advice
+        from sph.analysis.trade_table import QUANTITIES, WORDS, against, read_trade
+        from sph.command.advise import lines
+
         limit = parse_error(error)
         if quantity not in (*QUANTITIES, "both"):
             raise ValueError(f"--quantity {quantity!r}: must be {', '.join(QUANTITIES)} or both")
@@ -468,9 +494,9 @@ def newmark(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Slide Newmark's rigid block on a ground motion; positive accelerations drive it downslope, as in a scene."""
-    from sph.command.newmark import lines, slide
-
     with refusals():
+        from sph.command.newmark import lines, slide
+
         down = parse_acceleration(ay, "--ay")
         up = None if upslope is None else parse_acceleration(upslope, "--upslope")
         peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
@@ -492,12 +518,10 @@ def cost(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
     """Predict what a study takes: core-hours, wall time, memory and disk, of all of it and of what is left."""
-    import os
-
-    from sph.command.cost import lines, record, study_cost
-    from sph.command.status import located_plan
-
     with refusals():
+        from sph.command.cost import lines, record, study_cost
+        from sph.command.status import located_plan
+
         if speed is not None and not 1e-3 <= speed <= 1e3:
             raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
         plan, folder = located_plan(None, study)
@@ -526,14 +550,14 @@ def motion(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
-    from sph.command.motion import measures, read_shaking, rows
-
     with refusals():
+        from sph.command.motion import measures, read_shaking, rows
+
         if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
             raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
-        if out is not None:
-            check_writable(out, "--plot")
         shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
+        if out is not None:
+            check_picture(out, shaking.files, "--plot")
         found = measures(shaking)
         if out is not None:
             from sph.analysis.figures.ground_motion import figure_ground_motion
@@ -554,17 +578,30 @@ def motion(
 @app.command(epilog="Example:  sph reference scene > keys.md")
 def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, presets, ...")]) -> None:
     """Print a table of keys, variables or measured results (Markdown)."""
-    from sph.command.reference import TABLES
-
     with refusals():
+        from sph.command.reference import TABLES
+
         if table not in TABLES:
             raise ValueError(f"{table!r}: must be one of {', '.join(TABLES)}")
     print(TABLES[table]())
 
 
 def main() -> None:
-    """Entry point."""
-    app()
+    """Entry point.  A character that the terminal lacks is printed as an escape, and what could not be printed is an error."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        try:
+            app()
+        finally:
+            print(end="", flush=True)
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # for what is left in the buffer
+        if isinstance(error, BrokenPipeError):
+            raise SystemExit(1) from None
+        say(f"the output cannot be printed: {error.strerror}")
+        raise SystemExit(REFUSED) from error
 
 
 if __name__ == "__main__":

@@ -75,7 +75,7 @@ def job_log(path: Path | str) -> Iterator[TextIO]:
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        log: TextIO = open(path, "w", encoding="utf-8", buffering=1)  # noqa: SIM115
+        log: TextIO = open(path, "w", encoding="utf-8", errors="backslashreplace", buffering=1)  # noqa: SIM115
         print(Process(platform.node(), os.getpid(), clock.time()).line(), file=log)
     except OSError as error:
         print(f"{path}: no log: {error.strerror}", file=sys.stderr)

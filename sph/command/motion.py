@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -9,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.concerns import drifting, implausible, in_both, of_motion
-from sph.command.repeat import given_scene
+from sph.command.repeat import read_given
 from sph.ground_motion import RECORDS, GroundMotion, loading_of
 from sph.ground_motion.measures import Measures, measure
 from sph.ground_motion.record import read_even
@@ -20,6 +21,7 @@ class Shaking(NamedTuple):
     """Accelerations of the ground by component."""
 
     name: str
+    files: list[str]  # that were read
     interval: float  # s
     components: dict[str, np.ndarray]  # each (n,) m/s2
     warnings: tuple[str, ...] = ()  # what a user of the scene should know
@@ -37,14 +39,15 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
         found = implausible(components, "the unit of the record") + drifting(motion, "the record, or motion.baseline of a scene with it")
-        return Shaking(path.name, interval, components, tuple(concern.sentence() for concern in found))
+        name = os.fsencode(path.name).decode("utf-8", "replace")
+        return Shaking(name, [str(path)], interval, components, tuple(concern.sentence() for concern in found))
     if unit is not None:
         raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
-    scene = given_scene(path, overrides)
+    scene, files = read_given(path, overrides)
     loading = loading_of(scene)
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
     heed = tuple(concern.sentence() for concern in of_motion(scene))
-    return Shaking(scene.name, float(loading.time[1]), components, heed)
+    return Shaking(scene.name, files, float(loading.time[1]), components, heed)
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:

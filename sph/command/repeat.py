@@ -14,8 +14,8 @@ import numpy as np
 import xarray as xr
 
 from sph import trajectory
-from sph.configuration import merge
-from sph.scene import Scene, load_scene, make_scene
+from sph.configuration import merge, read_scene, scene_files
+from sph.scene import Scene, make_scene
 from sph.solver import Until
 from sph.strict_json import parse_json
 
@@ -40,16 +40,23 @@ def earlier_run(path: Path) -> xr.Dataset | None:
 
 def given_scene(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> Scene:
     """The scene in a file, YAML or a trajectory (``earlier``, where it has been read); ValueError with file, key and value."""
+    return read_given(path, overrides, earlier)[0]
+
+
+def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> tuple[Scene, list[str]]:
+    """The scene as ``given_scene``, and the files that it was read from: its own, which may be a pipe, records and ground lines."""
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
-        return load_scene(path, overrides)
-    kept = parse_json(trajectory.scene_of(earlier, str(path)).stored())
-    _check_layers(kept, overrides, path)
-    motion, vertical = _at(overrides, "motion"), _at(overrides, "motion", "vertical")
-    third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
-    if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit"))):
-        kept["motion"].pop("data", None)  # the samples are to be read anew
-    return make_scene(merge(kept, overrides), str(path))
+        kept = read_scene(path)
+    else:
+        kept = parse_json(trajectory.scene_of(earlier, str(path)).stored())
+        _check_layers(kept, overrides, path)
+        motion, vertical = _at(overrides, "motion"), _at(overrides, "motion", "vertical")
+        third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
+        if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit"))):
+            kept["motion"].pop("data", None)  # the samples are to be read anew
+    data = merge(kept, overrides)
+    return make_scene(data, str(path)), [str(path), *scene_files(data)]
 
 
 def _check_layers(kept: Mapping[str, Any], overrides: Mapping[str, Any], path: Path) -> None:

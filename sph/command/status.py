@@ -160,7 +160,7 @@ def _content(scene: Scene | None) -> Any:
 def _benchmark(folder: Path, job: Job) -> float:
     """Wall time of a finished job, s; NaN if Snakemake has not (yet) written it."""
     try:
-        return float((folder / "benchmarks" / f"{job.name}.tsv").read_text().splitlines()[1].split()[0])
+        return float((folder / "benchmarks" / f"{job.name}.tsv").read_text(encoding="utf-8").splitlines()[1].split()[0])
     except (OSError, ValueError, IndexError):
         return math.nan
 

@@ -80,6 +80,8 @@ class Record(Section):
     def _read(cls, values: Any) -> Any:
         if not isinstance(values, Mapping) or values.get("data") is not None or not isinstance(values.get("file"), str):
             return values
+        if not values["file"]:
+            return values  # refused below, with its key
         vertical = values.get("vertical")
         second = vertical.get("file") if isinstance(vertical, Mapping) else None
         unit = values.get("unit")

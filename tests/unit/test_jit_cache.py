@@ -77,13 +77,38 @@ def test_the_list_of_compiled_files_is_complete() -> None:
     assert sorted(COMPILED) == sorted(needed)
 
 
-def test_cache_folder_follows_the_environment(tmp_path: Path) -> None:
-    code = "import numba, sph.jit; print(numba.config.CACHE_DIR); print(sph.jit.cache_folder()); print(sph.jit.compiled_digest())"
-    command = [sys.executable, "-c", code]
-    out = subprocess.run(
-        command, env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path)), check=True, capture_output=True, text=True
-    ).stdout.split()
-    assert out[0] == out[1] == str(tmp_path / out[2])
+PLACE = """
+import sys
+from sph.jit import cache_folder, compile_lock, compiled_digest, rows
+import numba
+with compile_lock():
+    pass
+print(rows.stats.cache_path)
+print(cache_folder())
+print(compiled_digest())
+print(numba.config.CACHE_DIR)
+"""
+
+
+@pytest.mark.parametrize("name", ["SPH_CACHE_DIR", "XDG_CACHE_HOME", "HOME"])
+@pytest.mark.parametrize("relative", [False, True])
+def test_cache_folder_follows_the_environment(tmp_path: Path, name: str, relative: bool) -> None:
+    """An empty variable is none: the working folder is no place for compiled code."""
+    empty = dict.fromkeys(("SPH_CACHE_DIR", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), "")
+    given = {name: "place" if relative and name != "HOME" else str(tmp_path / "place")}
+    done = subprocess.run(
+        [sys.executable, "-c", PLACE],
+        env=environment(PACKAGE.parent, **empty | given),
+        cwd=tmp_path,
+        check=True,
+        capture_output=True,
+        text=True,
+    )
+    used, folder, digest, own = done.stdout.split("\n")[:4]
+    place = tmp_path / "place" / {"SPH_CACHE_DIR": "", "XDG_CACHE_HOME": "sph", "HOME": ".cache/sph"}[name] / digest
+    assert Path(used).parent == Path(folder) == place
+    assert own == "", "the user's own functions are cached where they were"
+    assert [path.name for path in tmp_path.iterdir()] == ["place"]
 
 
 # ---------------------------------------------------------------- the race

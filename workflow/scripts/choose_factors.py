@@ -14,7 +14,7 @@ def choose_factors(paths_to_tables: Sequence[str], factors: Sequence[str] | None
     """Those given, or those that the table of the screening, the only path, finds."""
     names = list(factors) if factors else influential(read_csv(paths_to_tables[0], MORRIS, "a screening"), share)
     with whole(path_to_names) as temporary:
-        Path(temporary).write_text(to_json(names) + "\n")
+        Path(temporary).write_text(to_json(names) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":
