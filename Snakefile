@@ -7,11 +7,12 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 import sph
-from sph.analysis.planned import planned, sources
-from sph.analysis.sampling import chosen_runs
-from sph.analysis.study import load_study
-from sph.analysis.trigger import load_trigger, plan_of
-from sph.configuration import check_files
+from sph.study.planned import planned, sources
+from sph.study.sampling import chosen_runs
+from sph.study.plan import load_study
+from sph.experiments.trigger.design import load_trigger, plan_of
+from sph.scene.configuration import check_files
+from sph.solver.compiled.jit import SOURCES
 
 min_version("9.18")
 
@@ -39,10 +40,16 @@ RUN = "{folder}/runs/{run}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the contents of the sources of each stage are its parameters.
-SOLVER = sources("[!_]*.py", "ground_motion/*.py")
+SOLVER = sources(*(f"{folder}/**/*.py" for folder in SOURCES))
 SEARCHING = SOLVER + sources("stability/*.py")
-ANALYSIS = sources("analysis/*.py", "analysis/measured/*.csv")
-DRAWING = ANALYSIS + sources("analysis/figures/*.py")
+ANALYSIS = sources(
+    "measures/*.py",
+    "study/*.py",
+    "experiments/**/*.py",
+    "experiments/measured/*.csv",
+    "paper/*.py",
+)
+DRAWING = ANALYSIS + sources("figures/*.py")
 PAGE = DRAWING + sources(
     "page/*.*", "command/reference.py", "validation/measured/*.csv"
 )

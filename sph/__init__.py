@@ -33,15 +33,16 @@ The way through the house:
 
 1. `make_scene` and `load_scene` make a validated, immutable `Scene`, of a mapping or a YAML file.
 2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.
-3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.trajectory.VARIABLES` has every variable with its unit.
-4. `measure` gives the numbers of a run; `sph.analysis.metrics.METRICS` defines each.
+3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.storage.trajectory.VARIABLES` has every variable with its unit.
+4. `measure` gives the numbers of a run; `sph.measures.metrics.METRICS` defines each.
 5. `load_study` is a grid of scenes as Snakemake runs it; `read_study` and `read_table` read what it has measured.
 6. `factor_of_safety`, `critical_strength_ratio`, `yield_acceleration` and `sliding_block` are the methods of practice to compare with.
 
 These names are the public interface and keep their meaning from version to version; `CHANGELOG.md` says where one does not.  The
-modules are open to read and to use without that promise.  A run goes from `sph.scene` through `sph.particles` and `sph.solver`, which
-advances by `sph.integration` with one term of physics a file, to `sph.trajectory`; `sph.analysis` measures and draws, `sph.stability`
-searches, `sph.validation` holds the reference cases, `sph.page` writes the report, `sph.command` is the command.
+modules are open to read and to use without that promise.  A scene (`sph.scene`) goes through the solver (`sph.solver`, a term of physics
+and a kind of wall a file) into a trajectory (`sph.storage`), and from there into numbers (`sph.measures`).  `sph.study` and
+`sph.experiments` plan many runs, `sph.paper` decides the paper's claims, `sph.stability` searches, `sph.validation` holds the reference
+cases, `sph.figures` draws, `sph.page` writes the report, `sph.command` is the command.
 """
 
 from importlib import import_module
@@ -52,13 +53,13 @@ __version__ = "0.1.0"
 _HOMES = {
     name: module
     for module, names in {
-        "sph.scene": "make_scene load_scene Scene",
-        "sph.solver": "run Progress Result",
-        "sph.checkpoint": "run_to_file",
-        "sph.trajectory": "read_run scene_of",
-        "sph.analysis.metrics": "measure MetricSettings",
-        "sph.analysis.study": "load_study Plan",
-        "sph.analysis.tables": "read_study read_table",
+        "sph.scene.schema": "make_scene load_scene Scene",
+        "sph.solver.run": "run Progress Result",
+        "sph.solver.checkpoint": "run_to_file",
+        "sph.storage.trajectory": "read_run scene_of",
+        "sph.measures.metrics": "measure MetricSettings",
+        "sph.study.plan": "load_study Plan",
+        "sph.study.tables": "read_study read_table",
         "sph.stability.safety": "factor_of_safety critical_strength_ratio yield_acceleration",
         "sph.stability.search": "Search",
         "sph.stability.standing": "FailureRule",
@@ -69,19 +70,15 @@ _HOMES = {
 """Where the public names live.  They are imported when they are first used: ``sph --help`` needs none of them."""
 
 if TYPE_CHECKING:
-    from sph.analysis.metrics import MetricSettings as MetricSettings
-    from sph.analysis.metrics import measure as measure
-    from sph.analysis.study import Plan as Plan
-    from sph.analysis.study import load_study as load_study
-    from sph.analysis.tables import read_study as read_study
-    from sph.analysis.tables import read_table as read_table
-    from sph.checkpoint import run_to_file as run_to_file
-    from sph.scene import Scene as Scene
-    from sph.scene import load_scene as load_scene
-    from sph.scene import make_scene as make_scene
-    from sph.solver import Progress as Progress
-    from sph.solver import Result as Result
-    from sph.solver import run as run
+    from sph.measures.metrics import MetricSettings as MetricSettings
+    from sph.measures.metrics import measure as measure
+    from sph.scene.schema import Scene as Scene
+    from sph.scene.schema import load_scene as load_scene
+    from sph.scene.schema import make_scene as make_scene
+    from sph.solver.checkpoint import run_to_file as run_to_file
+    from sph.solver.run import Progress as Progress
+    from sph.solver.run import Result as Result
+    from sph.solver.run import run as run
     from sph.stability.newmark import SlidingBlock as SlidingBlock
     from sph.stability.newmark import sliding_block as sliding_block
     from sph.stability.safety import (
@@ -95,8 +92,12 @@ if TYPE_CHECKING:
     )
     from sph.stability.search import Search as Search
     from sph.stability.standing import FailureRule as FailureRule
-    from sph.trajectory import read_run as read_run
-    from sph.trajectory import scene_of as scene_of
+    from sph.storage.trajectory import read_run as read_run
+    from sph.storage.trajectory import scene_of as scene_of
+    from sph.study.plan import Plan as Plan
+    from sph.study.plan import load_study as load_study
+    from sph.study.tables import read_study as read_study
+    from sph.study.tables import read_table as read_table
 else:
     __all__ = [*_HOMES]
 

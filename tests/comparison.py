@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from sph.solver import Result
-from sph.trajectory import read, read_restart
+from sph.solver.run import Result
+from sph.storage.trajectory import read, read_restart
 
 VARIANTS = {
     "default": {},

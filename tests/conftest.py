@@ -10,8 +10,8 @@ import pytest
 from hypothesis import settings
 from small_scenes import FREE_BLOCK, SLOPE
 
-from sph.configuration import dotted, merge
-from sph.scene import Scene, make_scene
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
 
 # On CI the same examples every time, so that a red run is the change's fault; elsewhere hypothesis explores.
 settings.register_profile("ci", derandomize=True)

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sph import trajectory
-from sph.analysis.tables import VALUES
-from sph.motion import vertical_acceleration
-from sph.particles import SOIL, locate_probes, place_particles
-from sph.scene import Scene, make_scene
+from sph.scene.motion import vertical_acceleration
+from sph.scene.schema import Scene, make_scene
+from sph.solver.particles import SOIL, locate_probes, place_particles
+from sph.storage import trajectory
+from sph.study.tables import VALUES
 
 PAPER = {
     "name": "paper",

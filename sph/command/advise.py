@@ -10,8 +10,8 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sph.analysis.advice import Advice, percent
-from sph.analysis.trade_table import WORDS, summary
+from sph.experiments.cost_accuracy.advice import Advice, percent
+from sph.experiments.cost_accuracy.table import WORDS, summary
 
 
 def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:

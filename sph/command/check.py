@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from sph.analysis.cost import cost
 from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of, peak_accelerations
-from sph.geometry import SLOPES
-from sph.particles import Particles, locate_probes, place_particles
-from sph.scene import Scene
+from sph.scene.geometry import SLOPES
+from sph.scene.schema import Scene
+from sph.solver.particles import Particles, locate_probes, place_particles
+from sph.study.cost import cost
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -78,6 +78,6 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
 
 def draw(found: Check) -> Figure:
     """The scene as a figure; without one, no drawing library is needed, nor a folder that it can write."""
-    from sph.analysis.figures.scene import figure_scene
+    from sph.figures.scene import figure_scene
 
     return figure_scene(found.scene, found.particles, found.probes)

@@ -22,8 +22,8 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
-from sph.files import ROLES, beside, same_file
-from sph.strict_json import to_json
+from sph.scene.strict_json import to_json
+from sph.storage.files import ROLES, beside, same_file
 
 REFUSED, DIVERGED, DIFFERS = 2, 3, 4
 SMALLEST_ACCELERATION = 1e-6
@@ -46,7 +46,7 @@ Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory fil
 
 def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
     """Refuse a file that could not be written after hours of work, and one that the command reads; ValueError names the option."""
-    from sph.files import check_name
+    from sph.storage.files import check_name
 
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
@@ -102,7 +102,7 @@ def say(line: str) -> None:
 
 def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
     """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
-    from sph.configuration import DEEPEST, dotted, parse_yaml
+    from sph.scene.configuration import DEEPEST, dotted, parse_yaml
 
     pairs = {}
     for setting in settings or []:
@@ -127,8 +127,8 @@ def parse_error(text: str) -> float:
 
 def parse_acceleration(text: str, option: str) -> float:
     """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
-    from sph.gravity import GRAVITY
-    from sph.ground_motion import LARGEST_ACCELERATION
+    from sph.scene.gravity import GRAVITY
+    from sph.scene.ground_motion import LARGEST_ACCELERATION
 
     number, in_g = text.strip().removesuffix("g"), text.strip().endswith("g")
     try:
@@ -166,10 +166,10 @@ def run(
     A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
     """
     with refusals():
-        from sph.checkpoint import run_to_file
         from sph.command.concerns import of_motion
         from sph.command.progress import reporter
         from sph.command.repeat import compare, earlier_run, read_given, stopped_at
+        from sph.solver.checkpoint import run_to_file
 
         if until not in (None, "end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
@@ -232,7 +232,7 @@ def check(
             check_picture(plot, inputs, "--plot")
         found = look_at(loaded)
         if plot is not None:
-            from sph.analysis.figures.style import save
+            from sph.figures.style import save
 
             save(draw(found), plot)
     layers = layer_rows(found)
@@ -262,9 +262,9 @@ def plot(
 ) -> None:
     """Draw a trajectory: profile, probes and energies."""
     with refusals():
-        from sph import trajectory
-        from sph.analysis.figures import plot_trajectory
-        from sph.analysis.figures.style import save
+        from sph.figures import plot_trajectory
+        from sph.figures.style import save
+        from sph.storage import trajectory
 
         path = out or file.parent / f"{file.stem}.png"
         check_picture(path, [file])
@@ -290,9 +290,9 @@ def animate(
 ) -> None:
     """Draw a trajectory through time: the profile, coloured by a field on one scale, as a GIF or an MP4."""
     with refusals():
-        from sph import trajectory
-        from sph.analysis.fields import check_field
-        from sph.analysis.figures.film import check_film, rate, save_film
+        from sph.figures.film import check_film, rate, save_film
+        from sph.measures.fields import check_field
+        from sph.storage import trajectory
 
         path = out or file.parent / f"{file.stem}.gif"
         if fps is not None and speed is not None:
@@ -313,8 +313,8 @@ def export(
 ) -> None:
     """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, every number as it is stored."""
     with refusals():
-        from sph import trajectory
-        from sph.analysis.paraview import export_paraview
+        from sph.storage import trajectory
+        from sph.storage.paraview import export_paraview
 
         if vtk.exists() and not vtk.is_dir():
             raise ValueError(f"--vtk {vtk}: is a file; name a folder")
@@ -329,8 +329,8 @@ def metrics(
 ) -> None:
     """Measure a trajectory: displacement of A, run-out, deposit, area moved, class, status."""
     with refusals():
-        from sph import trajectory
-        from sph.analysis.metrics import METRICS, MetricSettings, measure
+        from sph.measures.metrics import METRICS, MetricSettings, measure
+        from sph.storage import trajectory
 
         values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
@@ -463,9 +463,9 @@ def advise(
 ) -> None:
     """Name the cheapest measured setting within an error; exit code 2 and the best there is if none is."""
     with refusals():
-        from sph.analysis import advice
-        from sph.analysis.trade_table import QUANTITIES, WORDS, against, read_trade
         from sph.command.advise import lines
+        from sph.experiments.cost_accuracy import advice
+        from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, against, read_trade
 
         limit = parse_error(error)
         if quantity not in (*QUANTITIES, "both"):
@@ -560,8 +560,8 @@ def motion(
             check_picture(out, shaking.files, "--plot")
         found = measures(shaking)
         if out is not None:
-            from sph.analysis.figures.ground_motion import figure_ground_motion
-            from sph.analysis.figures.style import save
+            from sph.figures.ground_motion import figure_ground_motion
+            from sph.figures.style import save
 
             save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
     for warning in shaking.warnings:

@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 from scipy.integrate import cumulative_trapezoid  # type: ignore[import-untyped]
 
-from sph.geometry import Slope
-from sph.gravity import GRAVITY
-from sph.ground_line import GroundLine, largest_climb
-from sph.ground_motion import GroundMotion, loading_of
-from sph.ground_motion.record import Record, processed
-from sph.motion import ConstantAcceleration, NoMotion
-from sph.particles import Particles
-from sph.scene import Scene
-from sph.soil import Soil
-from sph.timestep import limits, wave_speed_ratio
+from sph.scene.geometry import Slope
+from sph.scene.gravity import GRAVITY
+from sph.scene.ground_line import GroundLine, largest_climb
+from sph.scene.ground_motion import GroundMotion, loading_of
+from sph.scene.ground_motion.record import Record, processed
+from sph.scene.motion import ConstantAcceleration, NoMotion
+from sph.scene.schema import Scene
+from sph.scene.soil import Soil
+from sph.solver.particles import Particles
+from sph.solver.time_step import limits, wave_speed_ratio
 
 FEWEST_IN_HEIGHT = 12
 """Particles across the height of a slope: the fewest in the ladder (README), whose classes are right and run-outs 60 % off."""
@@ -40,7 +40,7 @@ LARGEST_DRIFT = 0.1
 ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
 """Soil behind the crest and before the toe, over the slope's height; the paper's slope runs out 1.3 heights with S_R 0.10."""
 SHARE_OF_LIMIT = 0.8
-"""Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.timestep``)."""
+"""Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.solver.time_step``)."""
 
 
 class Concern(NamedTuple):

@@ -1,4 +1,4 @@
-"""What a study will cost before it is run (``sph cost``), by ``sph.analysis.cost`` and the speed of the machine at hand.
+"""What a study will cost before it is run (``sph cost``), by ``sph.study.cost`` and the speed of the machine at hand.
 
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
 another machine.  Runs share the gravity stage and go on from it; the shaking up to the first failure is counted with them.
@@ -13,12 +13,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sph.analysis.cost import COMPILE, START, Cost, cost, search_cost
-from sph.analysis.study import Plan
 from sph.command.status import RUNS, SEARCH, State, duration, jobs, look
-from sph.configuration import merge
-from sph.scene import Scene, make_scene
-from sph.solver import Progress, Run
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import Progress, Run
+from sph.study.cost import COMPILE, START, Cost, cost, search_cost
+from sph.study.plan import Plan
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
 """Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""

@@ -17,30 +17,30 @@ from typing import Any, NamedTuple
 import pandas as pd
 import xarray as xr
 
-from sph import trajectory
-from sph.analysis.dimensions import is_number, point_name, value_of
-from sph.analysis.extremes import EXTREMES, ExtremeRuns, load_extremes, measure_extreme
-from sph.analysis.extremes import FOLDER as EXTREMES_FOLDER
-from sph.analysis.limits import FOLDER as LIMITS_FOLDER
-from sph.analysis.limits import LIMITS, LimitRuns, load_limits
-from sph.analysis.metrics import GRID, measure
-from sph.analysis.planned import differing
-from sph.analysis.points import POINTS
-from sph.analysis.sensitivity import SensitivityPlan, chosen_factors, load_sensitivity
-from sph.analysis.sensitivity_tables import sample_columns
-from sph.analysis.study import Plan
-from sph.analysis.study_row import run_values
-from sph.analysis.tables import read_csv
-from sph.analysis.trade import FOLDER as TRADE_FOLDER
-from sph.analysis.trade import Ladder, file_name, load_trade
-from sph.analysis.trade_table import TRADE, measured_run
-from sph.analysis.trigger import FOLDER as TRIGGER_FOLDER
-from sph.analysis.trigger import TriggerPlan, load_trigger
 from sph.command.status import located_plan
-from sph.configuration import CONTENT_KEYS
-from sph.jit import solver_digest
-from sph.scene import Scene, make_scene
-from sph.trajectory import Variable
+from sph.experiments.assumptions import FOLDER as LIMITS_FOLDER
+from sph.experiments.assumptions import LIMITS, LimitRuns, load_limits
+from sph.experiments.cost_accuracy.design import FOLDER as TRADE_FOLDER
+from sph.experiments.cost_accuracy.design import Ladder, file_name, load_trade
+from sph.experiments.cost_accuracy.table import TRADE, measured_run
+from sph.experiments.robustness import EXTREMES, ExtremeRuns, load_extremes, measure_extreme
+from sph.experiments.robustness import FOLDER as EXTREMES_FOLDER
+from sph.experiments.sensitivity.design import SensitivityPlan, chosen_factors, load_sensitivity
+from sph.experiments.sensitivity.tables import sample_columns
+from sph.experiments.study_row import run_values
+from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
+from sph.experiments.trigger.design import TriggerPlan, load_trigger
+from sph.experiments.trigger.points import POINTS
+from sph.measures.metrics import GRID, measure
+from sph.scene.configuration import CONTENT_KEYS
+from sph.scene.schema import Scene, make_scene
+from sph.solver.compiled.jit import solver_digest
+from sph.storage import trajectory
+from sph.storage.trajectory import Variable
+from sph.study.dimensions import is_number, point_name, value_of
+from sph.study.plan import Plan
+from sph.study.planned import differing
+from sph.study.tables import read_csv
 from sph.validation.suite import FOLDER as VALIDATION_FOLDER
 from sph.validation.suite import Suite, load_suite
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from sph.analysis.advice import expected_sentence
-from sph.analysis.cost import cost, needs
 from sph.command.concerns import of_motion, peak_accelerations, thin_box
-from sph.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
-from sph.scene import Scene
-from sph.solver import wanted_terms
-from sph.timestep import limits
+from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.scene.schema import Scene
+from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
+from sph.solver.run import wanted_terms
+from sph.solver.time_step import limits
+from sph.study.cost import cost, needs
 
 TERM_REASONS = {
     "wendland_c2": "numerics.kernel",

@@ -11,10 +11,10 @@ import numpy as np
 
 from sph.command.concerns import drifting, implausible, in_both, of_motion
 from sph.command.repeat import read_given
-from sph.ground_motion import RECORDS, GroundMotion, loading_of
-from sph.ground_motion.measures import Measures, measure
-from sph.ground_motion.record import read_even
-from sph.ground_motion.units import Unit
+from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of
+from sph.scene.ground_motion.measures import Measures, measure
+from sph.scene.ground_motion.record import read_even
+from sph.scene.ground_motion.units import Unit
 
 
 class Shaking(NamedTuple):

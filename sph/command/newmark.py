@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.concerns import cut_off, drift, drifting, implausible, in_both
-from sph.ground_motion import SCENES, GroundMotion, motion_of, read_motion
-from sph.ground_motion.record import Record
-from sph.motion import ConstantAcceleration
-from sph.scene import load_scene
+from sph.scene.ground_motion import SCENES, GroundMotion, motion_of, read_motion
+from sph.scene.ground_motion.record import Record
+from sph.scene.motion import ConstantAcceleration
+from sph.scene.schema import load_scene
 from sph.stability.newmark import sliding_block
 
 

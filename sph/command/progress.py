@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
-from sph.solver import Progress
+from sph.solver.run import Progress
 
 
 def rate_text(progress: Progress) -> str:

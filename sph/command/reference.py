@@ -19,29 +19,29 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from sph.analysis import advice
-from sph.analysis.advice import percent
-from sph.analysis.convergence import CONVERGENCE
-from sph.analysis.critical import CONFIRM, CRITICAL
-from sph.analysis.dimensions import named_sections, sections
-from sph.analysis.elementary_effects import MORRIS
-from sph.analysis.extremes import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
-from sph.analysis.limits import LIMITS, Limits, read_limits
-from sph.analysis.limits import QUANTITIES as LIMIT_QUANTITIES
-from sph.analysis.maps import CELLS, SHARES
-from sph.analysis.points import POINTS
-from sph.analysis.release import BASELINE, STUDY_AT, duration, read_measured
-from sph.analysis.sensitivity import SAMPLE, Sensitivity
-from sph.analysis.sensitivity_tables import CONFIRMED, TORNADO
-from sph.analysis.study import Study
-from sph.analysis.surrogate import CROSS_VALIDATION, SOBOL
-from sph.analysis.tables import VALUES
-from sph.analysis.trade import PRESETS, Trade
-from sph.analysis.trade_table import QUANTITIES, TRADE, Summary, summary
-from sph.analysis.trigger import Trigger
-from sph.scene import Scene
+from sph.experiments.assumptions import LIMITS, Limits, read_limits
+from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
+from sph.experiments.cost_accuracy import advice
+from sph.experiments.cost_accuracy.advice import percent
+from sph.experiments.cost_accuracy.convergence import CONVERGENCE
+from sph.experiments.cost_accuracy.design import PRESETS, Trade
+from sph.experiments.cost_accuracy.table import QUANTITIES, TRADE, Summary, summary
+from sph.experiments.robustness import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
+from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
+from sph.experiments.sensitivity.elementary_effects import MORRIS
+from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
+from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
+from sph.experiments.trigger.critical import CONFIRM, CRITICAL
+from sph.experiments.trigger.design import Trigger
+from sph.experiments.trigger.maps import CELLS, SHARES
+from sph.experiments.trigger.points import POINTS
+from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
+from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
-from sph.trajectory import VARIABLES, Variable
+from sph.storage.trajectory import VARIABLES, Variable
+from sph.study.dimensions import named_sections, sections
+from sph.study.plan import Study
+from sph.study.tables import VALUES
 from sph.validation.suite import Validation
 from sph.validation.table import HOLDS, MISSES, SHIPPED_VALIDATION, VALIDATION, read_validation
 

@@ -1,7 +1,7 @@
 """A trajectory as the scene of a command: ``sph run FILE.nc`` repeats the run that wrote it.
 
 A run that went on from a stage, as those of a study do, is repeated from the start: what a stage may change (see
-``sph.solver.check_restart``) has no effect on the past it goes on from, so that both give the same bits.
+``sph.solver.run.check_restart``) has no effect on the past it goes on from, so that both give the same bits.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sph import trajectory
-from sph.configuration import merge, read_scene, scene_files
-from sph.scene import Scene, make_scene
-from sph.solver import Until
-from sph.strict_json import parse_json
+from sph.scene.configuration import merge, scene_files
+from sph.scene.schema import Scene, make_scene, written_scene
+from sph.scene.strict_json import parse_json
+from sph.solver.run import Until
+from sph.storage import trajectory
 
 STOPPED: dict[str, Until] = {"at the end of the gravity stage": "gravity", "before the first failure": "first_failure"}
 """Where a run was told to stop, by the reason of its status."""
@@ -47,7 +47,7 @@ def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | N
     """The scene as ``given_scene``, and the files that it was read from: its own, which may be a pipe, records and ground lines."""
     earlier = earlier_run(path) if earlier is None else earlier
     if earlier is None:
-        kept = read_scene(path)
+        kept = written_scene(path)
     else:
         kept = parse_json(trajectory.scene_of(earlier, str(path)).stored())
         _check_layers(kept, overrides, path)

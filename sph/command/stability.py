@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.configuration import validated
-from sph.files import whole
-from sph.gravity import GRAVITY
-from sph.scene import Scene
+from sph.scene.configuration import validated
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
+from sph.scene.strict_json import to_json
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
-from sph.strict_json import to_json
+from sph.storage.files import whole
 
 
 class Question(NamedTuple):

@@ -26,14 +26,14 @@ from rich.live import Live
 from rich.text import Text
 
 import sph
-from sph.analysis.sampling import chosen_runs
-from sph.analysis.study import Plan, load_study
 from sph.command.job import read_log
 from sph.command.progress import LINE
-from sph.configuration import merge, read_yaml, without_files
-from sph.files import beside
-from sph.scene import Scene, make_scene
-from sph.strict_json import finite, parse_json
+from sph.scene.configuration import merge, read_yaml, without_files
+from sph.scene.schema import Scene, make_scene
+from sph.scene.strict_json import finite, parse_json
+from sph.storage.files import beside
+from sph.study.plan import Plan, load_study
+from sph.study.sampling import chosen_runs
 
 STATES = ("done", "running", "failed", "stopped", "outdated", "waiting")
 REFRESH = 2.0

@@ -14,13 +14,13 @@ from pathlib import Path
 import pandas as pd
 
 import sph
-from sph.analysis.dimensions import point_name
-from sph.analysis.metrics import GRID
-from sph.analysis.sensitivity import chosen_factors, load_sensitivity
-from sph.analysis.study import Plan
-from sph.analysis.trigger import SEARCHED, TriggerPlan, load_trigger
 from sph.command.status import RUNS, Job
-from sph.scene import make_scene
+from sph.experiments.sensitivity.design import chosen_factors, load_sensitivity
+from sph.experiments.trigger.design import SEARCHED, TriggerPlan, load_trigger
+from sph.measures.metrics import GRID
+from sph.scene.schema import make_scene
+from sph.study.dimensions import point_name
+from sph.study.plan import Plan
 
 
 def target_jobs(plan: Plan, folder: Path) -> list[Job]:

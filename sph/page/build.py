@@ -17,17 +17,17 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
-from sph import trajectory
-from sph.analysis.advice import expected_sentence
-from sph.analysis.dimensions import CASE, Dimension, point_name, scene_key, title_of
-from sph.analysis.metrics import CLASSES
-from sph.analysis.tables import EXPECTED, Layout, read_table
-from sph.files import whole
+from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.measures.metrics import CLASSES
 from sph.page.explorer import explorer
 from sph.page.sections import Section, of, sections_of
 from sph.page.tables import Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
-from sph.strict_json import finite, parse_json
-from sph.trajectory import scene_of
+from sph.scene.strict_json import finite, parse_json
+from sph.storage import trajectory
+from sph.storage.files import whole
+from sph.storage.trajectory import scene_of
+from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
+from sph.study.tables import EXPECTED, Layout, read_table
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
@@ -248,7 +248,7 @@ def attributes(path: str) -> dict[str, Any]:
     try:
         with xr.open_dataset(path, engine="netcdf4") as run:
             return {str(name): value for name, value in run.attrs.items()}
-    except Exception as error:  # as in sph.trajectory
+    except Exception as error:  # as in sph.storage.trajectory
         raise ValueError(f"{path}: cannot be read as a trajectory: {error}; delete it and run again what wrote it") from error
 
 

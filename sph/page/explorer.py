@@ -17,13 +17,13 @@ import numpy as np
 import xarray as xr
 from matplotlib.colors import to_hex
 
-from sph import trajectory
-from sph.analysis.fields import gravity_frame, probe_history
-from sph.analysis.figures.profile import frame_limits, surface_line
-from sph.analysis.figures.style import colour_map
-from sph.motion import NoMotion
-from sph.particles import SOIL
-from sph.strict_json import to_json
+from sph.figures.profile import frame_limits, surface_line
+from sph.figures.style import colour_map
+from sph.measures.fields import gravity_frame, probe_history
+from sph.scene.motion import NoMotion
+from sph.scene.strict_json import to_json
+from sph.solver.particles import SOIL
+from sph.storage import trajectory
 
 QUANTA = 200
 """Quanta to a spacing."""

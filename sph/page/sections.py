@@ -9,9 +9,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import NamedTuple
 
-from sph.analysis.figures import FIGURES, figure_profiles, figure_study
-from sph.analysis.figures import caption as caption_of
-from sph.trajectory import Variable
+from sph.figures import FIGURES, figure_profiles, figure_study
+from sph.figures import caption as caption_of
+from sph.storage.trajectory import Variable
 
 
 class Section(NamedTuple):

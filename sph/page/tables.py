@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
-from sph.analysis.advice import percent
-from sph.analysis.dimensions import Dimension
 from sph.command.reference import TABLES
-from sph.trajectory import Variable
+from sph.experiments.cost_accuracy.advice import percent
+from sph.storage.trajectory import Variable
+from sph.study.dimensions import Dimension
 
 MOST_ROWS = 500
 """Most rows that the page shows of a CSV file."""

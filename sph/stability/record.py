@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sph import trajectory
-from sph.files import alone, beside, tidy
-from sph.jit import solver_digest
-from sph.scene import Scene, make_scene
+from sph.scene.schema import Scene, make_scene
+from sph.solver.compiled.jit import solver_digest
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
+from sph.storage import trajectory
+from sph.storage.files import alone, beside, tidy
 
 SEARCHES: dict[str, Callable[..., Search]] = {
     "factor_of_safety": factor_of_safety,
@@ -42,7 +42,7 @@ def run_search(
 def search_to_file(scene: Mapping[str, Any], by: str, path: Path | str, report: Callable[[Trial], None]) -> None:
     """Search and write the trials; a search that was killed does not repeat those it had made.
 
-    They are in a checkpoint as that of a run, written after each and told by a digest (see ``sph.checkpoint``).
+    They are in a checkpoint as that of a run, written after each and told by a digest (see ``sph.solver.checkpoint``).
     """
     path = Path(path)
     built, solver = make_scene(scene), solver_digest()

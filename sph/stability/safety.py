@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 
-from sph.gravity import GRAVITY
-from sph.scene import Scene
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
 from sph.stability.search import Search, Trial, search
 from sph.stability.standing import FailureRule, divided_strength, slope_height, stand, static_scene, weakened
 

@@ -19,11 +19,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sph.configuration import Section, dotted, key, merge
-from sph.motion import NoMotion
-from sph.scene import Scene, make_scene
-from sph.soil import Soil
-from sph.solver import run
+from sph.scene.configuration import Section, dotted, key, merge
+from sph.scene.motion import NoMotion
+from sph.scene.schema import Scene, make_scene
+from sph.scene.soil import Soil
+from sph.solver.run import run
 from sph.stability.search import Trial
 
 COURANT = 0.8

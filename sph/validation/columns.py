@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter
 
-from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.gravity import GRAVITY
-from sph.scene import Scene
+from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
 from sph.validation.level import Found, Level, Result
 
 

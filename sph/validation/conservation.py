@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.analysis.metrics import energy_gap
+from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.measures.metrics import energy_gap
 from sph.validation.level import Found, Level
 from sph.validation.solids import momentum
 

@@ -8,10 +8,10 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.analysis.figures.style import GREY, WIDTH, curve_colours, label_panels, styled
-from sph.gravity import GRAVITY
-from sph.mohr_coulomb import MohrCoulomb, limit_tension, make_mohr_coulomb, return_factor, strength
-from sph.scene import Scene
+from sph.figures.style import GREY, WIDTH, curve_colours, label_panels, styled
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
+from sph.solver.physics.mohr_coulomb import MohrCoulomb, limit_tension, make_mohr_coulomb, return_factor, strength
 from sph.stability.newmark import sliding_block
 from sph.validation.level import Found, Level, Result
 
@@ -166,7 +166,7 @@ STRESSES = 100_000
 
 
 def returned(surface: MohrCoulomb, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Random stresses (p, d, q, z) (4, n) of a size (Pa), and the same after the return; see ``sph.elastic`` for the deviator."""
+    """Random stresses (p, d, q, z) (4, n) of a size (Pa), and the same after the return; deviator as in ``elasticity``."""
     trial = np.random.default_rng(14).normal(0.0, size, (4, STRESSES))
     after = trial.copy()
     for i, (p, *deviator) in enumerate(trial.T):

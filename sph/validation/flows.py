@@ -8,11 +8,11 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.analysis.figures.profile import draw_circles
-from sph.analysis.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.analysis.metrics import MetricSettings, largest_mass
-from sph.gravity import GRAVITY
-from sph.scene import Scene
+from sph.figures.profile import draw_circles
+from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.measures.metrics import MetricSettings, largest_mass
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
 from sph.validation.columns import row_means
 from sph.validation.level import Found, Level, Result
 

@@ -10,9 +10,9 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from sph import trajectory
-from sph.particles import SOIL
-from sph.scene import Scene
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL
+from sph.storage import trajectory
 
 
 class Result(NamedTuple):

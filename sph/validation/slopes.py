@@ -7,8 +7,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from sph import trajectory
-from sph.analysis.figures.style import WIDTH, curve_colours, styled
+from sph.figures.style import WIDTH, curve_colours, styled
+from sph.storage import trajectory
 from sph.validation.level import Found, Level, Result
 
 REFERENCES = {"factor_of_safety": 1.385, "critical_strength_ratio": 0.46}

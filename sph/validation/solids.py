@@ -8,13 +8,13 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.analysis.figures.profile import draw_circles
-from sph.analysis.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.analysis.metrics import energy_gap, linked_sets
-from sph.geometry import RingBody
-from sph.particles import place_particles
-from sph.scene import Scene
-from sph.state import initial_state
+from sph.figures.profile import draw_circles
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.measures.metrics import energy_gap, linked_sets
+from sph.scene.geometry import RingBody
+from sph.scene.schema import Scene
+from sph.solver.particles import place_particles
+from sph.solver.state import initial_state
 from sph.validation.level import Found, Level, Result
 
 # ---------------------------------------------------------------- V4: plate

@@ -12,12 +12,12 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
-from sph.analysis.planned import planned
-from sph.analysis.study import NAME
-from sph.analysis.trade import Label, Overrides, check_file_names, file_name
-from sph.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
-from sph.scene import Scene, make_scene
-from sph.timestep import check_time_step
+from sph.experiments.cost_accuracy.design import Label, Overrides, check_file_names, file_name
+from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
+from sph.scene.schema import Scene, make_scene
+from sph.solver.time_step import check_time_step
+from sph.study.plan import NAME
+from sph.study.planned import planned
 from sph.validation import CASES, PROBES
 
 FOLDER = "results/validation"

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.analysis.tables import number_column, read_csv, text_column
-from sph.trajectory import Variable
+from sph.storage.trajectory import Variable
+from sph.study.tables import number_column, read_csv, text_column
 from sph.validation import CASES
 from sph.validation.level import Found, Level
 from sph.validation.suite import Case

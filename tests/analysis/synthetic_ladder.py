@@ -7,10 +7,10 @@ from typing import Any
 
 import pandas as pd
 
-from sph.analysis.metrics import METRICS
-from sph.analysis.trade import Ladder, Trade
-from sph.analysis.trade_table import ladder_table
-from sph.configuration import merge, validated
+from sph.experiments.cost_accuracy.design import Ladder, Trade
+from sph.experiments.cost_accuracy.table import ladder_table
+from sph.measures.metrics import METRICS
+from sph.scene.configuration import merge, validated
 
 SCENE: dict[str, Any] = {
     "name": "slope",

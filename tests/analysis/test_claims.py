@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 from synthetic import study_row
 
-from sph.analysis.claims import CLAIMS, ClaimSettings, decide_claims, write_claims
-from sph.analysis.tables import study_dataset, study_table
+from sph.paper.claims import CLAIMS, ClaimSettings, decide_claims, write_claims
+from sph.study.tables import study_dataset, study_table
 
 Point = tuple[str, str, str]
 Changes = dict[Point, dict[str, Any] | None]

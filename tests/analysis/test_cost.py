@@ -10,13 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph import trajectory
-from sph.analysis.advice import shipped_table
-from sph.analysis.cost import COMPILER, TRIALS, cost, needs, search_cost
-from sph.checkpoint import run_to_file
-from sph.particles import place_particles
-from sph.scene import Scene, load_scene
+from sph.experiments.cost_accuracy.advice import shipped_table
+from sph.scene.schema import Scene, load_scene
+from sph.solver.checkpoint import run_to_file
+from sph.solver.particles import place_particles
 from sph.stability.standing import FailureRule, static_scene
+from sph.storage import trajectory
+from sph.study.cost import COMPILER, TRIALS, cost, needs, search_cost
 
 ROOT = Path(__file__).resolve().parents[2]
 Builder = Callable[[dict[str, Any]], Scene]

@@ -12,7 +12,7 @@ import xarray as xr
 import yaml
 from synthetic import synthetic, translation
 
-from sph.analysis.extremes import (
+from sph.experiments.robustness import (
     EXTREMES,
     REFUSED,
     TIME_STEP,
@@ -24,11 +24,11 @@ from sph.analysis.extremes import (
     penetration,
     read_extremes,
 )
-from sph.analysis.figures.extremes import figure_extremes
-from sph.analysis.tables import write_csv
-from sph.scene import make_scene
-from sph.timestep import limits
-from sph.trajectory import scene_of
+from sph.figures.extremes import figure_extremes
+from sph.scene.schema import make_scene
+from sph.solver.time_step import limits
+from sph.storage.trajectory import scene_of
+from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 SCENE: dict[str, Any] = {"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 15.0}

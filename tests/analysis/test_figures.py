@@ -15,9 +15,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 from synthetic import step_ramp, synthetic, translation
 
-from sph.analysis.dimensions import Dimension
-from sph.analysis.fields import FIELDS, displacement
-from sph.analysis.figures import (
+from sph.figures import (
     FIGURES,
     caption,
     figure_arrangement,
@@ -30,10 +28,12 @@ from sph.analysis.figures import (
     plot_trajectory,
     save,
 )
-from sph.analysis.figures.profile import field_norm
-from sph.analysis.figures.style import LINE_STYLES
-from sph.analysis.metrics import UNDETERMINED
-from sph.particles import SOIL
+from sph.figures.profile import field_norm
+from sph.figures.style import LINE_STYLES
+from sph.measures.fields import FIELDS, displacement
+from sph.measures.metrics import UNDETERMINED
+from sph.solver.particles import SOIL
+from sph.study.dimensions import Dimension
 
 BLOCK = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
 

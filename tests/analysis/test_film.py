@@ -15,9 +15,9 @@ from matplotlib.collections import EllipseCollection
 from PIL import Image
 from synthetic import synthetic, translation
 
-from sph.analysis.fields import FIELDS
-from sph.analysis.figures.film import check_film, draw_film, rate, save_film
-from sph.particles import SOIL
+from sph.figures.film import check_film, draw_film, rate, save_film
+from sph.measures.fields import FIELDS
+from sph.solver.particles import SOIL
 
 FRAMES = range(0, 31, 10)  # of 0, 5, 10 and 15 s
 

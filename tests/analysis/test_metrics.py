@@ -10,9 +10,9 @@ import pytest
 import xarray as xr
 from synthetic import step_ramp, synthetic, translation
 
-from sph.analysis.metrics import METRICS, MetricSettings, collapse_class, largest_mass, measure, outline_area
-from sph.particles import SOIL
-from sph.scene import Scene, make_scene
+from sph.measures.metrics import METRICS, MetricSettings, collapse_class, largest_mass, measure, outline_area
+from sph.scene.schema import Scene, make_scene
+from sph.solver.particles import SOIL
 
 SAMPLE = 0.05  # s
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph.analysis.paraview import PARTICLE_ID, export_paraview
-from sph.trajectory import BY_NAME, FRAME, VARIABLES
+from sph.storage.paraview import PARTICLE_ID, export_paraview
+from sph.storage.trajectory import BY_NAME, FRAME, VARIABLES
 
 VECTORS = {"displacement": "displacement (m)", "velocity": "velocity (m s-1)"}
 
@@ -67,7 +67,7 @@ def test_a_fault_leaves_the_earlier_files(tmp_path: Path, noisy: xr.Dataset, mon
     def full(*arguments: object) -> str:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("sph.analysis.paraview.pointsToVTK", full)
+    monkeypatch.setattr("sph.storage.paraview.pointsToVTK", full)
     with pytest.raises(OSError, match=r"slide\.pvd: cannot be written \(No space left on device, .* MB free"):
         export_paraview(noisy.isel(frame=[0]), tmp_path, "slide")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

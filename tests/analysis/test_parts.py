@@ -14,11 +14,11 @@ import pytest
 import xarray as xr
 from synthetic import study_row, synthetic, translation
 
-from sph import trajectory
-from sph.analysis.dimensions import CASE
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.tables import VALUES, Layout, join_study, read_study, read_table, study_dataset, study_rows, study_table, write_csv
-from sph.trajectory import Variable
+from sph.measures.metrics import MetricSettings
+from sph.storage import trajectory
+from sph.storage.trajectory import Variable
+from sph.study.dimensions import CASE
+from sph.study.tables import VALUES, Layout, join_study, read_study, read_table, study_dataset, study_rows, study_table, write_csv
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "workflow" / "scripts"
 KERNEL = Variable("numerics.kernel", ("numerics.kernel",), "str", "1", "kernel")

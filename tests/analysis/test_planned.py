@@ -14,11 +14,11 @@ import pytest
 import xarray as xr
 from small_scenes import SLOPE
 
-from sph import trajectory
-from sph.analysis.planned import Planned, planned, sources
-from sph.configuration import differences, merge
-from sph.files import content_digest
-from sph.scene import make_scene
+from sph.scene.configuration import differences, merge
+from sph.scene.schema import make_scene
+from sph.storage import trajectory
+from sph.storage.files import content_digest
+from sph.study.planned import Planned, planned, sources
 
 GROUND: dict[str, Any] = merge(SLOPE, {"geometry": {"shape": "ground_line", "file": "ground.csv", "base": 430.0}})
 LINES = ("100,440\n150,440\n165,465\n200,465\n", "100,440\n150,440\n165,460\n200,460\n")
@@ -71,7 +71,7 @@ def test_a_file_that_changes_before_the_job_reads_it_is_refused(place: Path) -> 
 
 
 def test_a_file_that_is_not_there_cannot_be_planned(place: Path) -> None:
-    with pytest.raises(ValueError, match=r"file: gone\.csv: cannot be read"):
+    with pytest.raises(ValueError, match=r"gone\.csv: cannot be read"):
         planned(merge(GROUND, {"geometry": {"file": "gone.csv"}}))
 
 
@@ -136,7 +136,7 @@ def test_sources_are_told_by_their_contents(tmp_path: Path) -> None:
     """Of a copy of the library with an edit that is older than all results."""
     root = Path(__file__).resolve().parents[2]
     shutil.copytree(root / "sph", tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
-    code = "from sph.analysis.planned import sources; print(sources('[!_]*.py'), sources('page/*.*'))"
+    code = "from sph.study.planned import sources; print(sources('[!_]*.py'), sources('page/*.*'))"
 
     def digests() -> list[str]:
         found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)

@@ -10,12 +10,12 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 
-from sph.analysis.limits import load_limits
-from sph.analysis.sensitivity import load_sensitivity
-from sph.analysis.study import Plan, load_study
-from sph.analysis.trade import load_trade
-from sph.analysis.trigger import load_trigger
-from sph.configuration import read_yaml
+from sph.experiments.assumptions import load_limits
+from sph.experiments.cost_accuracy.design import load_trade
+from sph.experiments.sensitivity.design import load_sensitivity
+from sph.experiments.trigger.design import load_trigger
+from sph.scene.configuration import read_yaml
+from sph.study.plan import Plan, load_study
 from sph.validation.suite import load_suite
 
 ROOT = Path(__file__).resolve().parents[2]

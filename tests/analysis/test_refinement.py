@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 import pytest
 from pydantic import ValidationError
 
-from sph.analysis.refinement import Cell, Place, Span, leaves
+from sph.experiments.trigger.refinement import Cell, Place, Span, leaves
 
 
 def asked(cells: list[int], found: Callable[[Place], Hashable], levels: int) -> set[Place]:

@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 import sph
-from sph.analysis import release
-from sph.analysis.claims import CLAIMS, HOLDS, NOT_YET
-from sph.analysis.release import agreement, compared_fidelities, duration, measured_claims, read_measured, write_time
-from sph.analysis.tables import COLUMNS, VALUES, write_csv
+from sph.paper import release
+from sph.paper.claims import CLAIMS, HOLDS, NOT_YET
+from sph.paper.release import agreement, compared_fidelities, duration, measured_claims, read_measured, write_time
+from sph.study.tables import COLUMNS, VALUES, write_csv
 
 POINTS = [("0.10", "100", "6.0"), ("0.25", "100", "6.0"), ("0.50", "100", "6.0")]
 

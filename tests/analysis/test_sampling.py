@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sph.analysis.dimensions import Dimension, check_names, dimension, in_order, scene_keys, title_of, value_of
-from sph.analysis.sampling import Sample, chosen_runs, read_cases
-from sph.scene import make_scene
+from sph.scene.schema import make_scene
+from sph.study.dimensions import Dimension, check_names, dimension, in_order, scene_keys, title_of, value_of
+from sph.study.sampling import Sample, chosen_runs, read_cases
 
 RANGES = {"soil.cohesion": {"bounds": [5.0, 50.0], "scale": "log"}, "S_R": [0.1, 0.5]}
 

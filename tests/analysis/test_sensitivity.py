@@ -14,11 +14,10 @@ from SALib.analyze import morris as salib_morris
 from scipy.stats import qmc
 from synthetic import synthetic, translation
 
-from sph.analysis.elementary_effects import MORRIS, elementary_effects, influential, morris_table
-from sph.analysis.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.sensitivity import BASE, SAMPLE, Axis, Quantity, SensitivityPlan, SobolSettings, load_sensitivity
-from sph.analysis.sensitivity_tables import (
+from sph.experiments.sensitivity.design import BASE, SAMPLE, Axis, Quantity, SensitivityPlan, SobolSettings, load_sensitivity
+from sph.experiments.sensitivity.elementary_effects import MORRIS, elementary_effects, influential, morris_table
+from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL, TRUSTED, sobol_tables
+from sph.experiments.sensitivity.tables import (
     CONFIRMED,
     TORNADO,
     confirmation_table,
@@ -28,12 +27,13 @@ from sph.analysis.sensitivity_tables import (
     sample_row,
     tornado_table,
 )
-from sph.analysis.study import load_study
-from sph.analysis.surrogate import CROSS_VALIDATION, SOBOL, TRUSTED, sobol_tables
-from sph.analysis.tables import write_csv
-from sph.configuration import merge, read_yaml
-from sph.particles import locate_probes, place_particles
-from sph.scene import make_scene
+from sph.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
+from sph.measures.metrics import MetricSettings
+from sph.scene.configuration import merge, read_yaml
+from sph.scene.schema import make_scene
+from sph.solver.particles import locate_probes, place_particles
+from sph.study.plan import load_study
+from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = read_yaml(ROOT / "config" / "config.yaml") | {"fidelity": "draft"}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from synthetic import study_row
 
-from sph.analysis.tables import AXES, COLUMNS, VALUES, read_study, read_table, study_dataset, study_table, write_study
+from sph.study.tables import AXES, COLUMNS, VALUES, read_study, read_table, study_dataset, study_table, write_study
 
 ROWS = [
     study_row("0.50", "100", "6.0", runout=0.5, collapse_class="minor", still_moving=1),

@@ -17,21 +17,21 @@ from synthetic import PAPER, synthetic, translation
 from synthetic_ladder import FIDELITIES, SCENE, TRADE, ladder, ladder_frame, runs_of
 from typer.testing import CliRunner, Result
 
-from sph.analysis import advice
-from sph.analysis.advice import advise, expected_error, expected_sentence
-from sph.analysis.convergence import convergence_table
-from sph.analysis.figures.trade import figure_convergence, figure_tradeoff
-from sph.analysis.machine import machine_class
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.tables import flat_dataset, write_csv
-from sph.analysis.trade import Rung, load_trade, scheme
-from sph.analysis.trade_table import COLUMNS, against, ladder_table, measured_run, non_dominated, read_trade, summary
-from sph.analysis.trade_table import TRADE as VARIABLES
 from sph.command.advise import flat
 from sph.command.cli import app, parse_settings
 from sph.command.reference import TABLES
-from sph.configuration import dotted, merge
-from sph.scene import Scene, make_scene
+from sph.experiments.cost_accuracy import advice
+from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
+from sph.experiments.cost_accuracy.convergence import convergence_table
+from sph.experiments.cost_accuracy.design import Rung, load_trade, scheme
+from sph.experiments.cost_accuracy.table import COLUMNS, against, ladder_table, measured_run, non_dominated, read_trade, summary
+from sph.experiments.cost_accuracy.table import TRADE as VARIABLES
+from sph.figures.trade import figure_convergence, figure_tradeoff
+from sph.measures.metrics import MetricSettings
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.study.machine import machine_class
+from sph.study.tables import flat_dataset, write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -10,9 +10,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from sph.analysis.baseline import baseline_metrics, newmark_amplitude
-from sph.analysis.claims import decide_trigger
-from sph.analysis.critical import (
+from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,
     CRITICAL,
@@ -25,17 +23,19 @@ from sph.analysis.critical import (
     read_confirm,
     read_critical,
 )
-from sph.analysis.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
-from sph.analysis.maps import class_shares, map_cells, read_cells, read_shares
-from sph.analysis.metrics import MetricSettings, class_displacement
-from sph.analysis.points import MEASURED, POINTS, measured_points, names, no_points, read_points, wanted_points
-from sph.analysis.study import load_study
-from sph.analysis.tables import write_csv
-from sph.analysis.trigger import TriggerPlan, load_trigger, plan_of
-from sph.configuration import merge
-from sph.ground_motion import motion_of
-from sph.scene import make_scene
+from sph.experiments.trigger.design import TriggerPlan, load_trigger, plan_of
+from sph.experiments.trigger.maps import class_shares, map_cells, read_cells, read_shares
+from sph.experiments.trigger.points import MEASURED, POINTS, measured_points, names, no_points, read_points, wanted_points
+from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
+from sph.measures.metrics import MetricSettings, class_displacement
+from sph.paper.claims import decide_trigger
+from sph.scene.configuration import merge
+from sph.scene.ground_motion import motion_of
+from sph.scene.schema import make_scene
 from sph.stability.newmark import sliding_block
+from sph.study.baseline import baseline_metrics, newmark_amplitude
+from sph.study.plan import load_study
+from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))

@@ -2,8 +2,8 @@
 
 Each command is run as the README has it, in a fresh clone of this repository's last commit and with nothing compiled; the study is then run
 again at other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the release
-(``sph/analysis/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept, for
-instance to adopt its results by ``python -m sph.analysis.release``.
+(``sph/experiments/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept, for
+instance to adopt its results by ``python -m sph.paper.release``.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import tempfile
 import time
 from pathlib import Path
 
-from sph.analysis.machine import machine_class
-from sph.analysis.release import STUDY_AT, duration, write_time
+from sph.paper.release import STUDY_AT, duration, write_time
+from sph.study.machine import machine_class
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY, TESTS = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)

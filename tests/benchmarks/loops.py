@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 from measuring import AT_REST, REPEATS, command_line, hand_out, medians, paper
 
-from sph.jit import jit
-from sph.momentum import stress_accelerations, velocity_gradients
-from sph.solver import Run
+from sph.solver.compiled.jit import jit
+from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
+from sph.solver.run import Run
 
 SOURCE = Path(__file__).with_suffix(".cpp")
 FLAGS = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]

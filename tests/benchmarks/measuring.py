@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from sph.configuration import dotted
-from sph.scene import Scene, load_scene
-from sph.solver import Run
+from sph.scene.configuration import dotted
+from sph.scene.schema import Scene, load_scene
+from sph.solver.run import Run
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 REPEATS = 20

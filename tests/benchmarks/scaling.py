@@ -10,8 +10,8 @@ from typing import Any
 
 from measuring import at_rest, command_line, hand_out, medians
 
-from sph.integration import renew_candidates, renew_pairs
-from sph.solver import Run
+from sph.solver.integration import renew_candidates, renew_pairs
+from sph.solver.run import Run
 
 SPACINGS = (1.0, 0.5, 0.25, 0.15, 0.083)
 PARTICLE_STEPS = 400_000

@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 from measuring import command_line, hand_out, medians, paper
 
-from sph.coupling import update_stress
-from sph.integration import kick_and_drift, make_lists
-from sph.momentum import add_repulsion, stress_accelerations, velocity_gradients
-from sph.neighbours import update_pairs
-from sph.scene import Scene
-from sph.solver import Progress, Run
-from sph.state import State
+from sph.scene.schema import Scene
+from sph.solver.integration import kick_and_drift, make_lists
+from sph.solver.neighbours import update_pairs
+from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.momentum import add_repulsion, stress_accelerations, velocity_gradients
+from sph.solver.run import Progress, Run
+from sph.solver.state import State
 
 LOOPS = ("velocity_gradients", "stress_accelerations")
 PARTS = (*LOOPS, "update_stress", "kick_and_drift", "add_repulsion", "update_pairs")

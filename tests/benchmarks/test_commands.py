@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from commands import INSTALLED, STUDY, TASKS, timed
 
-from sph.analysis.release import read_measured
+from sph.paper.release import read_measured
 
 
 def test_the_release_has_a_time_of_every_task() -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from measuring import at_rest, command_line, hand_out, medians
 
-from sph.solver import Run
+from sph.solver.run import Run
 
 
 def bits(run: Run) -> bytes:

@@ -13,14 +13,14 @@ from typing import Any
 
 import pytest
 
-from sph.scene import Scene
-from sph.solver import Run
+from sph.scene.schema import Scene
+from sph.solver.run import Run
 
 ROOT = Path(__file__).resolve().parents[2]
 NUMBAS = """
 import json, sys
-from sph.scene import make_scene
-from sph.solver import run
+from sph.scene.schema import make_scene
+from sph.solver.run import run
 run(make_scene(json.loads(sys.argv[1])), until="gravity", threads=2)
 from numba.np.ufunc import parallel
 print(parallel._is_initialized)

@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from sph.scene import Scene
+from sph.scene.schema import Scene
 
 Path = tuple[str | int, ...]
 Strategy = st.SearchStrategy[Any]

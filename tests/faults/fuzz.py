@@ -52,19 +52,19 @@ from inputs import (
 )
 from typer.testing import CliRunner
 
-from sph.analysis.advice import shipped_table
-from sph.analysis.limits import Limits, load_limits
-from sph.analysis.sensitivity import Sensitivity, load_sensitivity
-from sph.analysis.study import Study, load_study
-from sph.analysis.trade import Trade, load_trade
-from sph.analysis.trade_table import summary
-from sph.analysis.trigger import SEARCHED, Trigger, load_trigger
 from sph.command.cli import app
-from sph.ground_motion import motion_of
-from sph.scene import Scene, load_scene, make_scene
-from sph.solver import Run, wanted_terms
+from sph.experiments.assumptions import Limits, load_limits
+from sph.experiments.cost_accuracy.advice import shipped_table
+from sph.experiments.cost_accuracy.design import Trade, load_trade
+from sph.experiments.cost_accuracy.table import summary
+from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
+from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
+from sph.scene.ground_motion import motion_of
+from sph.scene.schema import Scene, load_scene, make_scene
+from sph.solver.run import Run, wanted_terms
 from sph.stability.search import Trial
 from sph.stability.standing import FailureRule
+from sph.study.plan import Study, load_study
 from sph.validation.suite import Validation, load_suite
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -194,7 +194,7 @@ def scene(data: Any, folder: Path) -> str:
     columns, rows = loaded.lattice
     if columns * rows > MANY:
         return "accepted, too large to run here"
-    with warnings.catch_warnings(), mock.patch("sph.analysis.advice.summary", lambda _: RUNGS):
+    with warnings.catch_warnings(), mock.patch("sph.experiments.cost_accuracy.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
         call("check", path)
@@ -205,7 +205,7 @@ def scene(data: Any, folder: Path) -> str:
     if not numba.config.DISABLE_JIT and variant(loaded) not in map(variant, map(make_scene, SCENES)):
         return "accepted, not compiled"
     warnings.simplefilter("ignore")
-    with mock.patch("sph.solver.FIRST_TURNS", STEPS):
+    with mock.patch("sph.solver.run.FIRST_TURNS", STEPS):
         first_steps(loaded)
     return "accepted, run"
 

@@ -10,14 +10,14 @@ import yaml
 from configurations import HARD_NUMBERS, HARD_TEXTS, junk, keys
 from hypothesis import strategies as st
 
-from sph.analysis.limits import Limits
-from sph.analysis.sensitivity import Sensitivity
-from sph.analysis.study import Study
-from sph.analysis.trade import Trade
-from sph.analysis.trigger import Trigger
-from sph.configuration import merge
-from sph.scene import Scene
+from sph.experiments.assumptions import Limits
+from sph.experiments.cost_accuracy.design import Trade
+from sph.experiments.sensitivity.design import Sensitivity
+from sph.experiments.trigger.design import Trigger
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
+from sph.study.plan import Study
 from sph.validation.suite import Validation
 
 TINY: dict[str, Any] = {

@@ -27,9 +27,9 @@ from killing import CHECKPOINT, TIMINGS, killed, start  # noqa: E402
 from small_scenes import SLOPE  # noqa: E402
 
 from sph import trajectory  # noqa: E402
-from sph.analysis.tables import read_study  # noqa: E402
-from sph.configuration import dotted, merge  # noqa: E402
-from sph.files import beside  # noqa: E402
+from sph.scene.configuration import dotted, merge  # noqa: E402
+from sph.storage.files import beside  # noqa: E402
+from sph.study.tables import read_study  # noqa: E402
 
 SCENE = merge(SLOPE, dotted({"duration": 4.0, "numerics.time_step": 1e-4, "outputs.frame_interval": 0.05}))
 """The small slope for a second or two of computing, with a long history to write."""

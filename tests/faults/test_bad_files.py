@@ -13,12 +13,12 @@ import xarray as xr
 import yaml
 from typer.testing import CliRunner, Result
 
-from sph import trajectory
 from sph.command.cli import REFUSED, app
-from sph.ground_motion import read_record
-from sph.ground_motion.text import LARGEST_RECORD
-from sph.scene import Scene
-from sph.solver import Run, run
+from sph.scene.ground_motion import read_record
+from sph.scene.ground_motion.text import LARGEST_RECORD
+from sph.scene.schema import Scene
+from sph.solver.run import Run, run
+from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 
@@ -184,7 +184,7 @@ def test_too_little_memory_is_a_message(monkeypatch: pytest.MonkeyPatch, gravity
     def starve(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("sph.solver.place_particles", starve)
+    monkeypatch.setattr("sph.solver.run.place_particles", starve)
     assert "not enough memory" in refused("run", gravity_file.with_name("slope.yaml"))
 
 

@@ -16,12 +16,12 @@ import yaml
 from comparison import same_files
 from typer.testing import CliRunner, Result
 
-from sph import trajectory
-from sph.checkpoint import run_to_file
 from sph.command.cli import REFUSED, app
 from sph.command.job import job_log
-from sph.files import alone, beside, whole
-from sph.scene import Scene
+from sph.scene.schema import Scene
+from sph.solver.checkpoint import run_to_file
+from sph.storage import trajectory
+from sph.storage.files import alone, beside, whole
 
 Builder = Callable[[dict[str, Any]], Scene]
 SHORT = {"duration": 1.5, "motion.end": 1.5, "motion.decay_start": 1.4, "motion.ramp": 0.2}
@@ -147,7 +147,7 @@ GARBLE = """
 import sys
 from pathlib import Path
 import numpy as np
-from sph import trajectory
+from sph.storage import trajectory
 
 source, target, seed, number = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
 data, sound, state = source.read_bytes(), trajectory.read(source), trajectory.read_restart(source)
@@ -301,7 +301,7 @@ def test_many_writers_of_one_file(tmp_path: Path) -> None:
     """Each writes its own letter, again and again: the file holds one letter at any time."""
     path = tmp_path / "letters.txt"
     code = (
-        "import sys\nfrom sph.files import whole\n"
+        "import sys\nfrom sph.storage.files import whole\n"
         "for _ in range(200):\n    with whole(sys.argv[1]) as part, open(part, 'w') as f:\n"
         "        for _ in range(50):\n            f.write(sys.argv[2]); f.flush()\n"
     )

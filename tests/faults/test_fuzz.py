@@ -18,8 +18,8 @@ from pydantic import BaseModel
 
 from sph.command.info import describe
 from sph.command.reference import key_rows
-from sph.configuration import validated
-from sph.scene import Scene, make_scene
+from sph.scene.configuration import validated
+from sph.scene.schema import Scene, make_scene
 
 BASES: dict[str, list[dict[str, Any]]] = {
     "scene": SCENES,

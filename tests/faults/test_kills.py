@@ -15,13 +15,13 @@ import pytest
 from comparison import same_bits, same_files
 from killing import start
 
-from sph import trajectory
-from sph.checkpoint import run_to_file
-from sph.files import beside
-from sph.scene import Scene
-from sph.solver import run
+from sph.scene.schema import Scene
+from sph.solver.checkpoint import run_to_file
+from sph.solver.run import run
 from sph.stability.record import search_to_file
 from sph.stability.search import Trial
+from sph.storage import trajectory
+from sph.storage.files import beside
 
 Builder = Callable[[dict[str, Any]], Scene]
 

@@ -18,11 +18,11 @@ import yaml
 from small_scenes import SLOPE
 from typer.testing import CliRunner, Result
 
-from sph.analysis.study import load_study
-from sph.checkpoint import run_to_file
 from sph.command.cli import REFUSED, app
 from sph.command.job import job_log
-from sph.scene import Scene, load_scene
+from sph.scene.schema import Scene, load_scene
+from sph.solver.checkpoint import run_to_file
+from sph.study.plan import load_study
 
 Builder = Callable[[dict[str, Any]], Scene]
 SHORT = {"duration": 1.0, "gravity.duration": 1.0, "motion": {"kind": "none"}}
@@ -183,7 +183,7 @@ def test_a_terminal_without_greek_letters(tmp_path: Path, environment: dict[str,
 
 def test_names_that_are_not_utf8(tmp_path: Path, run_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("sph.solver.Run.go", lambda *_, **__: pytest.fail("a step was made"))
+    monkeypatch.setattr("sph.solver.run.Run.go", lambda *_, **__: pytest.fail("a step was made"))
     for name in ("run.nc", "slope.yaml", "record.csv"):
         (tmp_path / f"{NOT_UTF8}{name}").touch()
     copyfile(run_file, f"{NOT_UTF8}run.nc")

@@ -12,10 +12,10 @@ from typing import Any
 import pytest
 import yaml
 
-from sph.analysis.limits import load_limits
-from sph.analysis.study import MOST_RUNS, Study, load_study
-from sph.analysis.trade import file_name, load_trade
-from sph.configuration import found_file, merge, validated
+from sph.experiments.assumptions import load_limits
+from sph.experiments.cost_accuracy.design import file_name, load_trade
+from sph.scene.configuration import found_file, merge, validated
+from sph.study.plan import MOST_RUNS, Study, load_study
 from sph.validation.suite import load_suite
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -178,10 +178,10 @@ SOURCES = [*sorted((ROOT / "sph").rglob("*.py")), *sorted((ROOT / "workflow" / "
 RULES = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
 CALLS = ("eval", "exec", "compile", "__import__", "os.system", "os.popen", "yaml.load", "yaml.unsafe_load", "pd.read_pickle", "pd.eval")
 ALLOWED = {
-    "sph/analysis/machine.py": ["subprocess"],  # a fixed command that asks macOS for the name of its processor
-    "sph/analysis/figures/film.py": ["subprocess"],  # the error of ffmpeg, which matplotlib starts
+    "sph/study/machine.py": ["subprocess"],  # a fixed command that asks macOS for the name of its processor
+    "sph/figures/film.py": ["subprocess"],  # the error of ffmpeg, which matplotlib starts
     "sph/__init__.py": ["importlib"],  # the public names, from a fixed table
-    "workflow/scripts/write_docs.py": ["importlib"],  # every module of the package
+    "workflow/scripts/write_docs.py": ["subprocess", "importlib", "importlib.util"],  # mkdocs, and every module of the package for pdoc
 }
 MODULES = ("pickle", "cPickle", "dill", "joblib", "marshal", "shelve", "subprocess", "pty", "ctypes", "importlib")
 
@@ -196,7 +196,7 @@ def test_the_sources_evaluate_nothing(path: Path) -> None:
         modules = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         modules += [node.module or ""] if isinstance(node, ast.ImportFrom) else []
         wrong = [name for name in modules if name.split(".")[0] in MODULES and name != "importlib.metadata"]
-        assert wrong == ALLOWED.get(str(path.relative_to(ROOT)), []) or not wrong, f"imports {wrong}"
+        assert set(wrong) <= set(ALLOWED.get(str(path.relative_to(ROOT)), [])), f"imports {wrong}"
 
 
 @pytest.mark.parametrize("path", RULES, ids=lambda p: p.name)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from record_files import at2, knet, smc
 
-from sph.ground_motion import read_components, read_record
+from sph.scene.ground_motion import read_components, read_record
 
 INTERVAL, RATE = 0.01, 100
 TIME = np.arange(1000) * INTERVAL

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sph.ground_motion.measures import arias_share, measure
-from sph.ground_motion.spectrum import pseudo_acceleration
+from sph.scene.ground_motion.measures import arias_share, measure
+from sph.scene.ground_motion.spectrum import pseudo_acceleration
 
 AMPLITUDE, FREQUENCY, INTERVAL = 3.0, 2.0, 0.001
 TIME = np.arange(10_001) * INTERVAL

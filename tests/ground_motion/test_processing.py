@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sph.ground_motion.processing import (
+from sph.scene.ground_motion.processing import (
     BandPass,
     Baseline,
     Resample,

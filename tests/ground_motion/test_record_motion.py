@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,16 @@ from record_files import at2, knet
 from small_scenes import SLOPE
 from typer.testing import CliRunner
 
-from sph.analysis.baseline import newmark_amplitude
-from sph.analysis.study import load_study
 from sph.command.cli import app
-from sph.configuration import merge, read_scene, scene_files
-from sph.ground_motion import motion_of, read_motion
-from sph.ground_motion.record import processed
-from sph.loading import make_loading
 from sph.page.tables import key_rows
-from sph.scene import Scene, load_scene, make_scene
+from sph.scene.configuration import merge, read_scene, scene_files
+from sph.scene.ground_motion import motion_of, read_motion
+from sph.scene.ground_motion.record import processed
+from sph.scene.loading import make_loading
+from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.newmark import sliding_block
+from sph.study.baseline import newmark_amplitude
+from sph.study.plan import load_study
 
 INTERVAL = 0.005
 TIME = np.arange(400) * INTERVAL
@@ -51,6 +52,21 @@ def test_the_record_lies_beside_the_scene_and_acts_from_its_start_on(records: Pa
     np.testing.assert_allclose(loading.vertical, -0.5 * wanted, atol=ROUNDING)
     assert (scene.motion.start, scene.motion.end) == (1.0, pytest.approx(1.0 + TIME[-1]))
     assert not make_loading(load_scene(written(records))).vertical.any(), "no vertical shaking unless it is wanted"
+
+
+def test_a_record_of_the_same_size_and_date_is_read_anew(records: Path) -> None:
+    """As ``cp -p`` leaves it, within one process."""
+    path, record = written(records), records / "records" / "h.AT2"
+    before = motion_of(load_scene(path)).peak
+    size = record.stat().st_size
+    record.write_text(at2(2.0 * BURST, INTERVAL))
+    assert record.stat().st_size == size
+    for file in (record, records / "records" / "v.AT2"):
+        os.utime(file, (1e9, 1e9))
+    assert motion_of(load_scene(path)).peak == pytest.approx(2.0 * before, rel=1e-5)
+    record.write_text(at2(BURST, INTERVAL))
+    os.utime(record, (1e9, 1e9))
+    assert motion_of(load_scene(path)).peak == before
 
 
 def test_the_record_lies_in_the_working_folder(records: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -118,7 +134,7 @@ def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None
     import xarray as xr
 
     from sph.command.repeat import given_scene
-    from sph.trajectory import run_attributes
+    from sph.storage.trajectory import run_attributes
 
     earlier = xr.Dataset(attrs=run_attributes(load_scene(written(records))))
     other = records / "other.AT2"
@@ -130,7 +146,7 @@ def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None
 BAD: list[tuple[dict[str, Any], list[str]]] = [
     ({}, ["motion: file: is required where there are no data"]),
     ({"file": "absent.at2"}, ["motion: file: 'absent.at2'", "No such file"]),
-    ({"file": "records"}, ["records", "must be a record (.csv, .at2, .smc"]),
+    ({"file": "records"}, ["records", "is a folder; name a file"]),
     ({"file": "a\0b"}, ["motion: file: ", "null"]),
     ({"file": 3}, ["motion.file: ", "string", "3"]),
     ({"file": "records/h.AT2", "unit": "furlong"}, ["motion.unit: ", "'m/s2'", "furlong"]),
@@ -291,3 +307,11 @@ def test_the_sliding_blocks_amplitude_is_that_of_the_record(records: Path) -> No
     assert newmark_amplitude(load_scene(path, {"motion": {"amplitude": 8.0}}), 1.0, 0.05) == pytest.approx(wanted, rel=1e-4)
     block = read_motion(path, {"motion": {"amplitude": wanted}})
     assert sliding_block(block.time, block.acceleration, 1.0).permanent == pytest.approx(0.05, rel=1e-3)
+
+
+def test_a_folder_and_a_pipe_are_no_records(tmp_path: Path) -> None:
+    (tmp_path / "folder.csv").mkdir()
+    os.mkfifo(tmp_path / "pipe.csv")  # which would be waited for without end
+    for name, what in (("folder.csv", "a folder"), ("pipe.csv", "a device or a pipe")):
+        with pytest.raises(ValueError, match=rf"motion: file: .*{name}' cannot be read: is {what}; name a file"):
+            make_scene(shaken(file=str(tmp_path / name)))

@@ -28,11 +28,11 @@ sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
 from comparison import same_bits, same_variables  # noqa: E402
 from scenes import TIME_STEP, Data, make_data  # noqa: E402
 
-from sph.analysis.metrics import METRICS, measure  # noqa: E402
-from sph.configuration import Section, dotted, merge  # noqa: E402
-from sph.particles import place_particles  # noqa: E402
-from sph.scene import Scene, make_scene  # noqa: E402
-from sph.solver import Result, run  # noqa: E402
+from sph.measures.metrics import METRICS, measure  # noqa: E402
+from sph.scene.configuration import Section, dotted, merge  # noqa: E402
+from sph.scene.schema import Scene, make_scene  # noqa: E402
+from sph.solver.particles import place_particles  # noqa: E402
+from sph.solver.run import Result, run  # noqa: E402
 
 ROUNDING = 1e-5
 """Largest distance of two particles that are the same to rounding, over the spacing."""
@@ -130,7 +130,8 @@ def same_to_rounding(one: Result, other: Result, scene: Scene, order: Any = slic
 def same_particles(one: Scene, other: Scene) -> None:
     """Assert that two scenes place the same particles in the same layers, without running them."""
     for name, left, right in zip(place_particles(one)._fields, place_particles(one), place_particles(other), strict=True):
-        assert np.array_equal(left, right), f"{name}: {np.shape(left)} and {np.shape(right)}, or other values"
+        assert np.shape(left) == np.shape(right), f"{name}: {np.size(left)} and {np.size(right)} particles"
+        assert np.array_equal(left, right), f"{name}: other values of {np.count_nonzero(left != right)} of {np.size(left)} particles"
 
 
 def first_failure(result: Result) -> float:

@@ -39,19 +39,19 @@ from answers import (
 from comparison import same_bits, same_variables
 from scenes import GRAVITY_STAGE, SERIES_INTERVAL, TIME_STEP, Data, top
 
-from sph import trajectory
-from sph.analysis.study import load_study
-from sph.checkpoint import run_to_file
 from sph.command.repeat import given_scene
-from sph.configuration import dotted, merge
-from sph.gravity import GRAVITY
-from sph.ground_motion import motion_of
-from sph.loading import make_loading
-from sph.particles import place_particles
-from sph.scene import Scene, load_scene, make_scene
-from sph.solver import Result, Run, run
+from sph.scene.configuration import dotted, merge
+from sph.scene.gravity import GRAVITY
+from sph.scene.ground_motion import motion_of
+from sph.scene.loading import make_loading
+from sph.scene.schema import Scene, load_scene, make_scene
+from sph.solver.checkpoint import run_to_file
+from sph.solver.particles import place_particles
+from sph.solver.run import Result, Run, run
+from sph.solver.state import ARMED
 from sph.stability.newmark import sliding_block
-from sph.state import ARMED
+from sph.storage import trajectory
+from sph.study.plan import load_study
 
 LATTICES = (1.0, 0.92, 0.96, 1.04, 1.08)
 """Spacings, over that of the scene, on which chance is looked for."""
@@ -177,12 +177,32 @@ def _differing(one: Data, other: Data, path: str = "") -> list[str]:
 
 @relation(is_a("ground_line"))
 def survey_elsewhere(case: Case, chance: np.random.Generator) -> None:
-    """A survey in large coordinates (+512345.6, +4321.1 m): the same particles, layers and bits; metrics to rounding."""
-    other = placed(case.data, lambda x, z: (x + 512345.6, z + 4321.1), turned=False)
-    same_particles(case.scene, make_scene(other))
-    result = case.run(other)
+    """A survey in large coordinates: the same particles and bits, and the same layers where their bounds run through particles; metrics to
+    rounding."""
+    far = (512345.6, 4321.1) if chance.random() < 0.5 else np.round(chance.uniform(-6e5, 6e5, 2), 1).tolist()
+
+    def moved(data: Data) -> Data:
+        return placed(data, lambda x, z: (x + far[0], z + far[1]), turned=False)
+
+    through = {**case.data, "layers": _layers_through_particles(case.scene)}
+    case.others[:] = [through, moved(through)]
+    same_particles(make_scene(through), make_scene(moved(through)))
+    same_particles(case.scene, make_scene(moved(case.data)))
+    result = case.run(moved(case.data))
     same_bits(case.result, result)
     same_metrics(case.result.trajectory, result.trajectory)
+
+
+def _layers_through_particles(scene: Scene) -> Data:
+    """A layer by elevation, one by depth and one by polygon, with bounds on which particles lie."""
+    dx, ground = scene.numerics.spacing, scene.geometry.surface[1][0]
+    (left, low), (right, high) = (scene.geometry.in_survey(*place) for place in ((1.5 * dx, 0.5 * dx), (5.5 * dx, 2.5 * dx)))
+    regions: list[Data] = [
+        {"kind": "elevation", "bottom": low, "top": high},
+        {"kind": "depth", "top": ground - 0.5 * dx},
+        {"kind": "polygon", "points": [[left, low], [right, low], [right, high], [left, high]]},
+    ]
+    return {f"layer{number}": {"region": region} for number, region in enumerate(regions)}
 
 
 @relation(is_a("ground_line"))

@@ -14,8 +14,8 @@ import relations
 from answers import Case
 from relations import RELATIONS, never_less, weaker
 
-from sph.scene import Scene, make_scene
-from sph.solver import Result, run
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import Result, run
 
 SCENES = 2
 """Scenes that each relation is tried on in the short tests."""

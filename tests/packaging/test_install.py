@@ -83,7 +83,7 @@ def test_the_wheel_holds_the_package_and_nothing_else(wheel: Path) -> None:
 
 
 def test_missing_data_would_be_seen(tmp_path: Path) -> None:
-    missing = wanted() - packed(built(tmp_path, without='"sph.analysis" = ["measured/*.csv"]'))
+    missing = wanted() - packed(built(tmp_path, without='"sph.experiments" = ["measured/*.csv"]'))
     assert missing and {Path(name).suffix for name in missing} == {".csv"}
 
 

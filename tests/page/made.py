@@ -9,14 +9,14 @@ import xarray as xr
 from PIL import Image
 from synthetic import Displacement, study_row, synthetic
 
-from sph import trajectory
-from sph.analysis.claims import write_claims
-from sph.analysis.dimensions import CASE, Dimension
-from sph.analysis.metrics import METRIC_BY_NAME, measure
-from sph.analysis.tables import Layout, read_study, read_table, study_table, write_csv, write_study
+from sph.measures.metrics import METRIC_BY_NAME, measure
 from sph.page.build import StudyFiles
 from sph.page.sections import certain, existing, sections_of
-from sph.scene import Scene
+from sph.paper.claims import write_claims
+from sph.scene.schema import Scene
+from sph.storage import trajectory
+from sph.study.dimensions import CASE, Dimension
+from sph.study.tables import Layout, read_study, read_table, study_table, write_csv, write_study
 
 FOLDER = "results/made/up"
 SLIPS = {("0.10", "4.0"): -3.0, ("0.10", "6.0"): -8.0, ("0.50", "4.0"): 0.0, ("0.50", "6.0"): -1.0}

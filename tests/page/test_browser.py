@@ -14,9 +14,9 @@ from typing import Any
 import pytest
 from made import FOLDER, listed_study, made_study
 
-from sph.analysis.tables import read_table
 from sph.page.build import StudyFiles, write_page
 from sph.page.tables import metres
+from sph.study.tables import read_table
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="no browser test: selenium is missing (pip install -e '.[test]')")
 wait = pytest.importorskip("selenium.webdriver.support.wait")

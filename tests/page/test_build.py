@@ -14,16 +14,16 @@ import numpy as np
 import pytest
 from made import FOLDER, TITLE, listed_study
 
-from sph import trajectory
-from sph.analysis.fields import displacement
-from sph.analysis.metrics import CLASSES
-from sph.analysis.tables import number_column, read_table
 from sph.command.reference import TABLES
+from sph.measures.fields import displacement
+from sph.measures.metrics import CLASSES
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
 from sph.page.sections import SECTIONS, existing
 from sph.page.tables import csv_table, metres, reference_table, short
-from sph.particles import SOIL
+from sph.solver.particles import SOIL
+from sph.storage import trajectory
+from sph.study.tables import number_column, read_table
 
 HOSTILE = "</script><img src=x onerror=alert(1)>"
 

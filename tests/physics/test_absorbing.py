@@ -16,12 +16,12 @@ import xarray as xr
 from comparison import same_bits
 from small_scenes import SLOPE
 
-from sph import trajectory
-from sph.analysis.metrics import energy_gap
-from sph.configuration import dotted, merge
-from sph.scene import Scene, make_scene
-from sph.solver import Run, run
-from sph.team import BLOCK
+from sph.measures.metrics import energy_gap
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.compiled.threads import BLOCK
+from sph.solver.run import Run, run
+from sph.storage import trajectory
 
 PULSE_WIDTH = 5.0
 """Standard deviation of a Gaussian pulse in spacings."""

@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.particles import Particles
-from sph.scene import Scene, make_scene
-from sph.solver import Run, run
-from sph.state import FAILED, REPULSION, VISCOUS, State
+from sph.scene.schema import Scene, make_scene
+from sph.solver.particles import Particles
+from sph.solver.run import Run, run
+from sph.solver.state import FAILED, REPULSION, VISCOUS, State
 
 
 def momenta(particles: Particles, state: State) -> np.ndarray:

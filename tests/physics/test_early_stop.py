@@ -10,14 +10,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph import trajectory
-from sph.analysis.figures import figure_geometry, figure_motion, figure_profiles, figure_strength_histories, plot_trajectory
-from sph.analysis.metrics import measure
-from sph.early_stop import rest_reason
-from sph.particles import place_particles
-from sph.scene import Scene
-from sph.solver import Result, run
-from sph.state import FAILED, initial_state
+from sph.figures import figure_geometry, figure_motion, figure_profiles, figure_strength_histories, plot_trajectory
+from sph.measures.metrics import measure
+from sph.scene.schema import Scene
+from sph.solver.early_stop import rest_reason
+from sph.solver.particles import place_particles
+from sph.solver.run import Result, run
+from sph.solver.state import FAILED, initial_state
+from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 

@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 
-from sph.scene import make_scene
-from sph.solver import run
+from sph.scene.schema import make_scene
+from sph.solver.run import run
 
 WIDTH, HEIGHT, DENSITY, G = 10.0, 20.0, 2000.0, 9.81
 E_KPA, POISSON = 5e5, 0.3

@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from sph.scene import make_scene
-from sph.solver import run
+from sph.scene.schema import make_scene
+from sph.solver.run import run
 
 WIDTH, HEIGHT, SPACING = 10.0, 20.0, 1.0
 DENSITY, POISSON, G = 2000.0, 0.3, 9.81

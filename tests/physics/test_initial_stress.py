@@ -10,11 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph import trajectory
-from sph.configuration import dotted, merge
-from sph.mohr_coulomb import shear_demand, strength
-from sph.scene import Scene, make_scene
-from sph.solver import Result, Run, run
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.physics.mohr_coulomb import shear_demand, strength
+from sph.solver.run import Result, Run, run
+from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 

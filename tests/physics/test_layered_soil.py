@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from comparison import same_bits
 
-from sph import trajectory
-from sph.configuration import merge
-from sph.initial_stress import overburden
-from sph.material import lightness, material_of
-from sph.scene import Scene, make_scene
-from sph.solver import Run, run
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.initial_stress import overburden
+from sph.solver.physics.material import lightness, material_of
+from sph.solver.run import Run, run
 from sph.stability.standing import divided_strength, weakened
+from sph.storage import trajectory
 from tests.physics.test_conservation import momenta
 
 BARE = {"artificial_viscosity": None, "short_range_repulsion": None, "gradient_correction": None}

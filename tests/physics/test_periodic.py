@@ -13,12 +13,12 @@ import pytest
 import xarray as xr
 from comparison import same_bits
 
-from sph import trajectory
-from sph.configuration import dotted, merge
-from sph.scene import Scene, make_scene
-from sph.solver import Run, run
-from sph.state import VISCOUS
-from sph.team import BLOCK
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.compiled.threads import BLOCK
+from sph.solver.run import Run, run
+from sph.solver.state import VISCOUS
+from sph.storage import trajectory
 
 G, DENSITY, WIDTH, SPACING = 9.81, 2000.0, 4.0, 0.1
 PLATES: dict[str, Any] = {

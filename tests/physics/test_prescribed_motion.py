@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph.configuration import dotted, merge
-from sph.scene import Scene, make_scene
-from sph.solver import run
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import run
 
 ELEMENT: dict[str, Any] = {
     "name": "element",

@@ -11,9 +11,9 @@ import pytest
 import xarray as xr
 from comparison import VARIANTS, same_bits
 
-from sph import trajectory
-from sph.scene import Scene
-from sph.solver import Result, Run, run
+from sph.scene.schema import Scene
+from sph.solver.run import Result, Run, run
+from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 
@@ -167,7 +167,7 @@ def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
 
 def test_a_diverged_run_stays_diverged(tmp_path: Path, small_slope: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its branches are results of the same status; they neither go on nor come back to life."""
-    monkeypatch.setattr("sph.guard.MAX_SPEED_RATIO", 1e-9)
+    monkeypatch.setattr("sph.solver.guard.MAX_SPEED_RATIO", 1e-9)
     stopped = run(small_slope(TRUNK), until="first_failure")
     assert stopped.status == "diverged"
     trajectory.write(tmp_path / "diverged.nc", stopped.trajectory, stopped.restart)

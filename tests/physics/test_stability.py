@@ -15,9 +15,9 @@ from scipy.optimize import brentq
 from typer.testing import CliRunner, Result
 
 from sph.command.cli import REFUSED, app
-from sph.configuration import dotted, merge
-from sph.gravity import GRAVITY
-from sph.scene import Scene, make_scene
+from sph.scene.configuration import dotted, merge
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene, make_scene
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Trial, search
 from sph.stability.standing import FailureRule, divided_strength, stand, static_scene, weakened

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph import trajectory
-from sph.scene import Scene
-from sph.solver import Run, run
-from sph.timestep import PresentLimit, lattice_wave_number, limits
+from sph.scene.schema import Scene
+from sph.solver.run import Run, run
+from sph.solver.time_step import PresentLimit, lattice_wave_number, limits
+from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 ADAPTIVE = {

@@ -10,12 +10,12 @@ import pytest
 import xarray as xr
 from small_scenes import DRAFT, PAPER
 
-from sph.analysis.metrics import measure
-from sph.configuration import dotted, merge
-from sph.particles import place_particles
-from sph.scene import Scene, load_scene
-from sph.solver import run
-from sph.state import HELD, UNARMED, initial_state
+from sph.measures.metrics import measure
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, load_scene
+from sph.solver.particles import place_particles
+from sph.solver.run import run
+from sph.solver.state import HELD, UNARMED, initial_state
 
 SLIPPING = {"walls.sides": "free_slip", "walls.layers": 4, "coupling.S_R": 0.1}
 

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph.scene import Scene, make_scene
-from sph.solver import run
-from sph.trajectory import scene_of
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import run
+from sph.storage.trajectory import scene_of
 
 Builder = Callable[[dict[str, Any]], Scene]
 

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph.configuration import dotted, merge
-from sph.scene import make_scene
-from sph.solver import run
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import make_scene
+from sph.solver.run import run
 
 G, DENSITY = 9.81, 2000.0
 ANGLE = 30.0
@@ -102,7 +102,7 @@ def test_a_block_sticks_where_friction_exceeds_the_slope() -> None:
 
 def test_the_sticking_limit_is_tan_of_the_angle() -> None:
     # Either side of tan 30 degrees = 0.577.  With 0.5 the block begins to hum after half a second, in spite of its damping
-    # (see sph.free_slip), and friction then brakes it more than it should; before that it slides at its acceleration within 1 %.
+    # (see boundaries.free_slip), and friction then brakes it more than it should; before that it slides at its acceleration within 1 %.
     assert abs(acceleration(slide(0.61))) < 1e-3
     ds = slide(0.5)
     time, speed = ds["time"].values, soil(ds, "velocity_x").mean(axis=1)

@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from sph.kernels import evaluate, make_kernel
-from sph.particles import place_particles
-from sph.scene import Scene, make_scene
-from sph.solver import Run
-from sph.state import State
+from sph.scene.schema import Scene, make_scene
+from sph.solver.particles import place_particles
+from sph.solver.physics.kernels import evaluate, make_kernel
+from sph.solver.run import Run
+from sph.solver.state import State
 
 PULSE_WIDTH = 7.0
 """Standard deviation of the Gaussian, m."""

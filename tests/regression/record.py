@@ -1,7 +1,7 @@
 """Record the regression set: ``python tests/regression/record.py`` runs every case of ``expected.json`` and rewrites its metrics.
 
 ``expected.json`` holds small runs of the paper's scene: by name, the keys that differ from ``config/scenes/paper.yaml`` and some
-metrics of ``sph.analysis.metrics``.  They were first computed by commit 9045221, before loops were vectorised, gradients kept in
+metrics of ``sph.measures.metrics``.  They were first computed by commit 9045221, before loops were vectorised, gradients kept in
 single precision and threads introduced.  ``test_regression.py`` holds every later solver to them.
 
 Record anew only when the physics or the scheme is changed on purpose, and say so in CHANGELOG.md with the outputs that change.
@@ -14,10 +14,10 @@ import json
 from pathlib import Path
 from typing import Any
 
-from sph.analysis.metrics import measure
-from sph.configuration import dotted
-from sph.scene import load_scene
-from sph.solver import run
+from sph.measures.metrics import measure
+from sph.scene.configuration import dotted
+from sph.scene.schema import load_scene
+from sph.solver.run import run
 
 EXPECTED = Path(__file__).with_name("expected.json")
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import pytest
 from record import KEPT, PAPER, load, measured
 
-from sph.configuration import dotted
-from sph.scene import Scene, load_scene
+from sph.scene.configuration import dotted
+from sph.scene.schema import Scene, load_scene
 
 CASES = load()
 

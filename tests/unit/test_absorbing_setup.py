@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.absorbing import lattice_rows, layer_weights, make_absorbing, make_free_field
-from sph.configuration import dotted, merge
-from sph.kernels import make_kernel
-from sph.particles import BASE, SIDE, SOIL, place_particles
-from sph.scene import Scene, make_scene
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.boundaries.absorbing import lattice_rows, layer_weights, make_absorbing, make_free_field
+from sph.solver.particles import BASE, SIDE, SOIL, place_particles
+from sph.solver.physics.kernels import make_kernel
 
 SLOPE: dict[str, Any] = {
     "name": "slope",

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph.configuration import dotted, merge
-from sph.integration import make_lists
-from sph.kernels import evaluate
-from sph.momentum import add_artificial_stress, set_artificial_stress
-from sph.particles import place_particles
-from sph.scene import make_scene
-from sph.state import State, initial_state, make_terms
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import make_scene
+from sph.solver.integration import make_lists
+from sph.solver.particles import place_particles
+from sph.solver.physics.kernels import evaluate
+from sph.solver.physics.momentum import add_artificial_stress, set_artificial_stress
+from sph.solver.state import State, initial_state, make_terms
 
 BASE: dict[str, Any] = {
     "name": "patch",

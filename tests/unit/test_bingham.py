@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sph.bingham import CapTerm, FluidLaw, fluid_deviator
-from sph.mohr_coulomb import make_mohr_coulomb
+from sph.solver.physics.bingham import CapTerm, FluidLaw, fluid_deviator
+from sph.solver.physics.mohr_coulomb import make_mohr_coulomb
 
 G = 1e7
 TAU_Y = 20e3

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from sph.geometry import Bodies, PolygonBody, RingBody
-from sph.particles import BASE, SIDE, SOIL, TOP, Particles, locate_probes, place_particles
-from sph.scene import Scene, make_scene
+from sph.scene.geometry import Bodies, PolygonBody, RingBody
+from sph.scene.schema import Scene, make_scene
+from sph.solver.particles import BASE, SIDE, SOIL, TOP, Particles, locate_probes, place_particles
 
 Point = tuple[float, float]
 

@@ -13,13 +13,13 @@ import yaml
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from typer.testing import CliRunner, Result
 
-from sph.analysis.figures.scene import FEW
 from sph.command.check import check, draw, layer_rows, rows
 from sph.command.cli import REFUSED, app
 from sph.command.concerns import FEWEST_IN_WAVE, Concern, highest_frequency, in_wave
-from sph.configuration import dotted, merge
-from sph.scene import Scene, make_scene
-from sph.timestep import limits, wave_speed_ratio
+from sph.figures.scene import FEW
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.time_step import limits, wave_speed_ratio
 
 SOUND: dict[str, Any] = {
     "name": "sound",

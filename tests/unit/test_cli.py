@@ -16,17 +16,17 @@ from killing import TIMINGS
 from PIL import Image
 from typer.testing import CliRunner, Result
 
-from sph import trajectory
-from sph.checkpoint import run_to_file
 from sph.command.cli import DIVERGED, REFUSED, app, parse_settings
 from sph.command.info import TERM_REASONS
-from sph.ground_motion import motion_of
-from sph.integration import TERM_NAMES
-from sph.scene import Scene, load_scene
+from sph.scene.ground_motion import motion_of
+from sph.scene.schema import Scene, load_scene
+from sph.scene.strict_json import parse_json
+from sph.solver.checkpoint import run_to_file
+from sph.solver.integration import TERM_NAMES
 from sph.stability.newmark import sliding_block
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
-from sph.strict_json import parse_json
+from sph.storage import trajectory
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import pytest
 
 from sph.command.cli import parse_settings
-from sph.configuration import (
+from sph.scene.configuration import (
     DEEPEST,
     LARGEST_FILE,
     LONGEST_LINE,

@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.contact import add_contact
-from sph.kernels import evaluate
-from sph.particles import place_particles
-from sph.scene import make_scene
-from sph.solver import Run, run
-from sph.state import CONTACT_STIFFNESS, initial_state, make_terms
+from sph.scene.schema import make_scene
+from sph.solver.boundaries.contact import add_contact
+from sph.solver.particles import place_particles
+from sph.solver.physics.kernels import evaluate
+from sph.solver.run import Run, run
+from sph.solver.state import CONTACT_STIFFNESS, initial_state, make_terms
 from tests.conftest import SceneBuilder
 
 SLIP = {"walls.base": "free_slip", "walls.sides": "free_slip", "walls.layers": 4}

@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from sph.coupling import CHUNK, update_stress
-from sph.integration import make_lists
-from sph.particles import place_particles
-from sph.scene import Scene
-from sph.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State, initial_state, make_terms
+from sph.scene.schema import Scene
+from sph.solver.integration import make_lists
+from sph.solver.particles import place_particles
+from sph.solver.physics.coupling import CHUNK, update_stress
+from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State, initial_state, make_terms
 
 Builder = Callable[[dict[str, Any]], Scene]
 

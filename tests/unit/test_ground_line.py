@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph.configuration import merge
-from sph.ground_line import GroundLine
-from sph.particles import locate_probes, place_particles
-from sph.places import RIGHT
-from sph.scene import Scene, load_scene, make_scene
-from sph.solver import check_restart
+from sph.scene.configuration import merge
+from sph.scene.ground_line import GroundLine
+from sph.scene.places import RIGHT
+from sph.scene.schema import Scene, load_scene, make_scene
+from sph.solver.particles import locate_probes, place_particles
+from sph.solver.run import check_restart
 from sph.stability.standing import FailureRule, slope_height, static_scene
 
 SLOPE = [[120.0, 440.0], [150.0, 440.0], [170.0, 465.0], [200.0, 465.0]]

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 import yaml
 
-from sph.ground_motion import GroundMotion, motion_of, read_motion, read_record
-from sph.scene import Scene
+from sph.scene.ground_motion import GroundMotion, motion_of, read_motion, read_record
+from sph.scene.schema import Scene
 
 
 @pytest.mark.parametrize(

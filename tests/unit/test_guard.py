@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.guard import LEFT_THE_BOX, PARTS, likely_cause, trouble
-from sph.particles import locate_probes, place_particles
-from sph.scene import Scene
-from sph.state import State, initial_state
+from sph.scene.schema import Scene
+from sph.solver.guard import LEFT_THE_BOX, PARTS, likely_cause, trouble
+from sph.solver.particles import locate_probes, place_particles
+from sph.solver.state import State, initial_state
 
 Builder = Callable[[dict[str, Any]], Scene]
 BOXED = {"walls.base": "sticky", "walls.sides": "sticky", "walls.layers": 2}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sph.integration import largest_move
+from sph.solver.integration import largest_move
 
 SIZE = 37
 """Some vectors of the processor and a rest."""

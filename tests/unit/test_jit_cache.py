@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import pytest
 
 import sph
-from sph.jit import COMPILED, mend, seal
+from sph.solver.compiled.jit import COMPILED, mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -30,22 +30,26 @@ def digest_of(root: Path) -> str:
 
 def digests_of(root: Path) -> list[str]:
     """Digests of what is compiled and of the solver."""
-    command = [sys.executable, "-c", "from sph.jit import compiled_digest, solver_digest; print(compiled_digest(), solver_digest())"]
+    command = [
+        sys.executable,
+        "-c",
+        "from sph.solver.compiled.jit import compiled_digest, solver_digest; print(compiled_digest(), solver_digest())",
+    ]
     return subprocess.run(command, env=environment(root), cwd=root, check=True, capture_output=True, text=True).stdout.split()
 
 
 def test_digest_changes_with_an_edit_of_what_is_compiled(tmp_path: Path) -> None:
-    shutil.copytree(PACKAGE, tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__", "analysis"))
+    shutil.copytree(PACKAGE, tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
     before, solver = digests_of(tmp_path)
     assert digests_of(tmp_path) == [before, solver]
-    for name in ("scene.py", "solver.py", "ground_motion/record.py"):
+    for name in ("scene/schema.py", "solver/run.py", "scene/ground_motion/record.py"):
         file = tmp_path / "sph" / name
         file.write_text(file.read_text() + "\n# edited\n")
         earlier, (compiled, solver) = solver, digests_of(tmp_path)
         assert compiled == before, "an edit outside the compiled code must not recompile it"
         assert solver != earlier, "but a checkpoint of another solver is not gone on from"
     # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
-    kernels = tmp_path / "sph" / "kernels.py"
+    kernels = tmp_path / "sph" / "solver" / "physics" / "kernels.py"
     kernels.write_text(kernels.read_text() + "\n# edited\n")
     assert digest_of(tmp_path) != before
 
@@ -59,27 +63,32 @@ def jitted(tree: ast.Module) -> list[ast.FunctionDef]:
 
 
 def test_the_list_of_compiled_files_is_complete() -> None:
-    trees = {path.relative_to(PACKAGE).as_posix(): ast.parse(path.read_text()) for path in PACKAGE.rglob("*.py")}
+    solver = PACKAGE / "solver"
+    trees = {path.relative_to(solver).as_posix(): ast.parse(path.read_text()) for path in solver.rglob("*.py")}
     needed = set()
     for file, tree in trees.items():
         functions = jitted(tree)
         if functions:
             used = {node.id for function in functions for node in ast.walk(function) if isinstance(node, ast.Name)}
-            imports = [node for node in tree.body if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sph.")]
-            modules = {node.module for node in imports if used & {name.asname or name.name for name in node.names}}
-            needed |= {file, *(f"{str(module).removeprefix('sph.').replace('.', '/')}.py" for module in modules)}
+            needed |= {file, *(imported for imported, names in imports(tree) if used & names)}
     # The records of coefficients are types that the compiled code is specialised on.
-    needed |= {
-        node.module.removeprefix("sph.") + ".py"
-        for node in ast.walk(trees["state.py"])
-        if isinstance(node, ast.ImportFrom) and node.module and any(name.name.endswith("Term") for name in node.names)
-    }
+    needed |= {imported for imported, names in imports(trees["state.py"]) if any(name.endswith("Term") for name in names)}
     assert sorted(COMPILED) == sorted(needed)
+    assert not any(jitted(ast.parse(path.read_text())) for path in PACKAGE.rglob("*.py") if not path.is_relative_to(solver))
+
+
+def imports(tree: ast.Module) -> list[tuple[str, set[str]]]:
+    """Files of the solver that a file imports from, with the names."""
+    nodes = [node for node in tree.body if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sph.solver.")]
+    return [
+        (str(node.module).removeprefix("sph.solver.").replace(".", "/") + ".py", {name.asname or name.name for name in node.names})
+        for node in nodes
+    ]
 
 
 PLACE = """
 import sys
-from sph.jit import cache_folder, compile_lock, compiled_digest, rows
+from sph.solver.compiled.jit import cache_folder, compile_lock, compiled_digest, rows
 import numba
 with compile_lock():
     pass
@@ -121,10 +130,10 @@ from numba.core import caching
 role, scene_json = sys.argv[1:]  # "first" or "second" to compile, "load"
 outside = []
 
-from sph.integration import active_terms
-from sph.jit import cache_folder
-from sph.scene import make_scene
-from sph.solver import Run
+from sph.solver.integration import active_terms
+from sph.solver.compiled.jit import cache_folder
+from sph.scene.schema import make_scene
+from sph.solver.run import Run
 
 meetings = Path(os.environ["SPH_CACHE_DIR"])
 met = None
@@ -211,7 +220,7 @@ def outcome(process: subprocess.Popen[str]) -> dict[str, Any]:
 def race(tmp_path_factory: pytest.TempPathFactory, free_block: Callable[..., Any]) -> list[dict[str, Any]]:
     """Two variants compiled at the same time into one fresh cache, then both loaded from it.
 
-    Without the lock of ``sph.jit.compile_lock`` the order forced in ``save`` breaks the loading processes.
+    Without the lock of ``sph.solver.compiled.jit.compile_lock`` the order forced in ``save`` breaks the loading processes.
     """
     cache = tmp_path_factory.mktemp("cache")
     bare = {
@@ -251,9 +260,9 @@ def test_nothing_is_saved_to_the_cache_outside_the_lock(race: list[dict[str, Any
 
 DIGEST = """
 import hashlib, json, sys
-from sph.integration import advance
-from sph.scene import make_scene
-from sph.solver import run
+from sph.solver.integration import advance
+from sph.scene.schema import make_scene
+from sph.solver.run import run
 
 result = run(make_scene(json.loads(sys.argv[1])))
 print(sum(advance.stats.cache_misses.values()), hashlib.sha256(b"".join(a.values.tobytes() for a in result.restart.values())).hexdigest())
@@ -347,7 +356,7 @@ def test_what_is_not_as_listed_is_deleted(tmp_path: Path, name: str, damage: Cal
 def test_a_cache_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
     (tmp_path / "cache").write_text("a file where the folder should be")
     done = subprocess.run(
-        [sys.executable, "-c", "from sph.jit import compile_lock\nwith compile_lock(): pass"],
+        [sys.executable, "-c", "from sph.solver.compiled.jit import compile_lock\nwith compile_lock(): pass"],
         env=environment(PACKAGE.parent, SPH_CACHE_DIR=str(tmp_path / "cache")),
         capture_output=True,
         text=True,

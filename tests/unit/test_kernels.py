@@ -7,8 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from sph.kernels import central_value, evaluate, make_kernel, support
-from sph.scene import make_scene
+from sph.scene.schema import make_scene
+from sph.solver.physics.kernels import central_value, evaluate, make_kernel, support
 
 KERNELS = ("cubic_spline", "wendland_c2")
 LENGTHS = (0.7, 2.3)

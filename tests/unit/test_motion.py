@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph.gravity import GravityStage
-from sph.ground_motion.processing import integral
-from sph.loading import gravity_history, make_loading
-from sph.motion import (
+from sph.scene.gravity import GravityStage
+from sph.scene.ground_motion.processing import integral
+from sph.scene.loading import gravity_history, make_loading
+from sph.scene.motion import (
     MISSED,
     STEPS_IN_PERIOD,
     ConstantAcceleration,
@@ -21,7 +21,7 @@ from sph.motion import (
     reference_amplitude,
     vertical_acceleration,
 )
-from sph.scene import make_scene
+from sph.scene.schema import make_scene
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sph.kernels import Kernel, evaluate, make_kernel
-from sph.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, update_pairs
-from sph.state import CorrectionTerm, PeriodTerm, TensionTerm
+from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, update_pairs
+from sph.solver.physics.kernels import Kernel, evaluate, make_kernel
+from sph.solver.state import CorrectionTerm, PeriodTerm, TensionTerm
 
 Cloud = tuple[np.ndarray, np.ndarray]
 
@@ -21,7 +21,7 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 class PairTerms(NamedTuple):
-    """The terms of ``sph.state.Terms`` that pairs depend on."""
+    """The terms of ``sph.solver.state.Terms`` that pairs depend on."""
 
     kernel: Kernel
     close_range: float

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sph.configuration import dotted, merge
-from sph.particles import BASE, SIDE, SOIL, Particles, locate_probes, place_particles
-from sph.scene import Scene, load_scene, make_scene
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, load_scene, make_scene
+from sph.solver.particles import BASE, SIDE, SOIL, Particles, locate_probes, place_particles
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 

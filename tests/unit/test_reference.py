@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from sph.analysis.study import Study
-from sph.analysis.trade import Trade
 from sph.command.cli import app
 from sph.command.reference import MARKED, TABLES, command_lines, filled, key_rows, markdown
-from sph.configuration import Section
-from sph.scene import Scene, load_scene
+from sph.experiments.cost_accuracy.design import Trade
+from sph.scene.configuration import Section
+from sph.scene.schema import Scene, load_scene
+from sph.study.plan import Study
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]

@@ -11,10 +11,10 @@ import xarray as xr
 import yaml
 
 from sph.command.repeat import given_scene
-from sph.configuration import dotted
-from sph.scene import Scene, load_scene, make_scene
-from sph.solver import check_restart
-from sph.trajectory import run_attributes, scene_of
+from sph.scene.configuration import dotted
+from sph.scene.schema import Scene, load_scene, make_scene
+from sph.solver.run import check_restart
+from sph.storage.trajectory import run_attributes, scene_of
 
 LAYERED: dict[str, Any] = {
     "name": "layered",

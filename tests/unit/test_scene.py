@@ -12,9 +12,9 @@ import pytest
 from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
-from sph.configuration import dotted, merge, read_yaml
-from sph.geometry import Slope
-from sph.scene import Scene, load_scene, make_scene
+from sph.scene.configuration import dotted, merge, read_yaml
+from sph.scene.geometry import Slope
+from sph.scene.schema import Scene, load_scene, make_scene
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 

@@ -11,13 +11,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph.configuration import dotted, merge
-from sph.coupling import cauchy_stress
-from sph.integration import TERM_NAMES, active_terms
-from sph.particles import place_particles
-from sph.scene import Scene, make_scene
-from sph.solver import Run, wanted_terms
-from sph.state import FAILED, HELD, UNARMED, initial_state, make_terms
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.integration import TERM_NAMES, active_terms
+from sph.solver.particles import place_particles
+from sph.solver.physics.coupling import cauchy_stress
+from sph.solver.run import Run, wanted_terms
+from sph.solver.state import FAILED, HELD, UNARMED, initial_state, make_terms
 
 Builder = Callable[[dict[str, Any]], Scene]
 

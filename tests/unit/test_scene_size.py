@@ -14,13 +14,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.loading import make_loading
-from sph.motion import linear_ramp
-from sph.particles import place_particles
-from sph.scene import MOST_PARTICLES, MOST_STEPS, Scene
-from sph.solver import Run
+from sph.scene.loading import make_loading
+from sph.scene.motion import linear_ramp
+from sph.scene.schema import MOST_PARTICLES, MOST_STEPS, Scene
+from sph.solver.particles import place_particles
+from sph.solver.run import Run
+from sph.solver.time_step import _damped, check_time_step, limits
 from sph.stability.standing import FailureRule, static_scene
-from sph.timestep import _damped, check_time_step, limits
 
 Builder = Callable[[dict[str, Any]], Scene]
 

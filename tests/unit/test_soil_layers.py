@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from sph.particles import layer_index, place_particles
-from sph.scene import make_scene
+from sph.scene.schema import make_scene
+from sph.solver.particles import layer_index, place_particles
 
 SLOPE: dict[str, Any] = {"name": "s", "geometry": {"shape": "slope"}, "soil": {"density": 1800.0, "cohesion": 40.0}}
 

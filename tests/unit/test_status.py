@@ -16,13 +16,13 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from sph.analysis.study import Plan
 from sph.command.cli import REFUSED, app
 from sph.command.job import FRESH, Process, job_log, read_log
 from sph.command.progress import LINE, SECONDS, Lines
 from sph.command.status import State, duration, estimate, jobs, located_plan, look, sentence, watch
-from sph.scene import Scene
-from sph.solver import Progress
+from sph.scene.schema import Scene
+from sph.solver.run import Progress
+from sph.study.plan import Plan
 
 POINT = "S_R-0.10_gamma-1_amplitude-8.0"
 HERE = Process(platform.node(), os.getpid(), psutil.Process().create_time() + 0.1)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 
-from sph.strict_json import parse_json, to_json
+from sph.scene.strict_json import parse_json, to_json
 
 ROOT = Path(__file__).resolve().parents[2]
 

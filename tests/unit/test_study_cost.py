@@ -13,11 +13,11 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from sph.analysis.cost import cost
 from sph.command.cli import REFUSED, app
 from sph.command.cost import speed_here, study_cost
 from sph.command.status import RUNS, jobs, located_plan
-from sph.scene import Scene
+from sph.scene.schema import Scene
+from sph.study.cost import cost
 
 CONFIG: dict[str, Any] = {
     "study": "small",

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from sph.survey import read_line
+from sph.scene.survey import read_line
 
 LINE = [(120.0, 440.0), (150.0, 440.5), (170.0, 465.0)]
 FEATURE = {"type": "Feature", "properties": {}, "geometry": {"type": "LineString", "coordinates": LINE}}

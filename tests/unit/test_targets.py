@@ -12,10 +12,10 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
-from sph.analysis.study import Plan
 from sph.command.cli import app
 from sph.command.status import Job, located_plan, look
 from sph.command.targets import target_jobs
+from sph.study.plan import Plan
 
 ROOT = Path(__file__).resolve().parents[2]
 TRIGGER: dict[str, Any] = {

@@ -12,12 +12,12 @@ from comparison import VARIANTS, same_bits
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph import trajectory
-from sph.integration import advance
-from sph.jit import jit
-from sph.scene import Scene
-from sph.solver import Result, Run, run
-from sph.team import BLOCK, make_team, own_blocks, together, wait
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.threads import BLOCK, make_team, own_blocks, together, wait
+from sph.solver.integration import advance
+from sph.solver.run import Result, Run, run
+from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph import trajectory
-from sph.scene import Scene
-from sph.state import State
+from sph.scene.schema import Scene
+from sph.solver.state import State
+from sph.storage import trajectory
 
 SIZES = {"frame": 3, "particle": 5, "sample": 4, "probe": 2}
 
@@ -84,7 +84,7 @@ def test_nothing_is_written_that_the_table_lacks(stored: xr.Dataset) -> None:
 
 
 def test_a_run_fills_every_variable(small_slope) -> None:
-    from sph.solver import run
+    from sph.solver.run import run
 
     ds = run(small_slope({"duration": 1.0, "motion.start": 1.0, "gravity.duration": 0.5}), until="gravity").trajectory
     for variable in trajectory.VARIABLES:

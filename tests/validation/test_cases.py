@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
-from sph.scene import make_scene
-from sph.solver import run
+from sph.scene.schema import make_scene
+from sph.solver.run import run
 from sph.stability.record import run_search
 from sph.validation import CASES
 from sph.validation.level import Found, Level, Result

@@ -12,7 +12,7 @@ import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sph.scene import make_scene
+from sph.scene.schema import make_scene
 from sph.validation import CASES, table
 from sph.validation.level import Found, Result
 from sph.validation.suite import Case, load_suite

@@ -11,9 +11,9 @@ import yaml
 from test_workflow import ROOT, STUDY, planned_jobs, snakemake
 from typer.testing import CliRunner
 
-from sph.analysis.study import load_study
 from sph.command.cli import app
-from sph.scene import Scene, make_scene
+from sph.scene.schema import Scene, make_scene
+from sph.study.plan import load_study
 
 OTHER = """
 configfile: "{file}"

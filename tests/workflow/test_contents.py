@@ -18,9 +18,9 @@ from test_record_workflow import write_record
 from test_workflow import planned_jobs, snakemake
 from typer.testing import CliRunner, Result
 
-from sph import trajectory
 from sph.command.cli import DIFFERS, REFUSED, app
-from sph.scene import load_scene
+from sph.scene.schema import load_scene
+from sph.storage import trajectory
 
 TABLE = "results/small/draft/study.csv"
 RUN = "results/small/draft/runs/S_R-{}.nc"
@@ -95,9 +95,12 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
 
 
 def test_with_dates_alone_records_are_not_mixed_either(copied: Path) -> None:
-    """``--rerun-triggers mtime`` makes Snakemake blind to contents: what does not belong together is then refused."""
+    """``--rerun-triggers mtime`` makes Snakemake blind to contents and to new values: what does not belong together is refused."""
     replace(copied, "strong.csv")
-    result = snakemake(copied, "--cores", "1", "--rerun-triggers", "mtime", *write(copied, "0.10", "0.30", "0.50"), "--", TABLE)
+    asked = ("--cores", "1", "--rerun-triggers", "mtime", *write(copied, "0.10", "0.30", "0.50"), "--", TABLE)
+    assert planned_jobs(copied, *asked) == {}
+    (copied / "results/small/draft/parts/0001.csv").unlink()
+    result = snakemake(copied, *asked)
     assert result.returncode != 0 and "motion.data.x" in result.stdout + result.stderr
     assert len(pd.read_csv(copied / TABLE)) == 2, "the table of before"
 

@@ -11,11 +11,11 @@ import pytest
 import yaml
 from test_workflow import planned_jobs, snakemake, sph
 
-from sph import trajectory
-from sph.analysis.metrics import measure
-from sph.analysis.study import load_study
-from sph.analysis.tables import read_study, read_table
-from sph.scene import Scene
+from sph.measures.metrics import measure
+from sph.scene.schema import Scene
+from sph.storage import trajectory
+from sph.study.plan import load_study
+from sph.study.tables import read_study, read_table
 
 BASE: dict[str, Any] = {"scene": "slope.yaml", "fidelity": "draft", "fidelities": {"draft": {}}}
 GRID = {"study": "grid", "grid": {"soil.cohesion": ["20", "150"], "motion.frequency": ["1.0", "2.0"]}}

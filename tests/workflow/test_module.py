@@ -10,7 +10,7 @@ import pytest
 import yaml
 from test_workflow import ROOT, planned_jobs, write_config
 
-from sph.scene import Scene
+from sph.scene.schema import Scene
 
 MODULE = """
 configfile: "study.yaml"

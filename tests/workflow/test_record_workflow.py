@@ -12,8 +12,8 @@ from small_scenes import SLOPE
 from test_workflow import STUDY, planned_jobs, snakemake
 from typer.testing import CliRunner
 
-from sph import trajectory
 from sph.command.cli import app
+from sph.storage import trajectory
 
 TIME = np.arange(100) * 0.01
 BURST = np.sin(2 * np.pi * 4.0 * TIME) * np.sin(np.pi * TIME) ** 2

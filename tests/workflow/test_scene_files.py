@@ -8,8 +8,8 @@ from typing import Any
 import yaml
 from test_workflow import STUDY, planned_jobs, snakemake
 
-from sph import trajectory
-from sph.scene import load_scene
+from sph.scene.schema import load_scene
+from sph.storage import trajectory
 
 SCENE: dict[str, Any] = {
     "name": "own",

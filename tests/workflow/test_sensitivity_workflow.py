@@ -16,13 +16,13 @@ import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
-from sph import trajectory
-from sph.analysis.elementary_effects import MORRIS
-from sph.analysis.surrogate import SOBOL
-from sph.analysis.tables import read_csv
 from sph.command.cli import app
-from sph.configuration import merge
-from sph.scene import Scene
+from sph.experiments.sensitivity.elementary_effects import MORRIS
+from sph.experiments.sensitivity.surrogate import SOBOL
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene
+from sph.storage import trajectory
+from sph.study.tables import read_csv
 
 FOLDER = Path("results/small/draft/sensitivity")
 SENSITIVITY: dict[str, Any] = {

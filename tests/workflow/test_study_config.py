@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 import yaml
 
-from sph.analysis.study import Plan, Study, load_study
-from sph.analysis.trigger import load_trigger
-from sph.configuration import merge, read_yaml, validated
-from sph.scene import make_scene
-from sph.solver import check_restart
+from sph.experiments.trigger.design import load_trigger
+from sph.scene.configuration import merge, read_yaml, validated
+from sph.scene.schema import make_scene
+from sph.solver.run import check_restart
+from sph.study.plan import Plan, Study, load_study
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))

@@ -14,10 +14,10 @@ import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
-from sph import trajectory
-from sph.analysis.trade_table import COLUMNS, read_trade
 from sph.command.cli import app
-from sph.scene import Scene
+from sph.experiments.cost_accuracy.table import COLUMNS, read_trade
+from sph.scene.schema import Scene
+from sph.storage import trajectory
 
 TRADE: dict[str, Any] = {
     "scene": "slope.yaml",

@@ -13,13 +13,13 @@ import yaml
 from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
-from sph import trajectory
-from sph.analysis.critical import BRACKETED, CRITICAL, read_confirm, read_critical
-from sph.analysis.maps import read_shares
-from sph.analysis.points import names, read_points
 from sph.command.cli import app
-from sph.configuration import merge
-from sph.scene import Scene
+from sph.experiments.trigger.critical import BRACKETED, CRITICAL, read_confirm, read_critical
+from sph.experiments.trigger.maps import read_shares
+from sph.experiments.trigger.points import names, read_points
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene
+from sph.storage import trajectory
 
 TRIGGER: dict[str, Any] = {
     "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "sticky"}}},

@@ -11,9 +11,9 @@ import pytest
 import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
 
-from sph import trajectory
-from sph.analysis.limits import read_limits
-from sph.scene import Scene
+from sph.experiments.assumptions import read_limits
+from sph.scene.schema import Scene
+from sph.storage import trajectory
 from sph.validation.table import read_validation
 
 LIMITS: dict[str, Any] = {

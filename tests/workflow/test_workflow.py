@@ -21,12 +21,12 @@ from comparison import same_files, same_variables
 from killing import TIMINGS, killed, start
 from typer.testing import CliRunner
 
-from sph import trajectory
-from sph.analysis.tables import read_study, read_table
 from sph.command.cli import app
-from sph.ground_motion import motion_of
-from sph.scene import Scene
+from sph.scene.ground_motion import motion_of
+from sph.scene.schema import Scene
 from sph.stability.newmark import sliding_block
+from sph.storage import trajectory
+from sph.study.tables import read_study, read_table
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY: dict[str, Any] = {

@@ -3,7 +3,7 @@
 # Outputs: results/extremes: runs/<sweep>/<case>/<value>_<repeat>.nc, extremes.csv, figures/extremes
 import functools
 
-from sph.analysis.extremes import (
+from sph.experiments.robustness import (
     FOLDER as EXTREMES,
     TIME_STEP_FOLDER,
     load_extremes,

@@ -3,7 +3,7 @@
 # Outputs: results/limits: runs/<change>/<case>.nc, limits.csv
 import functools
 
-from sph.analysis.limits import FOLDER as LIMITS, load_limits
+from sph.experiments.assumptions import FOLDER as LIMITS, load_limits
 
 CHANGES = functools.cache(
     functools.partial(load_limits, PLAN.study.limits, FOLDERS, PLAN.study.metrics.probe)

@@ -1,7 +1,7 @@
 # Purpose: what simulations ask of a cluster, by their scenes.
 # Inputs:  scenes, as the rules have them in their params.
 # Outputs: functions for the resources of rules
-from sph.analysis.cost import Needs, needs
+from sph.study.cost import Needs, needs
 
 
 def asked(scene, stage=lambda wildcards: "end"):

@@ -4,8 +4,8 @@
 #          cross_validation.csv, confirm.csv, sample.csv, sample.nc, figures/*
 import functools
 
-from sph.analysis.sensitivity import chosen_factors, load_sensitivity
-from sph.analysis.sensitivity_tables import described
+from sph.experiments.sensitivity.design import chosen_factors, load_sensitivity
+from sph.experiments.sensitivity.tables import described
 
 SENSITIVITY = f"{RESULTS}/sensitivity"
 FACTORS = f"{SENSITIVITY}/factors.json"

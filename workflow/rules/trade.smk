@@ -3,7 +3,7 @@
 # Outputs: results/trade: runs/*.nc, trade.nc, trade.csv, convergence.csv, figures/tradeoff, figures/convergence
 import functools
 
-from sph.analysis.trade import FOLDER as TRADE, load_trade
+from sph.experiments.cost_accuracy.design import FOLDER as TRADE, load_trade
 
 # Read and checked once a rule of the ladder is asked for.
 LADDER = functools.cache(

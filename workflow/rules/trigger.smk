@@ -3,8 +3,8 @@
 # Inputs:  config: trigger; stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
 # Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv, confirm.csv, maps.csv, cells.csv, shares.csv,
 #          figures/*; <folder>/trigger/<case>: stages and runs
-from sph.analysis.figures.trigger import MAPPED
-from sph.analysis.trigger import SEARCHED
+from sph.figures.trigger import MAPPED
+from sph.experiments.trigger.design import SEARCHED
 
 
 wildcard_constraints:

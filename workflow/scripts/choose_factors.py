@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from sph.analysis.elementary_effects import MORRIS, influential
-from sph.analysis.tables import read_csv
 from sph.command.job import job_log
-from sph.files import whole
-from sph.strict_json import to_json
+from sph.experiments.sensitivity.elementary_effects import MORRIS, influential
+from sph.scene.strict_json import to_json
+from sph.storage.files import whole
+from sph.study.tables import read_csv
 
 
 def choose_factors(paths_to_tables: Sequence[str], factors: Sequence[str] | None, share: float, path_to_names: str) -> None:

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from sph.analysis.sensitivity import Axis, Quantity
-from sph.analysis.sensitivity_tables import confirmation_table, read_sample
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, Quantity
+from sph.experiments.sensitivity.tables import confirmation_table, read_sample
+from sph.study.tables import write_csv
 
 
 def confirm_sample(

@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.critical import confirm_table, read_ends
-from sph.analysis.metrics import MetricSettings, measure
-from sph.analysis.planned import Planned
-from sph.analysis.points import read_points
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.trigger.critical import confirm_table, read_ends
+from sph.experiments.trigger.points import read_points
+from sph.measures.metrics import MetricSettings, measure
+from sph.study.planned import Planned
+from sph.study.tables import write_csv
 
 
 def confirm_trigger(

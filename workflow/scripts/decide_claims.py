@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sph.analysis.claims import ClaimSettings, write_claims
-from sph.analysis.tables import read_study
 from sph.command.job import job_log
+from sph.paper.claims import ClaimSettings, write_claims
+from sph.study.tables import read_study
 
 
 def decide(path_to_study: str, settings: Mapping[str, Any], path_to_claims: str) -> None:

@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sph.analysis.figures import FIGURES, save
-from sph.analysis.planned import Planned
 from sph.command.job import job_log
+from sph.figures import FIGURES, save
+from sph.study.planned import Planned
 
 
 def draw_figure(

@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 
-from sph.analysis.elementary_effects import MORRIS
-from sph.analysis.figures import save
-from sph.analysis.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
-from sph.analysis.sensitivity import Axis, chosen_factors
-from sph.analysis.sensitivity_tables import TORNADO
-from sph.analysis.surrogate import CROSS_VALIDATION, SOBOL
-from sph.analysis.tables import read_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, chosen_factors
+from sph.experiments.sensitivity.elementary_effects import MORRIS
+from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
+from sph.experiments.sensitivity.tables import TORNADO
+from sph.figures import save
+from sph.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
+from sph.study.tables import read_csv
 
 
 def draw_sensitivity(

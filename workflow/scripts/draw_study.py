@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from sph.analysis.dimensions import Dimension
-from sph.analysis.figures import figure_study, save
-from sph.analysis.tables import Layout, read_table
 from sph.command.job import job_log
+from sph.figures import figure_study, save
+from sph.study.dimensions import Dimension
+from sph.study.tables import Layout, read_table
 
 
 def draw_study(

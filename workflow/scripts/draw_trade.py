@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from sph.analysis.convergence import CONVERGENCE
-from sph.analysis.figures import save
-from sph.analysis.figures.trade import figure_convergence, figure_tradeoff
-from sph.analysis.tables import read_csv
-from sph.analysis.trade_table import read_trade
 from sph.command.job import job_log
+from sph.experiments.cost_accuracy.convergence import CONVERGENCE
+from sph.experiments.cost_accuracy.table import read_trade
+from sph.figures import save
+from sph.figures.trade import figure_convergence, figure_tradeoff
+from sph.study.tables import read_csv
 
 
 def draw_trade(figure: str, path_to_table: str, path_to_convergence: str, paths_to_pictures: Sequence[str]) -> None:

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.sensitivity import Axis, Quantity, SobolSettings, chosen_factors
-from sph.analysis.sensitivity_tables import read_sample
-from sph.analysis.surrogate import sobol_tables
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, Quantity, SobolSettings, chosen_factors
+from sph.experiments.sensitivity.surrogate import sobol_tables
+from sph.experiments.sensitivity.tables import read_sample
+from sph.study.tables import write_csv
 
 
 def fit_surrogate(

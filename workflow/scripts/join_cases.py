@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.study.tables import write_csv
 from sph.validation.table import read_validation
 
 

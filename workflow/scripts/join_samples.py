@@ -4,11 +4,11 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from sph import trajectory
-from sph.analysis.sensitivity import Axis, Quantity
-from sph.analysis.sensitivity_tables import read_sample, sample_columns
-from sph.analysis.tables import flat_dataset, write_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, Quantity
+from sph.experiments.sensitivity.tables import read_sample, sample_columns
+from sph.storage import trajectory
+from sph.study.tables import flat_dataset, write_csv
 
 
 def join_samples(

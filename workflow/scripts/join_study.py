@@ -2,11 +2,11 @@
 
 from collections.abc import Mapping, Sequence
 
-from sph import trajectory
-from sph.analysis.advice import expected_sentence
-from sph.analysis.planned import Planned
-from sph.analysis.tables import Layout, join_study
 from sph.command.job import job_log
+from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.storage import trajectory
+from sph.study.planned import Planned
+from sph.study.tables import Layout, join_study
 
 
 def join(

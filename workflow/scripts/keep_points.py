@@ -1,8 +1,8 @@
 """Keep the points of a search's last round as its table."""
 
-from sph.analysis.points import read_points
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.trigger.points import read_points
+from sph.study.tables import write_csv
 
 if __name__ == "__main__":
     with job_log(snakemake.log[0]):  # type: ignore[name-defined]

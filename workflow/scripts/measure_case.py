@@ -6,9 +6,9 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from sph.analysis.figures import save
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.figures import save
+from sph.study.tables import write_csv
 from sph.validation import CASES
 from sph.validation.level import Level, Result, read_result
 from sph.validation.slopes import read_search

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.extremes import Row, extremes_table
-from sph.analysis.planned import Planned
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.robustness import Row, extremes_table
+from sph.study.planned import Planned
+from sph.study.tables import write_csv
 
 
 def measure_extremes(

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.limits import limits_table
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.planned import Planned
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.assumptions import limits_table
+from sph.measures.metrics import MetricSettings
+from sph.study.planned import Planned
+from sph.study.tables import write_csv
 
 
 def measure_limits(

@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.maps import class_shares, map_cells
-from sph.analysis.points import read_points
-from sph.analysis.tables import write_csv
-from sph.analysis.trigger import Lattice
 from sph.command.job import job_log
+from sph.experiments.trigger.design import Lattice
+from sph.experiments.trigger.maps import class_shares, map_cells
+from sph.experiments.trigger.points import read_points
+from sph.study.tables import write_csv
 
 
 def measure_maps(

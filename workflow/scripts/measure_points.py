@@ -3,11 +3,11 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.metrics import MetricSettings, measure
-from sph.analysis.planned import Planned
-from sph.analysis.points import measured_points, no_points, read_points, read_wanted
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.trigger.points import measured_points, no_points, read_points, read_wanted
+from sph.measures.metrics import MetricSettings, measure
+from sph.study.planned import Planned
+from sph.study.tables import write_csv
 
 
 def measure_points(

@@ -5,12 +5,12 @@ from typing import Any
 
 import pandas as pd
 
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.planned import Planned
-from sph.analysis.sensitivity import Axis, Point, Quantity
-from sph.analysis.sensitivity_tables import sample_columns, sample_row
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, Point, Quantity
+from sph.experiments.sensitivity.tables import sample_columns, sample_row
+from sph.measures.metrics import MetricSettings
+from sph.study.planned import Planned
+from sph.study.tables import write_csv
 
 
 def measure_sample(

@@ -3,12 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.dimensions import CASE
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.planned import Planned
-from sph.analysis.study_row import run_values
-from sph.analysis.tables import Layout, study_rows, write_csv
 from sph.command.job import job_log
+from sph.experiments.study_row import run_values
+from sph.measures.metrics import MetricSettings
+from sph.study.dimensions import CASE
+from sph.study.planned import Planned
+from sph.study.tables import Layout, study_rows, write_csv
 
 
 def measure_study(

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from sph.analysis.sensitivity import Axis, Quantity
-from sph.analysis.sensitivity_tables import read_sample, tornado_table
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, Quantity
+from sph.experiments.sensitivity.tables import read_sample, tornado_table
+from sph.study.tables import write_csv
 
 
 def measure_tornado(path_to_sample: str, axes: Sequence[Axis], quantities: Sequence[Quantity], path_to_table: str) -> None:

@@ -3,15 +3,15 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph import trajectory
-from sph.analysis.convergence import convergence_table
-from sph.analysis.machine import machine_class
-from sph.analysis.metrics import MetricSettings
-from sph.analysis.planned import Planned
-from sph.analysis.tables import flat_dataset, write_csv
-from sph.analysis.trade import Rung
-from sph.analysis.trade_table import TRADE, ladder_table, measured_run
 from sph.command.job import job_log
+from sph.experiments.cost_accuracy.convergence import convergence_table
+from sph.experiments.cost_accuracy.design import Rung
+from sph.experiments.cost_accuracy.table import TRADE, ladder_table, measured_run
+from sph.measures.metrics import MetricSettings
+from sph.storage import trajectory
+from sph.study.machine import machine_class
+from sph.study.planned import Planned
+from sph.study.tables import flat_dataset, write_csv
 
 TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
 

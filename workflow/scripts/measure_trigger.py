@@ -3,16 +3,16 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph import trajectory
-from sph.analysis.baseline import newmark_amplitude
-from sph.analysis.claims import decide_trigger
-from sph.analysis.critical import CRITICAL, critical_table
-from sph.analysis.metrics import MetricSettings, class_displacement
-from sph.analysis.planned import Planned
-from sph.analysis.points import read_points
-from sph.analysis.tables import flat_dataset, write_csv
 from sph.command.job import job_log
-from sph.scene import make_scene
+from sph.experiments.trigger.critical import CRITICAL, critical_table
+from sph.experiments.trigger.points import read_points
+from sph.measures.metrics import MetricSettings, class_displacement
+from sph.paper.claims import decide_trigger
+from sph.scene.schema import make_scene
+from sph.storage import trajectory
+from sph.study.baseline import newmark_amplitude
+from sph.study.planned import Planned
+from sph.study.tables import flat_dataset, write_csv
 
 
 def measure_trigger(

@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from sph.analysis.elementary_effects import morris_table
-from sph.analysis.sensitivity import Axis, Quantity
-from sph.analysis.sensitivity_tables import read_sample
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.sensitivity.design import Axis, Quantity
+from sph.experiments.sensitivity.elementary_effects import morris_table
+from sph.experiments.sensitivity.tables import read_sample
+from sph.study.tables import write_csv
 
 
 def screen_factors(

@@ -2,13 +2,13 @@
 
 from typing import TextIO
 
-from sph.analysis.planned import Planned
-from sph.checkpoint import run_to_file
 from sph.command.concerns import of_motion
 from sph.command.job import job_log
 from sph.command.progress import reporter
-from sph.solver import Until
+from sph.solver.checkpoint import run_to_file
+from sph.solver.run import Until
 from sph.stability.record import search_to_file
+from sph.study.planned import Planned
 
 
 def simulate(

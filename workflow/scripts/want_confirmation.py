@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sph.analysis.critical import bracket_ends, read_critical
-from sph.analysis.points import read_points
-from sph.analysis.tables import write_csv
 from sph.command.job import job_log
+from sph.experiments.trigger.critical import bracket_ends, read_critical
+from sph.experiments.trigger.points import read_points
+from sph.study.tables import write_csv
 
 
 def want_confirmation(path_to_critical: str, path_to_points: str, confirm: Mapping[str, Any], path_to_ends: str) -> None:

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.analysis.points import no_points, read_points, wanted_points
-from sph.analysis.tables import write_csv
-from sph.analysis.trigger import Lattice
 from sph.command.job import job_log
+from sph.experiments.trigger.design import Lattice
+from sph.experiments.trigger.points import no_points, read_points, wanted_points
+from sph.study.tables import write_csv
 
 
 def want_points(

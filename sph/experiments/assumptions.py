@@ -1,0 +1,92 @@
+"""What the answers rest on: choices that are changed one at a time, and what that does (``config/limits.yaml``, ``snakemake limits``).
+
+The first change is the reference, the scene as it is.  The table measured for this release is part of the package (``SHIPPED``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import xarray as xr
+from pydantic import model_validator
+
+from sph.experiments.cost_accuracy.design import Label, Overrides, check_file_names, file_name
+from sph.measures.fields import check_probe
+from sph.measures.metrics import METRIC_BY_NAME, PROBE, MetricSettings, measure
+from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
+from sph.scene.schema import make_scene
+from sph.storage.trajectory import Variable
+from sph.study.tables import ROW, read_csv
+
+FOLDER = "results/limits"
+"""Where the results go, relative to the working folder."""
+SHIPPED = Path(__file__).with_name("measured") / "limits.csv"
+"""Table measured for this release."""
+QUANTITIES = ("displacement_magnitude", "runout")
+
+LIMITS: tuple[Variable, ...] = (
+    Variable("change", ROW, "str", "1", "what differs from the scene as it is"),
+    Variable("case", ROW, "str", "1", "point of the study"),
+    *(METRIC_BY_NAME[name]._replace(dims=ROW) for name in ("collapse_class", *QUANTITIES)),
+    *(
+        Variable(f"{name}_change", ROW, "f8", "1", f"{name} over that of the scene as it is, minus 1; NaN where that is 0")
+        for name in QUANTITIES
+    ),
+)
+"""The columns."""
+
+
+class Limits(Section):
+    """The configuration."""
+
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    overrides: Overrides = key("scene keys of every run", default={})
+    cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
+    changes: dict[Label, Overrides] = key("scene keys of each change, by label; the first is the reference", min_length=2)
+
+    @model_validator(mode="after")
+    def _apart(self) -> Limits:
+        check_file_names("cases", self.cases)
+        check_file_names("changes", self.changes)
+        return self
+
+
+class LimitRuns:
+    """The scene of every run, by file name without suffix, and the change and case it belongs to."""
+
+    def __init__(self, limits: Limits, base: Mapping[str, Any], origin: str, probe: str = PROBE) -> None:
+        self.runs: dict[str, dict[str, Any]] = {}
+        self.rows: list[tuple[str, str]] = []
+        for change, settings in limits.changes.items():
+            for case, point in limits.cases.items():
+                scene = merge(merge(merge(base, limits.overrides), point), settings)
+                where = f"{origin}: change {change!r}, case {case!r}"
+                check_probe(probe, make_scene(scene, where), where)
+                self.runs[f"{file_name(change)}/{file_name(case)}"] = scene
+                self.rows.append((change, case))
+
+
+def load_limits(path: Path | str = "config/limits.yaml", folders: Sequence[Path] = (Path(),), probe: str = PROBE) -> LimitRuns:
+    """Validate the configuration and every scene, which has the ``probe`` that is measured; ValueError names file, key and value."""
+    limits = validated(Limits, read_yaml(found_file(folders, str(path), "limits")), str(path))
+    return LimitRuns(limits, read_scene(found_file(folders, limits.scene, f"{path}: scene")), str(path), probe)
+
+
+def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
+    """One row a change and case, from the runs in the rows' order; the first change is the reference."""
+    frame = pd.DataFrame(
+        [{"change": change, "case": case, **measure(run, settings)} for (change, case), run in zip(rows, runs, strict=True)]
+    )
+    reference = frame[frame["change"] == rows[0][0]].set_index("case")
+    for name in QUANTITIES:
+        as_it_is = frame["case"].map(reference[name])
+        frame[f"{name}_change"] = (frame[name] / as_it_is.where(as_it_is != 0)) - 1.0
+    return frame[[row.name for row in LIMITS]]
+
+
+def read_limits(path: Path | str = SHIPPED) -> pd.DataFrame:
+    """Table from its CSV; ValueError names a file that is none."""
+    return read_csv(path, LIMITS, "the limits")

@@ -1,0 +1,122 @@
+"""What the measured ladder answers: the error to expect of a scene, and the cheapest setting within an error.
+
+The table that was measured for this release is part of the package (``SHIPPED``); without it nothing is known, and that is said.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import pandas as pd
+
+from sph.experiments.cost_accuracy.design import scheme, settings_text
+from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, read_trade, summary
+from sph.scene.schema import Scene
+from sph.scene.strict_json import parse_json
+from sph.study.tables import EXPECTED
+
+SHIPPED = Path(__file__).parents[1] / "measured" / "trade.csv"
+"""Table measured for this release, by ``snakemake trade``."""
+NOT_MEASURED_YET = "not measured yet: this release holds no table of the ladder; 'snakemake --cores 2 trade' makes one"
+
+
+class Expected(NamedTuple):
+    """Errors to expect of a scene, from a rung with its scheme: largest relative deviations from the reference, over the cases."""
+
+    displacement: float
+    runout: float
+    from_baseline: tuple[float, float]  # displacement and run-out against the baseline, the paper's settings
+    rung: str  # knob and label
+
+    def sentence(self) -> str:
+        """The expectation in words."""
+        return (
+            f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the ladder's "
+            f"finest run, {percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of the paper's settings "
+            f"(measured on the ladder's slope, {self.rung})"
+        )
+
+
+class Advice(NamedTuple):
+    """A rung of the ladder as an answer."""
+
+    rung: Summary
+    settings: dict[str, Any]  # scene keys over the scene file
+    fits: bool  # False: the best there is
+
+
+def shipped_table() -> pd.DataFrame | None:
+    """The table measured for this release; None while there is none."""
+    return read_trade(SHIPPED) if SHIPPED.is_file() else None
+
+
+def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected | None:
+    """Errors of the rung with the scheme of a scene; None where no rung has it, one of its runs diverged, or there is no table.
+
+    ``table`` as from ``read_trade``; the shipped one by default.
+    """
+    table = shipped_table() if table is None else table
+    if table is None:
+        return None
+    wanted = settings_text(scheme(scene))
+    for rung in summary(table):
+        if rung.scheme == wanted and rung.every_case and rung.finished:
+            return Expected(
+                rung.errors["displacement"],
+                rung.errors["runout"],
+                (rung.baseline_errors["displacement"], rung.baseline_errors["runout"]),
+                rung.name,
+            )
+    return None
+
+
+def expected_sentence(scene: Scene) -> str:
+    """What the shipped table says of a scene, in words."""
+    if not SHIPPED.is_file():
+        return NOT_MEASURED_YET
+    expected = expected_error(scene)
+    return expected.sentence() if expected else "not measured: no rung of the ladder has these numerics"
+
+
+def expected_metrics(scene: Scene) -> dict[str, float]:
+    """The columns ``EXPECTED`` of a study's table for a scene, from the shipped table."""
+    expected = expected_error(scene)
+    errors = (expected.displacement, expected.runout) if expected else (math.nan, math.nan)
+    return {row.name: value for row, value in zip(EXPECTED, errors, strict=True)}
+
+
+def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(QUANTITIES)) -> Advice:
+    """The cheapest rung whose largest deviation stays within an error in every case and whose class agrees; else the most accurate one.
+
+    The reference itself is no answer, nor is a rung that was not run in every case, that changes the model (its errors may cancel others),
+    or whose time step exceeded the limit measured on the way.  Raises ValueError for a negative error, an unknown
+    quantity and a table without a rung to choose from.
+    """
+    if not 0 <= error < math.inf:
+        raise ValueError(f"error: {error} must be at least 0, for example 0.1 or 10%")
+    for name in quantities:
+        if name not in QUANTITIES:
+            raise ValueError(f"quantity: {name!r} must be one of {', '.join(QUANTITIES)}")
+    rungs = summary(table)
+    references = {rung.scheme for rung in rungs if rung.reference}
+    known = [rung for rung in rungs if rung.sound and rung.scheme not in references and rung.every_case and rung.finished]
+    if not known:
+        raise ValueError("table: no rung but the reference was run to its end in every case")
+
+    def misses(rung: Summary) -> tuple[bool, float]:
+        return rung.classes_agree < rung.cases, max(rung.errors[name] for name in quantities)
+
+    fitting = [rung for rung in known if misses(rung) <= (False, error)]
+    chosen = min(fitting, key=lambda rung: rung.cost) if fitting else min(known, key=misses)
+    try:
+        return Advice(chosen, parse_json(chosen.settings), bool(fitting))
+    except ValueError as error:
+        raise ValueError(f"table: the settings of {chosen.name}: {error}") from error
+
+
+def percent(value: float) -> str:
+    """A relative error as a percentage with two digits."""
+    return f"{100 * value:.2g} %" if abs(value) < 1 else f"{100 * value:.0f} %"

@@ -1,0 +1,241 @@
+"""The ladder: which runs measure what each saving of computing time costs in accuracy (``config/trade.yaml``).
+
+A *knob* is one thing to turn, a *rung* one of its positions, a *case* a point of the study.  Every rung is run in
+every case, whole and on its own; the case that is timed is run several times.  ``load_trade`` builds and checks the scene of every run,
+so that a typo or a time step above its limit is refused before any work.  Equal scenes are run once, whichever rungs they belong to.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+from pydantic import Field, model_validator
+
+from sph.measures.fields import check_probe
+from sph.measures.metrics import PROBE
+from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
+from sph.scene.schema import Scene, make_scene
+from sph.scene.strict_json import to_json
+from sph.solver.particles import locate_probes, place_particles
+from sph.solver.time_step import check_time_step
+from sph.study.plan import NAME
+
+FOLDER = "results/trade"
+"""Where the results go, relative to the working folder."""
+PRESETS = "preset"
+"""Knob whose rungs are the study's fidelities."""
+NOT_SCHEME = ("name", "title", "duration", "geometry", "soil", "motion", "probes", "outputs")
+"""Sections and keys of a scene that say what is simulated, not how."""
+CASE_KEYS = ("S_R", "gamma")
+"""Keys of ``coupling`` that say what is simulated."""
+
+Overrides = dict[str, Any]
+Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
+"""One line without '$', which begins a formula in figures."""
+Name = Annotated[str, Field(pattern=NAME)]
+
+
+class Extent(Section):
+    """How much of the ladder is run."""
+
+    repeats: int | None = key("runs of the timed case; null: as one level up", ge=1, le=100, default=None)
+    cases: tuple[str, ...] | None = key("cases that are run, the timed one among them; null: as one level up", min_length=1, default=None)
+
+
+class Knob(Extent):
+    """One thing to turn, and its positions."""
+
+    about: str = key("what the knob does, one sentence", min_length=1)
+    changes: Literal["accuracy", "model"] = key(
+        "accuracy: how well the scene is computed; model: what is computed, which 'sph advise' leaves alone", default="accuracy"
+    )
+    base: Overrides = key("scene keys of all its rungs", default={})
+    rungs: dict[Label, Overrides] = key("scene keys of each rung, by label", min_length=1)
+    exceptions: dict[Label, Extent] = key("rungs that are run less than the others, by label", default={})
+
+    @model_validator(mode="after")
+    def _known(self) -> Knob:
+        unknown = sorted(set(self.exceptions) - set(self.rungs))
+        if unknown:
+            raise ValueError(f"exceptions: {unknown[0]!r} is not one of the rungs {', '.join(self.rungs)}")
+        check_file_names("rungs", self.rungs)
+        return self
+
+
+class Reference(Section):
+    """The rung from which deviations are measured."""
+
+    knob: str = key("its knob")
+    rung: str = key("its label")
+
+
+class Trade(Section):
+    """The configuration of the ladder."""
+
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    overrides: Overrides = key("scene keys of every run", default={})
+    cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
+    timed_case: str = key("case whose runs are repeated and whose computing time is a rung's cost")
+    repeats: int = key("runs of the timed case", ge=1, le=100, default=3)
+    reference: Reference = key("the rung from which deviations are measured, the finest that runs in every case")
+    baseline: str = key("fidelity from which deviations are given as well", default="paper")
+    convergence: str = key("knob whose rungs differ in spacing: the order of convergence is measured on it", default="spacing")
+    knobs: dict[Name, Knob] = key(f"the knobs, by name; the fidelities of the study are added as the knob '{PRESETS}'", min_length=1)
+
+    @model_validator(mode="after")
+    def _known(self) -> Trade:
+        if PRESETS in self.knobs:
+            raise ValueError(f"knobs: {PRESETS!r} is the knob of the study's fidelities, choose another name")
+        if self.convergence not in self.knobs:
+            raise ValueError(f"convergence: {self.convergence!r} is not one of the knobs {', '.join(self.knobs)}")
+        check_file_names("cases", self.cases)
+        self._check_case("timed_case", self.timed_case)
+        for name, knob in self.knobs.items():
+            for label in knob.rungs:
+                for case in self.extent(name, label).cases or ():
+                    self._check_case(f"knobs.{name}, rung {label!r}: cases", case)
+                if self.timed_case not in (self.extent(name, label).cases or ()):
+                    raise ValueError(f"knobs.{name}, rung {label!r}: cases: the timed case {self.timed_case!r} must be among them")
+        return self
+
+    def _check_case(self, where: str, case: str) -> None:
+        if case not in self.cases:
+            raise ValueError(f"{where}: {case!r} is not one of the cases {', '.join(self.cases)}")
+
+    def extent(self, knob: str, rung: str) -> Extent:
+        """Cases and repeats of a rung: its own, else its knob's, else the ladder's."""
+        asked: list[Extent] = []
+        if knob in self.knobs:
+            asked = [self.knobs[knob].exceptions.get(rung, Extent()), self.knobs[knob]]
+        asked.append(Extent(repeats=self.repeats, cases=tuple(self.cases)))
+        return Extent(
+            repeats=next(extent.repeats for extent in asked if extent.repeats),
+            cases=next(extent.cases for extent in asked if extent.cases),
+        )
+
+
+class Rung(NamedTuple):
+    """One rung in one case: a row of the ladder's table."""
+
+    knob: str
+    rung: str
+    case: str
+    changes: str  # accuracy or model
+    settings: Overrides  # scene keys of the rung over the scene file
+    scheme: Overrides  # see the function
+    timed: bool
+    reference: bool
+    runs: tuple[str, ...]  # keys of ``Ladder.runs``, one a repeat
+
+
+class Ladder:
+    """A ladder with its scene file read: every row of its table, and the scene of every run."""
+
+    def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
+        if trade.baseline not in fidelities:
+            raise ValueError(f"{origin}: baseline: {trade.baseline!r} is not one of the fidelities {', '.join(fidelities)}")
+        self.trade, self.origin = trade, origin
+        self._base, self._fidelities, self._probe = base, fidelities, probe
+        self.runs: dict[str, dict[str, Any]] = {}
+        stems: dict[str, str] = {}
+        repeats: dict[str, int] = {}
+        found = []
+        for knob, label, settings in self._rungs():
+            extent = trade.extent(knob, label)
+            for case in extent.cases or ():
+                scene = merge(merge(base, settings), trade.cases[case])
+                built = self._checked(scene, f"{origin}: knob {knob}, rung {label!r}, case {case!r}")
+                content = built.model_dump_json(exclude={"name", "title"})
+                stem = stems.setdefault(content, f"{knob}/{file_name(label)}/{file_name(case)}")
+                repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
+                changes = trade.knobs[knob].changes if knob in trade.knobs else "accuracy"
+                found.append((knob, label, case, changes, settings, scheme(built), stem))
+                self.runs |= {f"{stem}_{number}": scene for number in range(1, repeats[stem] + 1) if f"{stem}_{number}" not in self.runs}
+        reference = (trade.reference.knob, trade.reference.rung)
+        self.rows = [
+            Rung(
+                knob,
+                label,
+                case,
+                changes,
+                settings,
+                how,
+                case == trade.timed_case,
+                (knob, label) == reference,
+                tuple(f"{stem}_{number}" for number in range(1, repeats[stem] + 1)),
+            )
+            for knob, label, case, changes, settings, how, stem in found
+        ]
+        missing = set(trade.cases) - {row.case for row in self.rows if row.reference}
+        if missing:
+            raise ValueError(
+                f"{origin}: reference: knob {reference[0]!r}, rung {reference[1]!r} is no rung that runs in every case "
+                f"(missing: {', '.join(sorted(missing))})"
+            )
+
+    def _rungs(self) -> Iterator[tuple[str, str, Overrides]]:
+        for label, settings in self._fidelities.items():
+            yield PRESETS, label, merge(self.trade.overrides, settings)
+        for name, knob in self.trade.knobs.items():
+            for label, settings in knob.rungs.items():
+                yield name, label, merge(merge(self.trade.overrides, knob.base), settings)
+
+    def _checked(self, scene: Mapping[str, Any], where: str) -> Scene:
+        """The scene, built as a run would build it; ValueError says where it is refused."""
+        built = make_scene(scene, where)
+        check_probe(self._probe, built, where)
+        try:
+            check_time_step(built)
+            locate_probes(built, place_particles(built))
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from error
+        return built
+
+
+def scheme(scene: Scene) -> Overrides:
+    """How a scene is simulated, as the keys that differ from their defaults: everything but ``NOT_SCHEME`` and ``CASE_KEYS``.
+
+    Two scenes of one scheme differ in what is simulated only.
+    """
+    kept = scene.model_dump(mode="json", exclude_defaults=True, exclude={*NOT_SCHEME})
+    coupling = {name: value for name, value in kept.pop("coupling", {}).items() if name not in CASE_KEYS}
+    return kept | ({"coupling": coupling} if coupling else {})
+
+
+def file_name(label: str) -> str:
+    """A label as part of a path: it cannot lead out of its folder, nor hide the file."""
+    return re.sub(r"^\.+|[^A-Za-z0-9_.-]+", "-", label)
+
+
+def check_file_names(where: str, labels: Iterable[str]) -> None:
+    """Refuse two labels with one file name, whose runs would overwrite each other; ValueError begins with ``where``."""
+    first: dict[str, str] = {}
+    for label in labels:
+        other = first.setdefault(file_name(label), label)
+        if other != label:
+            raise ValueError(f"{where}: {other!r} and {label!r} give the same file name {file_name(label)!r}")
+
+
+def load_trade(
+    config: Mapping[str, Any] | Path | str,
+    fidelities: Mapping[str, Overrides],
+    folders: Sequence[Path] = (Path(),),
+    probe: str = PROBE,
+) -> Ladder:
+    """Validate a ladder and every scene in it; ValueError names file, key and value.
+
+    ``fidelities`` and the ``probe`` that is measured are those of the study; ``folders`` are searched in order for the ladder's and the
+    scene's file.
+    """
+    origin = "trade" if isinstance(config, Mapping) else str(config)
+    data = config if isinstance(config, Mapping) else read_yaml(found_file(folders, str(config), "trade"))
+    trade = validated(Trade, data, origin)
+    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{origin}: scene")), fidelities, origin, probe)
+
+
+def settings_text(settings: Mapping[str, Any]) -> str:
+    """Scene keys as one line of JSON, for a table."""
+    return to_json(settings, sort_keys=True, separators=(", ", ": "))

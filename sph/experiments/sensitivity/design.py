@@ -1,0 +1,338 @@
+"""Which factors decide the answer: designs of runs around the study's scene (``config/sensitivity.yaml``, ``snakemake sensitivity``).
+
+Three designs.  *Morris* trajectories screen all factors (``elementary_effects``); *tornado* moves one factor at a time to
+both ends of its range; *Sobol'* fills the space of the factors that matter, others at the scene's own values, for a surrogate and its
+indices (``surrogate``).  Enlarging a design keeps its first runs: every trajectory has a seed of its own, and a longer
+scrambled Sobol' sequence begins as a shorter one.  Some points of the last design can be confirmed at another fidelity.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from sph.experiments.cost_accuracy.design import Label, Overrides
+from sph.measures.fields import check_probe
+from sph.measures.metrics import METRIC_BY_NAME
+from sph.scene.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.scene.schema import make_scene
+from sph.scene.strict_json import parse_json
+from sph.solver.particles import locate_probes, place_particles
+from sph.solver.time_step import check_time_step
+from sph.storage.trajectory import Variable
+from sph.study.plan import Plan
+from sph.study.tables import ROW, text_column
+
+BASE = "base"
+"""Name of the run of the scene as it is."""
+ENDS = ("low", "high")
+"""Ends of a factor's range, in the order of its bounds."""
+CONFIRM = "confirm"
+"""Design of the runs that repeat others at another fidelity."""
+
+SAMPLE: tuple[Variable, ...] = (
+    text_column("run", "file of the run under runs/, without suffix"),
+    text_column("reason", "why a run diverged"),
+    *(METRIC_BY_NAME[name]._replace(dims=ROW) for name in ("status", "collapse_class", "still_moving", "wall_time")),
+)
+"""The columns of a sample before those of its factors and metrics."""
+Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
+SceneKey = Annotated[str, Field(pattern=r"^[A-Za-z_][A-Za-z0-9_]*(\.[A-Za-z_][A-Za-z0-9_]*)*$")]
+
+
+class Factor(Section):
+    """A number of the scene, or several in proportion, and its range."""
+
+    keys: dict[SceneKey, Annotated[float, Field(gt=0)]] = key(
+        "scene keys, dotted, and by what the factor's value is multiplied for each, in the proportion of the scene's own values; "
+        "unit and base value are those of the first",
+        min_length=1,
+    )
+    bounds: tuple[float, float] = key("smallest and largest value, in the unit of the first key; the scene's own value lies between")
+    scale: Literal["linear", "log"] = key("scale on which the range is filled evenly", default="linear")
+    label: Label | None = key("name in figures; null: that of the factor", default=None)
+
+    @model_validator(mode="after")
+    def _range(self) -> Factor:
+        low, high = self.bounds
+        if not low < high or self.scale == "log" and low <= 0:
+            raise ValueError(f"bounds: [{low}, {high}] must increase" + (" and be positive on a log scale" if self.scale == "log" else ""))
+        return self
+
+
+class Analysed(Section):
+    """How a metric is analysed."""
+
+    log_offset: float | None = key(
+        "null: the metric itself; a number: the decimal logarithm of metric + number, in the metric's unit", gt=0, default=None
+    )
+
+
+class MorrisSettings(Section):
+    """The screening."""
+
+    trajectories: int = key("trajectories, each of one run more than there are factors", ge=2, le=1000, default=10)
+    levels: Literal[4, 6, 8, 10] = key("levels of every factor", default=4)
+    resamples: int = key("bootstrap resamples behind the intervals", ge=100, le=100_000, default=2000)
+
+
+class SobolSettings(Section):
+    """The indices and the surrogate they are computed with."""
+
+    samples: int = key("runs, the first of a scrambled Sobol' sequence; powers of 2 fill the space most evenly", ge=8, le=8192, default=128)
+    factors: tuple[str, ...] | None = key("factors that are varied; null: those that the screening finds", min_length=1, default=None)
+    share: float = key(
+        "the screening finds a factor whose mu* is at least this part of the largest mu* of some metric", gt=0, le=1, default=0.2
+    )
+    folds: int = key("parts of the cross-validation", ge=2, le=100, default=8)
+    least_q2: float = key("the indices of a metric whose Q2 lies below this are not to be trusted", ge=0, lt=1, default=0.8)
+    draws: int = key("functions drawn from the surrogate's posterior behind the intervals", ge=50, le=10_000, default=400)
+    points: int = key("points of the estimator of the indices, a power of 2", ge=64, le=65_536, default=1024)
+
+    @model_validator(mode="after")
+    def _power(self) -> SobolSettings:
+        if self.points.bit_count() != 1:
+            raise ValueError(f"points: {self.points} is no power of 2")
+        return self
+
+
+class Confirm(Section):
+    """Points that are repeated at another fidelity."""
+
+    fidelity: str = key("one of the study's fidelities; where it is the study's own, nothing is repeated")
+    points: int = key("how many, the first of the Sobol' sample", ge=1, le=1000)
+
+
+class Sensitivity(Section):
+    """The configuration."""
+
+    overrides: Overrides = key("scene keys of every run, over those of the fidelity", default={})
+    seed: int = key("seed of trajectories, sequence, cross-validation and draws", ge=0, le=2**31, default=1)
+    factors: dict[Name, Factor] = key("the factors, by name", min_length=2, max_length=12)
+    metrics: dict[Name, Analysed] = key("the metrics that are analysed, by their names in study.csv", min_length=1, max_length=6)
+    morris: MorrisSettings = key("screening of all factors by elementary effects", default=MorrisSettings())
+    sobol: SobolSettings = key("indices of the factors that matter", default=SobolSettings())
+    confirm: Confirm | None = key("points repeated at another fidelity", default=None)
+
+    @model_validator(mode="after")
+    def _known(self) -> Sensitivity:
+        for where, names, known in (
+            ("metrics", self.metrics, [metric.name for metric in METRIC_BY_NAME.values() if metric.dtype == "f8"]),
+            ("sobol.factors", self.sobol.factors or (), list(self.factors)),
+        ):
+            for name in names:
+                if name not in known:
+                    raise ValueError(f"{where}: {name!r} is not one of {', '.join(known)}")
+        taken = {column.name for column in SAMPLE} | set(self.metrics)
+        for name in self.factors:
+            if name in taken:
+                raise ValueError(f"factors: {name!r} is a column of the sample already, choose another name")
+        paths = [path for factor in self.factors.values() for path in factor.keys]
+        if len(set(paths)) < len(paths):
+            raise ValueError(f"factors: two of them set the key {next(path for path in paths if paths.count(path) > 1)}")
+        if self.confirm and self.confirm.points > self.sobol.samples:
+            raise ValueError(f"confirm.points: {self.confirm.points} is more than sobol.samples: {self.sobol.samples}")
+        return self
+
+
+class Axis(NamedTuple):
+    """A factor, ready for use."""
+
+    name: str
+    label: str
+    unit: str
+    low: float
+    high: float
+    log: bool
+    base: float  # value in the scene as it is
+
+    def value(self, share: float) -> float:
+        """Value at a share, 0 to 1, of the range."""
+        if self.log:
+            return float(self.low * (self.high / self.low) ** share)
+        return self.low + share * (self.high - self.low)
+
+    def share(self, value: np.ndarray) -> np.ndarray:
+        """Share of the range below values (n,)."""
+        if self.log:
+            return np.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+
+class Quantity(NamedTuple):
+    """A metric as it is analysed."""
+
+    metric: str
+    log_offset: float | None
+
+    @property
+    def metric_unit(self) -> str:
+        """Unit of the metric."""
+        return METRIC_BY_NAME[self.metric].units
+
+    @property
+    def text(self) -> str:
+        """What is analysed, in words."""
+        return self.metric if self.log_offset is None else f"log10({self.metric} + {self.log_offset:g} {self.metric_unit})"
+
+    @property
+    def unit(self) -> str:
+        """Unit of what is analysed: a decade of the sum on the logarithmic scale."""
+        return self.metric_unit if self.log_offset is None else "decade"
+
+    def of(self, values: np.ndarray) -> np.ndarray:
+        """What is analysed, from metrics (n,); NaN stays NaN."""
+        return values if self.log_offset is None else np.log10(values + self.log_offset)
+
+
+Point = tuple[float, ...]
+
+
+class SensitivityPlan:
+    """The factors, and the values and the scene of every run by design and name."""
+
+    def __init__(self, settings: Sensitivity, plan: Plan, origin: str) -> None:
+        self.settings, self.origin = settings, origin
+        confirm, own = settings.confirm, plan.study.fidelity
+        if confirm and confirm.fidelity not in plan.study.fidelities:
+            known = ", ".join(plan.study.fidelities)
+            raise ValueError(f"{origin}: confirm.fidelity: {confirm.fidelity!r} is not one of {known}")
+        self.fidelities = (own, confirm.fidelity if confirm else own)
+        self.quantities = [Quantity(name, analysed.log_offset) for name, analysed in settings.metrics.items()]
+        self._bases = {name: merge(plan.at(name).scene(), settings.overrides) for name in self.fidelities}
+        self.axes = self._axes(plan.study.metrics.probe)
+        self._designs = {"morris": dict(self._morris()), "tornado": dict(self._tornado())}
+
+    @property
+    def confirmed(self) -> int:
+        """Number of points that are repeated at another fidelity."""
+        own, other = self.fidelities
+        return self.settings.confirm.points if self.settings.confirm and other != own else 0
+
+    def design(self, design: str, chosen: Sequence[str] = ()) -> dict[str, Point]:
+        """Values of the factors of every run of a design, by name; ``chosen`` factors are varied in 'sobol' and 'confirm'."""
+        if design in self._designs:
+            return self._designs[design]
+        return dict(itertools.islice(self._sobol(chosen), self.confirmed if design == CONFIRM else None))
+
+    def scene(self, design: str, run: str, chosen: Sequence[str] = ()) -> dict[str, Any]:
+        """Scene of a run of a design, as a mapping."""
+        return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
+
+    def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
+        """Scenes of all runs of a design, in their order."""
+        return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]
+
+    def check(self) -> None:
+        """Build the scene of every run, with its particles and probes, and of every corner of the ranges at every fidelity; ValueError
+        names the point.
+
+        Which factors the Sobol' sample varies is not known yet: that of all factors stands for it.
+        """
+        for design in (*self._designs, "sobol"):
+            for run, point in self.design(design, [axis.name for axis in self.axes]).items():
+                self._check(self._scene(point, self.fidelities[0]), f"{design}/{run}")
+        for corner in itertools.product(*((axis.low, axis.high) for axis in self.axes)):
+            at = ", ".join(f"{axis.name} = {value:g}" for axis, value in zip(self.axes, corner, strict=True))
+            for fidelity in self._bases:
+                self._check(self._scene(corner, fidelity), f"{at}, fidelity {fidelity}")
+
+    def _scene(self, point: Point, fidelity: str) -> dict[str, Any]:
+        factors = zip(self.settings.factors.values(), point, strict=True)
+        return merge(
+            self._bases[fidelity], dotted({name: ratio * value for factor, value in factors for name, ratio in factor.keys.items()})
+        )
+
+    def _check(self, scene: Mapping[str, Any], where: str) -> None:
+        built = make_scene(scene, f"{self.origin}: at {where}")
+        try:
+            check_time_step(built)
+            locate_probes(built, place_particles(built))
+        except ValueError as error:
+            raise ValueError(f"{self.origin}: at {where}: {error}") from error
+
+    def _axes(self, probe: str) -> list[Axis]:
+        scene = make_scene(self._bases[self.fidelities[0]], self.origin)
+        for fidelity, keys in self._bases.items():
+            check_probe(probe, make_scene(keys, self.origin), f"{self.origin}: at fidelity {fidelity}")
+        axes = []
+        for name, factor in self.settings.factors.items():
+            where = f"{self.origin}: factors.{name}"
+            if not isinstance(scene.probes[probe], str) and any(path.startswith("geometry.") for path in factor.keys):
+                raise ValueError(
+                    f"{where}: changes the geometry, which probes.{probe}: {scene.probes[probe]} does not follow; use crest_edge"
+                )
+            values, units = zip(*(number_of(scene, path, where) for path in factor.keys), strict=True)
+            bases = np.divide(values, list(factor.keys.values()))
+            if not np.allclose(bases, bases[0]):
+                raise ValueError(
+                    f"{where}: keys: the scene's own values, {', '.join(f'{v:g}' for v in values)}, are not in this proportion"
+                )
+            unit, base = units[0], float(bases[0])
+            axis = Axis(name, factor.label or name, unit, *factor.bounds, factor.scale == "log", base)
+            if not axis.low <= axis.base <= axis.high:
+                raise ValueError(f"{where}: bounds: [{axis.low:g}, {axis.high:g}] do not hold the scene's own value, {axis.base:g} {unit}")
+            axes.append(axis)
+        return axes
+
+    def _values(self, shares: np.ndarray, axes: Sequence[Axis]) -> Point:
+        """Values of all factors: ``axes`` at shares (k,) of their ranges, others at their base value."""
+        moved = {axis.name: axis.value(float(share)) for axis, share in zip(axes, shares, strict=True)}
+        return tuple(moved.get(axis.name, axis.base) for axis in self.axes)
+
+    def _morris(self) -> Iterable[tuple[str, Point]]:
+        from SALib.sample import morris
+
+        problem = {"num_vars": len(self.axes), "names": [axis.name for axis in self.axes], "bounds": [[0.0, 1.0]] * len(self.axes)}
+        for number in range(self.settings.morris.trajectories):
+            seed = int(np.random.SeedSequence([self.settings.seed, number]).generate_state(1)[0])
+            steps = morris.sample(problem, 1, num_levels=self.settings.morris.levels, seed=seed)
+            for step, shares in enumerate(steps):
+                yield f"{number:04d}/{step:02d}", self._values(shares, self.axes)
+
+    def _tornado(self) -> Iterable[tuple[str, Point]]:
+        base = tuple(axis.base for axis in self.axes)
+        yield BASE, base
+        for place, axis in enumerate(self.axes):
+            for end, value in zip(ENDS, (axis.low, axis.high), strict=True):
+                yield f"{axis.name}/{end}", (*base[:place], value, *base[place + 1 :])
+
+    def _sobol(self, chosen: Sequence[str]) -> Iterable[tuple[str, Point]]:
+        from scipy.stats import qmc  # type: ignore[import-untyped]
+
+        axes = [axis for axis in self.axes if axis.name in chosen]
+        count = self.settings.sobol.samples
+        sequence = qmc.Sobol(len(axes), scramble=True, rng=self.settings.seed).random_base2(math.ceil(math.log2(count)))
+        for number, shares in enumerate(sequence[:count]):
+            yield f"{number:04d}", self._values(shares, axes)
+
+
+def chosen_factors(path: Path | str | Sequence[str]) -> list[str]:
+    """Names in the file of the factors that matter; none where there is no file."""
+    return parse_json(Path(path).read_text(encoding="utf-8")) if isinstance(path, (str, Path)) else []
+
+
+def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:
+    """Value and unit of a dotted key of a scene; ValueError beginning with ``where`` if it holds no number."""
+    at: Any = scene
+    for part in path.split("."):
+        owner, at = at, getattr(at, part, None) if isinstance(at, Section) and part in type(at).model_fields else None
+    if not isinstance(at, (int, float)):
+        raise ValueError(f"{where}: {path} is no number of the scene")
+    extra: Any = type(owner).model_fields[path.split(".")[-1]].json_schema_extra
+    return float(at), extra["unit"]
+
+
+def load_sensitivity(path: Path | str, plan: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> SensitivityPlan:
+    """Validate the configuration and, with ``check``, the scenes of all runs; ValueError names file, key and value."""
+    settings = validated(Sensitivity, read_yaml(found_file(folders, str(path), "sensitivity")), str(path))
+    found = SensitivityPlan(settings, plan, str(path))
+    if check:
+        found.check()
+    return found

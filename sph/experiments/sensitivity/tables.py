@@ -1,0 +1,115 @@
+"""Tables of the sensitivity analysis: its runs, the ends of the ranges, and points at two fidelities."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from sph.experiments.sensitivity.design import ENDS, SAMPLE, Axis, Point, Quantity
+from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
+from sph.storage.trajectory import Variable
+from sph.study.tables import ROW, number_column, read_csv, text_column
+
+CONFIRMED: tuple[Variable, ...] = (
+    text_column("run", "file of the run under runs/, without suffix"),
+    text_column("metric", "metric, as in study.csv"),
+    text_column("units", "its unit"),
+    text_column("fidelity", "the study's fidelity"),
+    text_column("confirmed_at", "the fidelity it is repeated at"),
+    number_column("value", "as units", "metric at the study's fidelity; NaN for a diverged run"),
+    number_column("confirmed", "as units", "metric at the other one; NaN for a diverged run"),
+    number_column("difference", "as units", "value minus confirmed"),
+    number_column("relative_difference", "1", "difference over confirmed; NaN where that is 0"),
+)
+"""The columns of the confirmation."""
+TORNADO: tuple[Variable, ...] = (
+    text_column("metric", "metric, as in study.csv"),
+    text_column("units", "its unit"),
+    text_column("factor", "factor that is moved, all others at their base value"),
+    text_column("factor_units", "its unit"),
+    *(number_column(name, "as factor_units", f"{text} of the factor") for name, text in zip(ENDS, ("low end", "high end"), strict=True)),
+    number_column("base_value", "as factor_units", "the factor's value in the scene as it is"),
+    number_column("at_base", "as units", "metric of the scene as it is; NaN if that diverged"),
+    *(number_column(f"at_{name}", "as units", f"metric at the {name} end; NaN for a diverged run") for name in ENDS),
+    number_column("swing", "as units", "range of the three values; NaN if one diverged"),
+    Variable("diverged", ROW, "i4", "1", "diverged runs among the three"),
+)
+"""The columns of the effects one at a time."""
+
+
+def sample_columns(axes: Sequence[Axis], quantities: Sequence[Quantity]) -> tuple[Variable, ...]:
+    """All columns of a sample: of every run, its factors and its metrics."""
+    return (
+        *SAMPLE,
+        *(number_column(axis.name, axis.unit, f"factor: {axis.label}") for axis in axes),
+        *(METRIC_BY_NAME[quantity.metric]._replace(dims=ROW) for quantity in quantities),
+    )
+
+
+def sample_row(run: str, point: Point, trajectory: xr.Dataset, columns: Sequence[Variable], metrics: MetricSettings) -> dict[str, Any]:
+    """Row of a sample with the columns of ``sample_columns``."""
+    values = {"run": run, "reason": trajectory.attrs["status_reason"], **measure(trajectory, metrics)}
+    values |= dict(zip([column.name for column in columns if column.text.startswith("factor: ")], point, strict=True))
+    return {column.name: values[column.name] for column in columns}
+
+
+def read_sample(path: Path | str, axes: Sequence[Axis], quantities: Sequence[Quantity]) -> pd.DataFrame:
+    """A sample from its CSV; ValueError names a file that is none."""
+    return read_csv(path, sample_columns(axes, quantities), "a sample")
+
+
+def described(path: Path | str) -> str:
+    """Runs of a sample, from its CSV, and how many of them diverged, in words for a caption."""
+    sample = pd.read_csv(path, usecols=["run", "status"])
+    lost = diverged_runs(sample)
+    return f"{len(sample)} runs, " + (f"{lost} of which diverged and are left out" if lost else "none of which diverged")
+
+
+def diverged_runs(sample: pd.DataFrame) -> int:
+    """Number of diverged runs of a sample."""
+    return int((sample["status"] == "diverged").sum())
+
+
+def tornado_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequence[Quantity]) -> pd.DataFrame:
+    """Metrics at both ends of every factor, from the runs of the tornado in their order: the base, then two a factor."""
+    rows = []
+    for quantity in quantities:
+        values = sample[quantity.metric].to_numpy()
+        lost = (sample["status"] == "diverged").to_numpy()
+        for place, axis in enumerate(axes):
+            own = [0, 2 * place + 1, 2 * place + 2]
+            at = values[own]
+            rows.append(
+                (
+                    quantity.metric,
+                    quantity.metric_unit,
+                    axis.name,
+                    axis.unit,
+                    axis.low,
+                    axis.high,
+                    axis.base,
+                    *at,
+                    np.ptp(at),
+                    lost[own].sum(),
+                )
+            )
+    return pd.DataFrame(rows, columns=[column.name for column in TORNADO])
+
+
+def confirmation_table(
+    sample: pd.DataFrame, confirmed: pd.DataFrame, quantities: Sequence[Quantity], names: tuple[str, str]
+) -> pd.DataFrame:
+    """The runs of ``confirmed`` beside the same points of ``sample``, which come first in it; ``names`` are the two fidelities."""
+    rows = []
+    for quantity in quantities:
+        pairs = zip(confirmed["run"], sample[quantity.metric], confirmed[quantity.metric], strict=False)
+        for run, value, other in pairs:
+            relative = (value - other) / other if other else math.nan
+            rows.append((run, quantity.metric, quantity.metric_unit, *names, value, other, value - other, relative))
+    return pd.DataFrame(rows, columns=[column.name for column in CONFIRMED])

@@ -1,0 +1,23 @@
+"""The numbers of a run in the table of a study: its metrics, what the ladder lets one expect of them, and the sliding block beside it."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from sph.experiments.cost_accuracy.advice import expected_metrics
+from sph.experiments.cost_accuracy.design import scheme, settings_text
+from sph.measures.metrics import MetricSettings, Value, measure
+from sph.storage.trajectory import scene_of
+from sph.study.baseline import baseline_metrics
+
+_known: dict[str, dict[str, float]] = {}
+"""Errors to expect by how a scene is simulated, which the runs of a study often share."""
+
+
+def run_values(run: xr.Dataset, settings: MetricSettings, yield_acceleration: float) -> dict[str, Value]:
+    """The columns ``sph.study.tables.VALUES`` of a run, from its trajectory and the yield acceleration of its slope (m/s2)."""
+    scene = scene_of(run)
+    numerics = settings_text(scheme(scene))
+    if numerics not in _known:
+        _known[numerics] = expected_metrics(scene)
+    return measure(run, settings) | _known[numerics] | baseline_metrics(scene, yield_acceleration)

@@ -1,0 +1,1 @@
+"""The shaking that triggers failure: searches by refinement, critical amplitudes, maps over S_R, gamma and amplitude."""

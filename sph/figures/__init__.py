@@ -1,0 +1,58 @@
+"""Figures 1-7 of the paper and the plot of one trajectory; a function draws, it does not derive quantities.
+
+* ``arrangement``: what goes in: geometry, motion, initial particles (Figs. 1-3)
+* ``profile``: particles of a frame, drawn to size (Figs. 3-5)
+* ``history``: motion of a probe against time (Figs. 6-7)
+* ``overview``: one trajectory at a chosen time (``sph plot``)
+* ``film``: one trajectory through time (``sph animate``)
+* ``scene``: a scene before it is run (``sph check``)
+* ``study``: a study of any dimensions: results against each
+* ``trade``: the ladder: error against cost, results against spacing
+* ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
+* ``style``: sizes, fonts, colours, the note on every figure, saving
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
+from sph.figures.history import figure_gamma_histories, figure_strength_histories
+from sph.figures.overview import plot_trajectory
+from sph.figures.profile import figure_profiles
+from sph.figures.study import figure_study
+from sph.figures.style import save
+
+__all__ = [
+    "FIGURES",
+    "caption",
+    "figure_arrangement",
+    "figure_gamma_histories",
+    "figure_geometry",
+    "figure_motion",
+    "figure_profiles",
+    "figure_strength_histories",
+    "figure_study",
+    "plot_trajectory",
+    "save",
+]
+
+FIGURES: dict[int, Callable[..., Figure]] = {
+    1: figure_geometry,
+    2: figure_motion,
+    3: figure_arrangement,
+    4: figure_profiles,
+    5: figure_profiles,
+    6: figure_strength_histories,
+    7: figure_gamma_histories,
+}
+"""The function of each of the paper's figures."""
+
+
+def caption(figure: Callable[..., Any]) -> str:
+    """Caption of a figure for a report: the first paragraph of its function's docstring, on one line."""
+    return " ".join((inspect.getdoc(figure) or "").split("\n\n")[0].split())

@@ -1,0 +1,82 @@
+"""One trajectory at a chosen time: profile, probes, energies (``sph plot``)."""
+
+from __future__ import annotations
+
+from textwrap import fill
+
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from sph.figures.history import shade_shaking
+from sph.figures.profile import draw_profile, field_norm, frame_limits, mark_probes
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, styled
+from sph.measures.fields import FIELDS, check_field, last_at, probe_history
+from sph.storage.trajectory import scene_of
+
+ENERGIES = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy", "shaking_work")
+
+
+@styled
+def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: str = "initial_height", fidelity: str = "") -> Figure:
+    """One run: profile at a time, coloured by a field; displacement of the probes; energies.
+
+    ``time`` (s) picks the last frame not later than it, None the last frame of all; ``field`` is a name of ``FIELDS``.
+    Raises ValueError for an unknown field and a time outside the run.
+    """
+    check_field(field)
+    scene, frame = scene_of(trajectory), _frame_at(trajectory, time)
+    shown = float(trajectory["time"].values[frame])
+    left, right, lower, upper = frame_limits(trajectory, frame)
+    panel = (WIDTH - 2.0) * (upper - lower) / (right - left)
+    figure = Figure(figsize=(WIDTH, panel + 4.8), layout="constrained")
+    axes = figure.subplots(3, 1, height_ratios=[panel + 0.5, 1.7, 1.7])
+    circles = draw_profile(axes[0], trajectory, frame, field, field_norm({"": trajectory}, field, frame))
+    mark_probes(axes[0], trajectory, frame)
+    chosen = FIELDS[field]
+    beside = axes[0].inset_axes((1.015, 0.0, 0.02, 1.0))
+    figure.colorbar(circles, cax=beside, label=fill(f"{chosen.label} ({chosen.units})", max(12, int(15 * panel))))
+    status = trajectory.attrs["status"]
+    coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} 1/s"
+    axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling}, {status}", loc="left")
+    axes[0].set_xlabel("horizontal position (m)")
+    _draw_probes(axes[1], trajectory)
+    _draw_energies(axes[2], trajectory)
+    for ax in axes[1:]:
+        shade_shaking(ax, scene)
+        ax.axvline(shown, color=GREY, linewidth=0.8, linestyle=":")
+        ax.set_xlim(0.0, scene.duration)
+        ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), handlelength=3.2)
+    axes[2].set_xlabel("time (s)")
+    add_note(figure, [scene], fidelity)
+    return figure
+
+
+def _frame_at(trajectory: xr.Dataset, time: float | None) -> int:
+    times = trajectory["time"].values
+    if time is None:
+        return len(times) - 1
+    if not 0.0 <= time <= float(trajectory["sample_time"].values[-1]) + 1e-9:
+        raise ValueError(f"time: {time} s lies outside the run, which ends at {float(trajectory['sample_time'].values[-1]):g} s")
+    return last_at(times, time, scene_of(trajectory))
+
+
+def _draw_probes(ax: Axes, trajectory: xr.Dataset) -> None:
+    names = [str(name) for name in trajectory["probe"].values]
+    colours = curve_colours(2 * len(names))
+    for number, name in enumerate(names):
+        history = probe_history(trajectory, name)
+        for offset, axis in enumerate(("vertical", "horizontal")):
+            at = 2 * number + offset
+            style = LINE_STYLES[at % len(LINE_STYLES)]
+            ax.plot(history.time, getattr(history, axis), color=colours[at], linestyle=style, label=f"{name}, {axis}")
+    ax.margins(y=0.15)
+    ax.set_ylabel("displacement (m)")
+
+
+def _draw_energies(ax: Axes, trajectory: xr.Dataset) -> None:
+    for name, colour, style in zip(ENERGIES, curve_colours(len(ENERGIES)), LINE_STYLES, strict=False):
+        label = name.removesuffix("_energy").replace("_", " ")
+        ax.plot(trajectory["sample_time"].values, 1e-6 * trajectory[name].values, color=colour, linestyle=style, label=label)
+    ax.margins(y=0.15)
+    ax.set_ylabel("energy (MJ/m)")

@@ -1,0 +1,166 @@
+"""Particles of a frame, drawn to their physical size (Figs. 3-5)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import AutoLocator
+
+from sph.figures.style import WIDTH, add_note, colour_map, label_panels, styled
+from sph.measures.fields import FIELDS, with_end
+from sph.scene.ground_line import GroundLine
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL
+from sph.storage.trajectory import scene_of
+
+OUTSIDE = 0.45
+"""Inches beside the axes of a profile that ticks and labels need; only sets the figure's height."""
+
+
+def surface_line(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the initial surface from left to right, m."""
+    x, y = scene.geometry.surface
+    return np.array(x), np.array(y)
+
+
+def draw_circles(ax: Axes, x: np.ndarray, y: np.ndarray, diameter: float, **style: Any) -> EllipseCollection:
+    """Circles of a diameter in metres at (n,) places; they keep their size under zoom."""
+    width = np.full(x.size, diameter)
+    circles = EllipseCollection(width, width, np.zeros(x.size), units="xy", offsets=np.column_stack([x, y]), **style)
+    circles.set_offset_transform(ax.transData)
+    ax.add_collection(circles)
+    return circles
+
+
+def frame_limits(trajectory: xr.Dataset, frame: int) -> tuple[float, float, float, float]:
+    """Left, right, lower and upper end (m) of the box and of the soil in a frame, with a margin; far-flung particles are cut off."""
+    scene = scene_of(trajectory)
+    spacing, layers = scene.numerics.spacing, scene.walls.layers
+    x, y = trajectory["x0"].values, trajectory["y0"].values
+    top = max(y.max(), min(float(np.nanmax(trajectory["y"].values[frame])), 1.5 * scene.geometry.height))
+    left, right = (x.min() - spacing, x.max() + spacing) if scene.walls.sides != "none" else _reach(trajectory, frame, layers * spacing)
+    return left, right, y.min() - spacing, top + spacing
+
+
+def _reach(trajectory: xr.Dataset, frame: int, margin: float) -> tuple[float, float]:
+    """Extent of the middle 99 % of the particles in a box without side walls."""
+    x, x0 = trajectory["x"].values[frame], trajectory["x0"].values
+    low, high = np.nanpercentile(x, [0.5, 99.5])
+    return min(float(low), x0.min()) - margin, max(float(high), x0.max()) + margin
+
+
+def draw_profile(ax: Axes, trajectory: xr.Dataset, frame: int, field: str, norm: Normalize, colours: str = "batlow") -> EllipseCollection:
+    """Soil coloured by a field of ``FIELDS``, box in white, initial surface as a thin line; returns the coloured circles."""
+    scene = scene_of(trajectory)
+    soil = trajectory["kind"].values == SOIL
+    x, y = trajectory["x"].values[frame], trajectory["y"].values[frame]
+    spacing = scene.numerics.spacing
+    draw_circles(ax, x[~soil], y[~soil], spacing, facecolor="white", edgecolor="0.35", linewidth=0.25)
+    values = FIELDS[field].of(trajectory, frame)[soil]
+    circles = draw_circles(ax, x[soil], y[soil], spacing, array=values, cmap=colour_map(colours), norm=norm, edgecolor="0.3", linewidth=0.1)
+    surface_x, surface_y = surface_line(scene)
+    end_of_soil = trajectory["x0"].values[soil].max() + 0.5 * spacing  # whole columns of particles may leave a part of the width empty
+    ax.plot(np.minimum(surface_x, end_of_soil), surface_y, color="black", linewidth=0.7)
+    ax.set_aspect("equal")
+    left, right, lower, upper = frame_limits(trajectory, frame)
+    ax.set(xlim=(left, right), ylim=(lower, upper))
+    survey_axes(ax, scene)
+    return circles
+
+
+class SurveyTicks(AutoLocator):
+    """Ticks at round numbers of a survey's coordinate, which runs from ``start`` (m) at the box's 0 in a ``direction`` of 1 or -1."""
+
+    def __init__(self, start: float, direction: int) -> None:
+        super().__init__()
+        self.start, self.direction = start, direction
+
+    def tick_values(self, vmin: float, vmax: float) -> Sequence[float]:
+        """Places of the ticks in the box's coordinate."""
+        ends = sorted(self.start + self.direction * value for value in (vmin, vmax))
+        return sorted(self.direction * (tick - self.start) for tick in super().tick_values(*ends))
+
+    def label(self, value: float, _: float = 0.0) -> str:
+        """The survey's coordinate of a place."""
+        return f"{round(self.start + self.direction * value, 6) + 0.0:.12g}".replace("-", "\N{MINUS SIGN}")
+
+
+def survey_axes(ax: Axes, scene: Scene) -> None:
+    """Show a survey's own coordinates along both axes; those of a slope that falls to the right decrease to the right."""
+    geometry = scene.geometry
+    if not isinstance(geometry, GroundLine):
+        ax.set_ylabel("height (m)")
+        return
+    for axis, ticks in ((ax.xaxis, SurveyTicks(geometry.origin[0], geometry.direction)), (ax.yaxis, SurveyTicks(geometry.origin[1], 1))):
+        axis.set_major_locator(ticks)
+        axis.set_major_formatter(ticks.label)
+    ax.set_ylabel("elevation (m)")
+
+
+def mark_probes(ax: Axes, trajectory: xr.Dataset, frame: int) -> None:
+    """A ring and the name at every probe."""
+    for name, particle in zip(trajectory["probe"].values, trajectory["probe_particle"].values, strict=True):
+        x, y = (float(trajectory[axis].values[frame, particle]) for axis in ("x", "y"))
+        mark_place(ax, str(name), x, y)
+
+
+def mark_place(ax: Axes, name: str, x: float, y: float) -> None:
+    """A ring and a name."""
+    ax.plot(x, y, marker="o", markersize=5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=1.0, zorder=4)
+    halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
+    ax.annotate(name, (x, y), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom", weight="bold", bbox=halo, zorder=5)
+
+
+def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:
+    """One scale for the soil of several trajectories in some frames, the last one by default; a constant field gets a span of 1,
+    values that are not finite are left out."""
+    soils = [(ds, ds["kind"].values == SOIL) for ds in trajectories.values()]
+    values = np.concatenate([FIELDS[field].of(ds, frame)[soil] for ds, soil in soils for frame in frames or (-1,)])
+    finite = values[np.isfinite(values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    low = 0.0 if low > 0 else low
+    return Normalize(low, high if high > low else low + 1.0)
+
+
+def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field: str) -> Figure:
+    """Profiles of one frame below each other, a title for each, one colour bar; x axis and scale are common."""
+    if not trajectories:
+        raise ValueError("trajectories: a figure of profiles needs at least one")
+    limits = np.array([frame_limits(ds, frame) for ds in trajectories.values()])
+    left, right, lower, upper = limits[:, 0].min(), limits[:, 1].max(), limits[:, 2].min(), limits[:, 3].max()
+    panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
+    figure = Figure(figsize=(WIDTH, len(trajectories) * (panel + OUTSIDE) + 0.65), layout="compressed")
+    axes = figure.subplots(len(trajectories), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    norm = field_norm(trajectories, field, frame)
+    for ax, trajectory in zip(axes, trajectories.values(), strict=True):
+        circles = draw_profile(ax, trajectory, frame, field, norm)
+        mark_probes(ax, trajectory, frame)
+    for ax in axes:
+        ax.set(xlim=(left, right), ylim=(lower, upper))
+    axes[-1].set_xlabel("horizontal position (m)")
+    label_panels(axes, [with_end(title, trajectory) for title, trajectory in trajectories.items()])
+    bar = FIELDS[field]
+    figure.colorbar(
+        circles, ax=list(axes), label=f"{bar.label} ({bar.units})", pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5
+    )
+    return figure
+
+
+@styled
+def figure_profiles(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") -> Figure:
+    """Profiles of the slope at the end of the run, coloured by the initial height of the particles; particles of the box are
+    white, the line is the initial surface, A is the particle at the original crest edge.
+
+    ``trajectories`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": ds, ...}``: Fig. 4 with three S_R, Fig. 5 with two γ.
+    Raises ValueError without trajectories.
+    """
+    figure = stack_of_profiles(trajectories, -1, "initial_height")
+    add_note(figure, [scene_of(ds) for ds in trajectories.values()], fidelity)
+    return figure

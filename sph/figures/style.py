@@ -1,0 +1,116 @@
+"""What all figures share: sizes, fonts, colours, the note of provenance, saving."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable
+from pathlib import Path
+from typing import Any, ParamSpec
+
+import matplotlib
+from cmcrameri import cm as crameri
+from matplotlib.axes import Axes
+from matplotlib.colors import Colormap, Normalize
+from matplotlib.figure import Figure
+
+from sph.scene.schema import Scene
+from sph.storage.files import whole
+
+WIDTH = 180 / 25.4
+"""Width of a figure across a journal page, inches."""
+
+GREY = "0.45"
+SHAKING = "0.92"
+"""Shade of the interval of shaking."""
+
+STYLE: Any = {
+    "font.family": "sans-serif",
+    "font.size": 8.5,
+    "axes.titlesize": 9,
+    "axes.labelsize": 8.5,
+    "xtick.labelsize": 8,
+    "ytick.labelsize": 8,
+    "legend.fontsize": 8,
+    "axes.linewidth": 0.6,
+    "xtick.major.width": 0.6,
+    "ytick.major.width": 0.6,
+    "lines.linewidth": 1.4,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    "pdf.fonttype": 42,
+}
+
+LINE_STYLES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (5, 1.5, 1, 1.5)), (0, (1, 1.2)), (0, (8, 2, 2, 2)), (0, (3, 1, 1, 1, 1, 1)))
+"""Curves differ by these as well as by colour, for print and for colour-blind readers."""
+
+P = ParamSpec("P")
+
+
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Draw a figure in the common style, without touching matplotlib's settings outside."""
+
+    @functools.wraps(draw)
+    def drawn(*args: P.args, **kwargs: P.kwargs) -> Figure:
+        with matplotlib.rc_context(STYLE):
+            return draw(*args, **kwargs)
+
+    return drawn
+
+
+def colour_map(name: str = "batlow") -> Colormap:
+    """A scientific colour map, by its name."""
+    return getattr(crameri, name)
+
+
+def curve_colours(count: int) -> list[Any]:
+    """Distinct colours from dark to light, the palest end of the map left out."""
+    span = Normalize(0, max(count - 1, 1))
+    return [colour_map()(0.78 * span(i)) for i in range(count)]
+
+
+def note_text(scene: Scene) -> str:
+    """Scene, resolution, walls and duration in one line."""
+    numerics = scene.numerics
+    parts = [
+        f"scene {scene.name}",
+        f"spacing {numerics.spacing:.4g} m",
+        f"kernel support {2 * numerics.smoothing_length:.4g} m",
+        f"{scene.walls.sides.replace('_', '-')} side walls",
+        f"{scene.duration:g} s" if scene.early_stop is None else f"until at rest, {scene.duration:g} s at most",
+    ]
+    return " · ".join(parts)
+
+
+def add_note(figure: Figure, scenes: Iterable[Scene], fidelity: str = "") -> None:
+    """Small grey note at the lower right: where the figure comes from.  Different scenes all appear."""
+    notes = list(dict.fromkeys(note_text(scene) for scene in scenes))
+    prefix = f"fidelity {fidelity} · " if fidelity else ""
+    write_note(figure, prefix + " | ".join(notes))
+
+
+def write_note(figure: Figure, text: str) -> None:
+    """Small grey line at the lower right."""
+    figure.supxlabel(text, x=0.995, ha="right", fontsize=6, color=GREY)
+
+
+def plain(text: str) -> str:
+    """Text in which '$' does not begin a formula."""
+    return text.replace("$", r"\$")
+
+
+def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
+    """(a), (b), ... and a title at the left above each panel; a single panel gets no letter."""
+    pairs = list(zip(axes, titles, strict=True))
+    for number, (ax, title) in enumerate(pairs):
+        letter = f"({chr(ord('a') + number)}) " if len(pairs) > 1 else ""
+        ax.set_title(f"{letter}{title}", loc="left")
+
+
+def save(figure: Figure, *paths: Path | str) -> None:
+    """Save a figure to each path (PNG at 200 dpi, PDF, SVG by the suffix); files appear whole or not at all."""
+    for path in map(Path, paths):
+        kind = path.suffix[1:]
+        undated = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
+        with whole(path) as temporary, matplotlib.rc_context(STYLE):
+            figure.savefig(temporary, dpi=200, metadata=undated, format=kind)

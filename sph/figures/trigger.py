@@ -1,0 +1,226 @@
+"""Critical amplitudes against S_R, maps over S_R and amplitude, shares of S_R and gamma that reach a class."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untyped]
+
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note
+from sph.measures.metrics import CLASSES, UNDETERMINED
+
+MARKERS = "osD^v<>p"
+AMPLITUDE = "amplitude of the shaking (m/s²)"
+GRID_POINTS = 241
+"""Points along each side of a map's background."""
+
+
+class Mapped(NamedTuple):
+    """A quantity of a map: its column and its words."""
+
+    column: str
+    label: str
+
+
+MAPPED = {
+    "displacement": Mapped("displacement_magnitude", "displacement of A (m)"),
+    "runout": Mapped("runout", "run-out (m)"),
+    "failed": Mapped("failed_fraction", "failed part of the soil"),
+}
+"""The quantities that are mapped, by name."""
+
+
+def class_colours() -> list[Any]:
+    """A colour a class, from harmless (light) to collapse (dark)."""
+    return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
+
+
+@styled
+def figure_critical(table: pd.DataFrame, note: str = "") -> Figure:
+    """Critical amplitude against S_R, a curve a gamma, a row a class and a column a case; bars are the brackets.
+
+    ``table`` as from ``read_critical``.  An arrow stands where there is no bracket: down, the class is reached at the lowest
+    amplitude; up, it is not reached at the highest.  Raises ValueError for an empty table.
+    """
+    if table.empty:
+        raise ValueError("table: no row to draw")
+    cases, classes = (list(dict.fromkeys(table[name])) for name in ("case", "collapse_class"))
+    gammas = sorted(set(table["gamma"]), key=float)
+    looks = [dict(color=colour, marker=MARKERS[number % len(MARKERS)]) for number, colour in enumerate(curve_colours(len(gammas)))]
+    figure = Figure(figsize=(WIDTH, 0.7 + 2.3 * len(classes)), layout="constrained")
+    axes = figure.subplots(len(classes), len(cases), sharex=True, sharey=True, squeeze=False)
+    titles = []
+    for ax, (name, case) in zip(axes.flat, ((name, case) for name in classes for case in cases), strict=True):
+        rows = table[(table["collapse_class"] == name) & (table["case"] == case)]
+        for look, gamma in zip(looks, gammas, strict=True):
+            _draw_brackets(ax, rows[rows["gamma"] == gamma], look)
+        for column, style in zip(ESTIMATES, LINE_STYLES[1:], strict=False):
+            ax.axhline(rows[column].iloc[0], color=GREY, linewidth=1.0, linestyle=style, zorder=1)
+        titles.append(f"{name}: {plain(case)}")
+    label_panels(axes.flat, titles)
+    axes[0, 0].set_ylim(0.0, None)
+    for ax in axes[-1]:
+        ax.set_xlabel("strength ratio $S_R$")
+    for ax in axes[:, 0]:
+        ax.set_ylabel("critical amplitude (m/s²)")
+    handles = [Line2D([], [], markersize=4, label=f"γ = {gamma} s⁻¹", **look) for look, gamma in zip(looks, gammas, strict=True)]
+    handles += [
+        Line2D([], [], color=GREY, linewidth=1.0, linestyle=style, label=label)
+        for (label, style) in zip(ESTIMATES.values(), LINE_STYLES[1:], strict=False)
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), handlelength=3.0)
+    write_note(figure, note)
+    return figure
+
+
+ESTIMATES = {"yield_acceleration": "pseudo-static", "newmark_amplitude": "sliding block (Newmark)"}
+"""Columns of the horizontal lines, and their names."""
+
+
+def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
+    rows = rows.assign(x=rows["S_R"].astype(float)).sort_values("x")
+    found = rows[rows["outcome"] == BRACKETED]
+    error = found["resolution_error"].to_numpy()
+    ax.errorbar(found["x"], found["critical_amplitude"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
+    marks = [(rows["outcome"] == outcome, end, marker, 7) for outcome, end, marker in ((AT_LOWEST, "upper", "v"), (NEVER, "lower", "^"))]
+    marks.append(((rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0)), "critical_amplitude", "o", 10))
+    for where, column, marker, size in marks:
+        _draw_marks(ax, rows[where], column, marker=marker, markersize=size, markerfacecolor="none", color=look["color"])
+
+
+@styled
+def figure_class_map(points: pd.DataFrame, note: str = "") -> Figure:
+    """Class over S_R and amplitude, a column a gamma and a row a case; dots are the points that were run, crosses those that diverged.
+
+    ``points`` as from ``read_points``.  Between the points the ground has the class nearest to the interpolated rank.  Raises
+    ValueError for an empty table.
+    """
+    colours = class_colours()
+    norm = BoundaryNorm(np.arange(len(CLASSES) + 1) - 0.5, len(CLASSES))
+    figure, panels = _panels(points)
+    for ax, plane in panels:
+        known = plane[plane["collapse_class"] != UNDETERMINED]
+        values = known["collapse_class"].map(CLASSES.index).to_numpy(dtype=float)
+        _draw_ground(ax, known, values, cmap=ListedColormap(colours), norm=norm)
+        _draw_points(ax, plane)
+    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for colour, name in zip(colours, CLASSES, strict=True)]
+    figure.legend(handles=[*handles, *_point_handles(points)], loc="outside upper center", ncols=6)
+    write_note(figure, note)
+    return figure
+
+
+@styled
+def figure_map(points: pd.DataFrame, mapped: Mapped, note: str = "") -> Figure:
+    """A quantity over S_R and amplitude, a column a gamma and a row a case, linear between the points that were run (dots).
+
+    ``points`` as from ``read_points``; crosses diverged.  Raises ValueError for an empty table.
+    """
+    figure, panels = _panels(points)
+    highest = float(np.nanmax(points[mapped.column].to_numpy(), initial=0.0)) or 1.0
+    for ax, plane in panels:
+        known = plane[plane[mapped.column].notna()]
+        ground = _draw_ground(ax, known, known[mapped.column].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest)
+        _draw_points(ax, plane)
+    figure.colorbar(ground, ax=[ax for ax, _ in panels], label=mapped.label, pad=0.02, aspect=30)
+    figure.legend(handles=_point_handles(points), loc="outside upper center", ncols=2)
+    write_note(figure, note)
+    return figure
+
+
+def _panels(points: pd.DataFrame) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
+    """A panel a case and gamma of the undivided lattice, and the points in its plane."""
+    if points.empty:
+        raise ValueError("points: no point to draw")
+    points = points.assign(x=points["S_R"].astype(float), y=points["amplitude"].astype(float))
+    cases, gammas = list(dict.fromkeys(points["case"])), sorted(set(points.loc[points["round"] == 0, "gamma"]), key=float)
+    figure = Figure(figsize=(WIDTH, 0.7 + 2.4 * len(cases)), layout="constrained")
+    axes = figure.subplots(len(cases), len(gammas), sharex=True, sharey=True, squeeze=False)
+    pairs = [(case, gamma) for case in cases for gamma in gammas]
+    label_panels(axes.flat, [plain(f"γ = {gamma} s⁻¹" + (f", {case}" if len(cases) > 1 else "")) for case, gamma in pairs])
+    for ax in axes[-1]:
+        ax.set_xlabel("strength ratio $S_R$")
+    for ax in axes[:, 0]:
+        ax.set_ylabel(AMPLITUDE)
+    planes = [points[(points["case"] == case) & (points["gamma"] == gamma)] for case, gamma in pairs]
+    return figure, list(zip(axes.flat, planes, strict=True))
+
+
+def _draw_ground(ax: Axes, plane: pd.DataFrame, values: np.ndarray, **look: Any) -> Any:
+    """Values at points, linear between them, as a picture of their plane, distances by the plane's sides."""
+    ends = [(float(plane[name].min()), float(plane[name].max())) for name in ("x", "y")]
+    scaled = np.column_stack([(plane[name] - low) / (high - low) for name, (low, high) in zip("xy", ends, strict=True)])
+    at = np.linspace(0.0, 1.0, GRID_POINTS)
+    picture = LinearNDInterpolator(scaled, values)(*np.meshgrid(at, at))
+    return ax.imshow(picture, origin="lower", extent=(*ends[0], *ends[1]), aspect="auto", interpolation="nearest", **look)
+
+
+def _draw_points(ax: Axes, plane: pd.DataFrame) -> None:
+    diverged = plane["collapse_class"] == UNDETERMINED
+    _draw_marks(ax, plane[~diverged], "y", **RUN_LOOK)
+    _draw_marks(ax, plane[diverged], "y", **DIVERGED_LOOK)
+
+
+def _draw_marks(ax: Axes, rows: pd.DataFrame, column: str, **look: Any) -> None:
+    """Marks that may lie on the frame; a line without points would upset the layout."""
+    if len(rows):
+        ax.plot(rows["x"], rows[column], clip_on=False, **{"linestyle": "", **look})
+
+
+RUN_LOOK: dict[str, Any] = {
+    "linestyle": "",
+    "marker": "o",
+    "markersize": 2.4,
+    "color": "black",
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.4,
+}
+DIVERGED_LOOK: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 6, "color": "#0072b2", "markeredgewidth": 1.6}
+
+
+def _point_handles(points: pd.DataFrame) -> list[Line2D]:
+    handles = [Line2D([], [], label="run", **RUN_LOOK)]
+    if (points["collapse_class"] == UNDETERMINED).any():
+        handles.append(Line2D([], [], label="diverged", **DIVERGED_LOOK))
+    return handles
+
+
+@styled
+def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
+    """Share of the searched values of S_R and gamma with which a class, or a worse one, is reached, against amplitude, a panel a class.
+
+    ``shares`` as from ``read_shares``.  A band lies between the lower and the upper bound that the points leave.  It is a share of values
+    of two parameters, not a probability of a ground motion.  Raises ValueError for an empty table.
+    """
+    if shares.empty:
+        raise ValueError("shares: no row to draw")
+    cases = list(dict.fromkeys(shares["case"]))
+    looks = list(zip(cases, curve_colours(len(cases)), itertools.cycle(LINE_STYLES)))
+    figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+    axes = figure.subplots(1, len(CLASSES) - 1, sharey=True)
+    for ax, name in zip(axes, CLASSES[1:], strict=True):
+        for case, colour, line in looks:
+            rows = shares[(shares["case"] == case) & (shares["collapse_class"] == name)]
+            at = np.append(rows["amplitude_lower"], rows["amplitude_upper"].iloc[-1])
+            low, high = (np.append(rows[end], rows[end].iloc[-1]) for end in ("share_lower", "share_upper"))
+            ax.fill_between(at, low, high, step="post", color=colour, alpha=0.25, linewidth=0)
+            for bound in (low, high):
+                ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
+        ax.set(xlabel=AMPLITUDE, xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
+    axes[0].set_ylabel("share of $S_R$ and γ searched")
+    label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
+    handles = [
+        Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between its bounds")
+        for case, colour, line in looks
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    write_note(figure, note)
+    return figure

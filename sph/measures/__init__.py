@@ -1,0 +1,5 @@
+"""From a trajectory to numbers.
+
+* ``metrics``: the numbers of one run; every definition is written there, once, in ``METRICS``
+* ``fields``: quantities of one frame or one probe that metrics and figures share
+"""

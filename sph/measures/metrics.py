@@ -1,0 +1,413 @@
+"""The numbers of one run.  ``METRICS`` holds the written definition of each; ``measure`` computes exactly these.
+
+Conventions
+-----------
+* Displacements are relative to the box and *since the end of the gravity stage*, so that the settlement while
+  gravity is brought on does not count; ``gravity_stage_displacement`` is what they leave out.  Vertical is positive upwards
+  (a settlement is negative), horizontal positive to the right (towards the back wall; a slope that fails moves to negative x).
+* "At the end" means the last sample for probes and series, and the last frame for particle fields.
+* A particle is a square of one spacing: its edge lies half a spacing from its centre.  Thus a slope that is
+  moved by 3 m as a whole has a run-out of 3 m, whatever the spacing.
+
+Run-out
+-------
+The apron is itself soil, from the front wall to the toe, so that the most advanced *soil* particle says nothing.
+The front is that of the *slope material in the main mass*: soil particles that (1) belong to the largest set of
+soil particles linked by distances below ``link_length`` at the end, which leaves out single particles thrown
+ahead, (2) lay behind the toe and above its level initially, which leaves out apron and base, also where the mass pushes
+them ahead as a heave, and (3) have moved more than ``moved_threshold``, so that elastic motion and settlement of a
+standing slope give no front.  Run-out is defined for shapes with a slope only ('slope', 'ground_line') and is NaN for others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from pydantic import model_validator
+from scipy.ndimage import distance_transform_edt  # type: ignore[import-untyped]
+from scipy.sparse import coo_array  # type: ignore[import-untyped]
+from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
+from scipy.spatial import cKDTree  # type: ignore[import-untyped]
+
+from sph.measures.fields import ProbeHistory, displacement, last_at, probe_history
+from sph.scene.configuration import Section, key
+from sph.scene.geometry import SLOPES, Slope
+from sph.scene.ground_line import GroundLine
+from sph.scene.motion import NoMotion
+from sph.scene.places import shifted
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL
+from sph.storage.trajectory import STATUSES, Variable, scene_of
+
+CLASSES = ("stable", "minor", "damaged", "collapse")
+"""Collapse classes in order of damage."""
+UNDETERMINED = "undetermined"
+"""Class of a diverged run."""
+
+PROBE = "A"
+"""The probe that is measured by default."""
+
+AREA_THRESHOLDS = {"area_moved_10cm": 0.1, "area_moved_50cm": 0.5, "area_moved_100cm": 1.0}
+"""Displacements (m) beyond which the moved area is counted, by the metric's name."""
+
+CLOSING_RADIUS = 1.25
+"""Radius, over the spacing, within which gaps between particles are closed for the outline's area."""
+OUTLINE_GRID = 4
+"""Points per spacing of the grid on which the outline's area is counted."""
+
+
+class MetricSettings(Section):
+    """Thresholds of the metrics; each is a choice of ours, the paper gives none."""
+
+    probe: str = key("probe whose motion is measured", default=PROBE, source="Figs. 6-7", pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")
+    onset_threshold: float = key("displacement of the probe at which its motion has begun", "m", gt=0, le=100, default=0.05)
+    arrest_tolerance: float = key("distance to its final place within which the probe has arrested", "m", gt=0, le=100, default=0.05)
+    moved_threshold: float = key("displacement beyond which slope material counts for the run-out", "m", gt=0, le=100, default=0.5)
+    link_length: float = key("soil particles nearer than this, over the spacing, hang together as one mass", ge=1, le=10, default=2.0)
+    stable_limit: float = key(
+        "class 'stable' below this permanent displacement of the probe over the height of the slope; 0.004 is 0.1 m at 25 m, "
+        "the upper end of the 5-10 cm at which Newmark practice expects ground cracks",
+        gt=0,
+        le=10,
+        default=0.004,
+    )
+    minor_limit: float = key(
+        "class 'minor' below this, over the height; 0.02 is 0.5 m at 25 m: cracked and settled, but the same slope",
+        gt=0,
+        le=10,
+        default=0.02,
+    )
+    damaged_limit: float = key(
+        "class 'damaged' below this, over the height, and 'collapse' from it on; 0.1 is 2.5 m at 25 m: "
+        "the crest edge has moved by a tenth of the height, the profile is another one",
+        gt=0,
+        le=10,
+        default=0.1,
+    )
+    moving_window: float = key("length of the interval at the end in which a run is tested for motion", "s", gt=0, le=1000, default=0.5)
+    moving_speed: float = key("speed above which a run is still moving", "m/s", gt=0, le=100, default=0.05)
+
+    @model_validator(mode="after")
+    def _limits_in_order(self) -> MetricSettings:
+        if not self.stable_limit < self.minor_limit < self.damaged_limit:
+            raise ValueError(
+                f"stable_limit ({self.stable_limit}) < minor_limit ({self.minor_limit}) "
+                f"< damaged_limit ({self.damaged_limit}) does not hold"
+            )
+        return self
+
+
+GRID = ("S_R", "gamma", "amplitude")
+
+
+def _number(name: str, units: str, text: str) -> Variable:
+    return Variable(name, GRID, "f8", units, text)
+
+
+METRICS: tuple[Variable, ...] = (
+    Variable("status", GRID, "str", "1", f"how the run ended: one of {', '.join(STATUSES)}"),
+    Variable(
+        "collapse_class",
+        GRID,
+        "str",
+        "1",
+        f"{', '.join(CLASSES)}: displacement_magnitude over the height of the slope against the settings stable_limit, minor_limit, "
+        f"damaged_limit (a value on a limit takes the worse class); {UNDETERMINED} for a diverged run",
+    ),
+    Variable(
+        "still_moving",
+        GRID,
+        "i1",
+        "1",
+        "1 if in the last moving_window the probe, or the soil by its mass-weighted root-mean-square speed, was faster than moving_speed; "
+        "1 for a diverged run, which was stopped in motion",
+    ),
+    Variable("diverged", GRID, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, save those of cost and scene"),
+    _number(
+        "gravity_stage_displacement",
+        "m",
+        "length of the probe's displacement from the start to the end of the gravity stage: the settlement that the other displacements "
+        "leave out, or the motion of a slope that does not stand",
+    ),
+    _number(
+        "failed_unshaken",
+        "1",
+        "soil particles that failed under gravity alone over all soil particles; above 0 the slope does not stand without shaking, and no "
+        "number of the run is the earthquake's alone",
+    ),
+    _number("shaking_start", "s", "start of the shaking; NaN without shaking"),
+    _number("shaking_end", "s", "end of the shaking; NaN without shaking"),
+    _number("displacement_vertical", "m", "permanent vertical displacement of the probe: value at the last sample"),
+    _number("displacement_horizontal", "m", "permanent horizontal displacement of the probe: value at the last sample"),
+    _number("displacement_magnitude", "m", "length of the probe's permanent displacement"),
+    _number("peak_displacement_vertical", "m", "vertical displacement of the probe where its absolute value is largest, with its sign"),
+    _number("peak_displacement_horizontal", "m", "horizontal displacement of the probe where its absolute value is largest, with its sign"),
+    _number("peak_displacement_magnitude", "m", "largest length of the probe's displacement"),
+    _number(
+        "displacement_vertical_end_of_shaking",
+        "m",
+        "vertical displacement of the probe at the last sample not later than shaking_end; NaN without shaking or if the run ends before",
+    ),
+    _number("displacement_horizontal_end_of_shaking", "m", "horizontal displacement of the probe at the same sample"),
+    _number("displacement_magnitude_end_of_shaking", "m", "length of the probe's displacement at the same sample"),
+    _number(
+        "onset_time", "s", "first sample at which the length of the probe's displacement exceeds onset_threshold; NaN if it never does"
+    ),
+    _number(
+        "arrest_time",
+        "s",
+        "first sample from which on the probe stays within arrest_tolerance of its final place (as a vector); "
+        "NaN if its motion never began or the run is still moving",
+    ),
+    _number("probe_peak_speed", "m s-1", "largest speed of the probe after the gravity stage"),
+    _number("first_failure_time", "s", "smallest t_f of all particles, those of the box included; NaN if none failed"),
+    _number("failed_fraction", "1", "failed soil particles over all soil particles, at the end"),
+    _number("peak_speed", "m s-1", "largest speed of any soil particle after the gravity stage"),
+    _number(
+        "runout",
+        "m",
+        "x of the initial toe minus x of the front, at least 0; front: smallest x, less half a spacing, of soil that is in the largest "
+        "linked mass, lay behind the toe and above its level initially and has moved more than moved_threshold; 0 if there is no such soil",
+    ),
+    _number("runout_over_height", "1", "runout over the height of the slope"),
+    _number(
+        "travel_angle",
+        "degree",
+        "inclination of the line from the original crest edge down to the front (lower left corner of the front particle); "
+        "NaN if there is no front",
+    ),
+    _number(
+        "deposit_height",
+        "m",
+        "largest height above the initial ground, half a spacing included, of soil in the largest linked mass with x below the initial "
+        "toe; heave of the apron counts; at least 0",
+    ),
+    *(
+        _number(name, "m2", f"area (number of soil particles times spacing squared) with a displacement above {limit} m, at the end")
+        for name, limit in AREA_THRESHOLDS.items()
+    ),
+    _number("area_change", "1", "sum of mass over density of the soil in the last frame over that in the first, minus 1"),
+    _number(
+        "outline_area_change",
+        "1",
+        "area inside the outline of the largest linked mass in the last frame over that of all soil in the first, minus 1: discs of "
+        f"{CLOSING_RADIUS} spacings around the particles, shrunk to half a spacing; shows bulging and scatter that the densities do not",
+    ),
+    _number(
+        "nearest_neighbour_p05",
+        "1",
+        "fifth percentile over the soil of the distance to the nearest soil particle, over the spacing, in the last frame; "
+        "a lattice has 1, pairs of particles press it down",
+    ),
+    _number(
+        "energy_error",
+        "1",
+        "closing error of the energy budget: absolute change, from the first to the last sample, of kinetic + elastic + potential + "
+        "dissipated energy - work of shaking, over the largest sum in time of the absolute values of the four energies",
+    ),
+    _number(
+        "time_step_ratio",
+        "1",
+        "largest time step over its measured limit, over the frames; above 1 the limit was exceeded and the fastest modes may be wrong",
+    ),
+    _number("wall_time", "s", "computing time of the run, its shared trunk included"),
+    _number("particle_steps_per_second", "s-1", "particles times time steps over the computing time"),
+)
+METRIC_BY_NAME = {metric.name: metric for metric in METRICS}
+
+Value = float | int | str
+
+
+def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> dict[str, Value]:
+    """Every metric of ``METRICS``, in its order, for one finished run.
+
+    Raises ValueError for a paused run, an unknown status and a probe that the run does not have.
+    """
+    settings = settings or MetricSettings()
+    scene, status = scene_of(trajectory), str(trajectory.attrs.get("status"))
+    if status == "paused" or status not in STATUSES:
+        finished = ", ".join(name for name in STATUSES if name != "paused")
+        raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are {finished}")
+    values: dict[str, Value] = {metric.name: math.nan for metric in METRICS}
+    values |= _facts(trajectory, scene, status)
+    if status == "diverged":
+        return values | {"collapse_class": UNDETERMINED, "still_moving": 1}
+    probe = probe_history(trajectory, settings.probe)
+    moving = _still_moving(trajectory, probe, settings)
+    values |= _probe_metrics(probe, scene, settings, moving)
+    values |= {
+        "still_moving": int(moving),
+        "collapse_class": collapse_class(float(probe.magnitude[-1]) / _height(scene), settings),
+        "energy_error": _energy_error(trajectory),
+    }
+    values |= _soil_metrics(trajectory, scene, settings)
+    return values
+
+
+def collapse_class(relative_displacement: float, settings: MetricSettings) -> str:
+    """Class of a permanent displacement over the height of the slope."""
+    return CLASSES[sum(relative_displacement >= limit for limit in _limits(settings).values())]
+
+
+def class_displacement(name: str, scene: Scene, settings: MetricSettings) -> float:
+    """Displacement of the probe (m) at which a class but the first begins."""
+    return _limits(settings)[name] * _height(scene)
+
+
+def _limits(settings: MetricSettings) -> dict[str, float]:
+    return dict(zip(CLASSES[1:], (settings.stable_limit, settings.minor_limit, settings.damaged_limit), strict=True))
+
+
+def linked_sets(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
+    """Number (n,), from 0, of the set of points linked by distances up to ``link`` (m) that each point belongs to."""
+    pairs = cKDTree(np.column_stack([x, y])).query_pairs(link, output_type="ndarray")
+    links = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(x.size, x.size))
+    return np.asarray(connected_components(links, directed=False)[1])
+
+
+def largest_mass(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
+    """Mask (n,) of the largest set of points (n,) linked by distances up to ``link``, all in m; of equal sets the first."""
+    label = linked_sets(x, y, link)
+    return label == np.argmax(np.bincount(label))
+
+
+def outline_area(x: np.ndarray, y: np.ndarray, spacing: float) -> float:
+    """Area (m2) inside the outline of particles at (n,) with gaps below 2 ``CLOSING_RADIUS`` spacings closed; lengths in m."""
+    step, margin = spacing / OUTLINE_GRID, 2.0 * CLOSING_RADIUS * spacing
+    grid = np.meshgrid(*(np.arange(a.min() - margin, a.max() + margin, step) for a in (x, y)))
+    distance, _ = cKDTree(np.column_stack([x, y])).query(np.column_stack([axis.ravel() for axis in grid]))
+    dilated = distance.reshape(grid[0].shape) <= CLOSING_RADIUS * spacing
+    inside = step * distance_transform_edt(dilated) > (CLOSING_RADIUS - 0.5) * spacing
+    return float(np.count_nonzero(inside)) * step**2
+
+
+def _height(scene: Scene) -> float:
+    geometry = scene.geometry
+    return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
+
+
+def _facts(trajectory: xr.Dataset, scene: Scene, status: str) -> dict[str, Value]:
+    motion = scene.motion
+    start, end = (math.nan, math.nan) if isinstance(motion, NoMotion) else (motion.start, motion.end)
+    return {
+        "status": status,
+        "diverged": int(status == "diverged"),
+        "shaking_start": start,
+        "shaking_end": end,
+        "time_step_ratio": float((trajectory["time_step"] / trajectory["time_step_limit"]).max()),
+        "wall_time": float(trajectory.attrs["wall_time_s"]),
+        "particle_steps_per_second": float(trajectory.attrs["particle_steps_per_second"]),
+    }
+
+
+def _probe_metrics(probe: ProbeHistory, scene: Scene, settings: MetricSettings, moving: bool) -> dict[str, Value]:
+    magnitude = probe.magnitude
+    begun = magnitude > settings.onset_threshold
+    onset = float(probe.time[np.argmax(begun)]) if begun.any() else math.nan
+    away = np.hypot(probe.horizontal - probe.horizontal[-1], probe.vertical - probe.vertical[-1]) > settings.arrest_tolerance
+    arrived = 1 + np.flatnonzero(away)[-1] if away.any() else 0
+    at_end = _sample_at_end_of_shaking(probe, scene)
+    values: dict[str, Value] = {
+        "gravity_stage_displacement": probe.settlement,
+        "onset_time": onset,
+        "arrest_time": float(probe.time[arrived]) if begun.any() and not moving else math.nan,
+        "probe_peak_speed": float(probe.speed.max()),
+    }
+    for name, u in {"vertical": probe.vertical, "horizontal": probe.horizontal, "magnitude": magnitude}.items():
+        values[f"displacement_{name}"] = float(u[-1])
+        values[f"peak_displacement_{name}"] = float(u[np.argmax(np.abs(u))])
+        values[f"displacement_{name}_end_of_shaking"] = float(u[at_end]) if at_end >= 0 else math.nan
+    return values
+
+
+def _sample_at_end_of_shaking(probe: ProbeHistory, scene: Scene) -> int:
+    """Index of the last sample not later than the end of the shaking; -1 where there is none."""
+    if isinstance(scene.motion, NoMotion) or probe.time[-1] < scene.motion.end - 0.5 * scene.numerics.time_step:
+        return -1
+    return last_at(probe.time, scene.motion.end, scene)
+
+
+def _still_moving(trajectory: xr.Dataset, probe: ProbeHistory, settings: MetricSettings) -> bool:
+    soil_mass = float(trajectory["mass"].values[trajectory["kind"].values == SOIL].sum())
+    rms_speed = np.sqrt(2.0 * trajectory["kinetic_energy"].values / soil_mass)
+    time = trajectory["sample_time"].values
+    fastest_soil = rms_speed[time >= time[-1] - settings.moving_window].max()
+    fastest_probe = probe.speed[probe.time >= probe.time[-1] - settings.moving_window].max()
+    return bool(max(fastest_soil, fastest_probe) > settings.moving_speed)
+
+
+def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings) -> dict[str, Value]:
+    soil = trajectory["kind"].values == SOIL
+    spacing = scene.numerics.spacing
+    xs, ys = (trajectory[name].values[:, soil].astype(float) for name in ("x", "y"))
+    x, y = xs[-1], ys[-1]
+    moved = np.hypot(*displacement(trajectory))[soil]
+    mass = largest_mass(x, y, settings.link_length * spacing)
+    after_gravity = trajectory["sample_time"].values >= scene.gravity.duration - 0.5 * scene.numerics.time_step
+    t_f = trajectory["t_f"].values
+    values: dict[str, Value] = {
+        "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
+        "failed_unshaken": float(np.mean(scene.gravity.failed(t_f[soil]))),
+        "failed_fraction": float(trajectory["failed_fraction"].values[-1]),
+        "peak_speed": float(trajectory["maximum_speed"].values[after_gravity].max()),
+        "area_change": _area_change(trajectory, soil),
+        "outline_area_change": outline_area(x[mass], y[mass], spacing) / outline_area(xs[0], ys[0], spacing) - 1.0,
+        "nearest_neighbour_p05": _nearest_distance_p05(x, y) / spacing,
+    }
+    values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
+    if isinstance(scene.geometry, SLOPES):
+        toe_x, toe_y = scene.geometry.toe
+        x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing)
+        behind = (x0 > toe_x) & (y0 > toe_y)
+        values |= _runout_metrics(x, y, mass, mass & behind & (moved > settings.moved_threshold), scene.geometry, spacing)
+    return values
+
+
+def _area_change(trajectory: xr.Dataset, soil: np.ndarray) -> float:
+    volume = trajectory["mass"].values[soil] / trajectory["density"].values[:, soil].astype(float)
+    return float(volume[-1].sum() / volume[0].sum() - 1.0)
+
+
+def _nearest_distance_p05(x: np.ndarray, y: np.ndarray) -> float:
+    points = np.column_stack([x, y])
+    return float(np.percentile(cKDTree(points).query(points, k=2)[0][:, 1], 5))
+
+
+def _runout_metrics(
+    x: np.ndarray, y: np.ndarray, mass: np.ndarray, slope_material: np.ndarray, geometry: Slope | GroundLine, spacing: float
+) -> Mapping[str, Value]:
+    toe_x, toe_y = geometry.toe
+    runout, travel_angle = 0.0, math.nan
+    if slope_material.any():
+        front = np.flatnonzero(slope_material)[np.argmin(x[slope_material])]
+        front_x, front_y = x[front] - 0.5 * spacing, y[front] - 0.5 * spacing
+        runout = max(0.0, float(toe_x - front_x))
+        travel_angle = math.degrees(math.atan2(geometry.crest[1] - front_y, geometry.crest[0] - front_x))
+    on_apron = mass & (x < toe_x)
+    above_ground = y[on_apron] - np.interp(x[on_apron], *geometry.surface)
+    deposit = float(above_ground.max()) + 0.5 * spacing if on_apron.any() else 0.0
+    return {
+        "runout": runout,
+        "runout_over_height": runout / geometry.slope_height,
+        "travel_angle": travel_angle,
+        "deposit_height": max(0.0, deposit),
+    }
+
+
+def _energy_error(trajectory: xr.Dataset) -> float:
+    balance, scale = _energy_budget(trajectory)
+    return float(abs(balance[-1] - balance[0]) / scale) if scale > 0 else 0.0
+
+
+def energy_gap(trajectory: xr.Dataset) -> float:
+    """Largest gap in the energy budget over all samples, over the largest sum of the absolute values of its parts."""
+    balance, scale = _energy_budget(trajectory)
+    return float(np.abs(balance - balance[0]).max() / scale) if scale > 0 else 0.0
+
+
+def _energy_budget(trajectory: xr.Dataset) -> tuple[np.ndarray, float]:
+    stored = [trajectory[f"{name}_energy"].values for name in ("kinetic", "elastic", "potential", "dissipated")]
+    return np.sum(stored, axis=0) - trajectory["shaking_work"].values, float(np.abs(stored).sum(axis=0).max())

@@ -1,0 +1,129 @@
+"""What a release states of the paper's study: the verdicts on its claims, and its fidelities against ``paper``; and times of commands.
+
+The tables measured for this release are part of the package.  ``python -m sph.paper.release`` writes ``claims.csv`` and
+``fidelities.csv`` from what lies in ``results/paper``; ``python tests/benchmarks/commands.py`` measures ``times.csv``.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+import sph
+from sph.measures.metrics import GRID
+from sph.paper.claims import COLUMNS, NOT_YET
+from sph.storage.trajectory import Variable
+from sph.study.tables import count_column, number_column, read_csv, read_table, text_column, write_csv
+
+MEASURED = Path(__file__).parents[1] / "experiments" / "measured"
+STUDY = Path("results/paper")
+"""Folder of the paper's study, which holds one a fidelity."""
+BASELINE = "paper"
+"""The fidelity that the others are compared with, and that the claims are decided at."""
+STUDY_AT = "study at "
+"""The time of the whole study at a fidelity is that of the task with this before its name."""
+LEAST_DISPLACEMENT = 0.1
+"""Displacement of A (m) at the baseline below which a relative difference says nothing."""
+
+ORIGIN = text_column("origin", "version that was measured")
+CLAIMS: tuple[Variable, ...] = (
+    count_column("claim", "number of the claim"),
+    text_column("statement", "what the paper says, in our words"),
+    text_column("test", "by which number it is decided"),
+    text_column("measured", "the number"),
+    text_column("verdict", "holds or fails"),
+    ORIGIN,
+)
+FIDELITIES: tuple[Variable, ...] = (
+    text_column("fidelity", "name of the fidelity"),
+    count_column("runs", "runs of the study"),
+    count_column("same_class", f"runs of the class that they have at {BASELINE}"),
+    number_column(
+        "displacement_difference",
+        "1",
+        f"largest difference of A's displacement over that at {BASELINE}, of runs of the same class in which A moves by more than "
+        f"{LEAST_DISPLACEMENT:g} m",
+    ),
+    ORIGIN,
+)
+TIMES: tuple[Variable, ...] = (
+    text_column("task", "what was timed"),
+    number_column("wall_time", "s", "time from its start to its end"),
+    text_column("conditions", "what was there before"),
+    text_column("machine", "processor and number of cores"),
+    ORIGIN,
+)
+"""Columns of the tables ``claims``, ``fidelities`` and ``times``."""
+
+
+def read_measured(name: str) -> pd.DataFrame:
+    """The table ``claims``, ``fidelities`` or ``times`` of this release; ValueError names a file that is none."""
+    variables = {"claims": CLAIMS, "fidelities": FIDELITIES, "times": TIMES}[name]
+    return read_csv(MEASURED / f"{name}.csv", variables, f"the {name} of a release")
+
+
+def measured_claims(study: Path) -> pd.DataFrame:
+    """The claims with the columns ``CLAIMS`` from the results of a study; ValueError without them.
+
+    The claim that a grid of runs cannot decide is that of the search for the critical amplitude, in its first case; ValueError without.
+    """
+    claims = pd.read_csv(_found(study / BASELINE / "claims.csv", "snakemake --cores 2"), keep_default_na=False)
+    searched = sorted(study.glob("*/trigger/claim.csv"))
+    open_claims = claims["verdict"] == NOT_YET
+    if open_claims.any():
+        if not searched:
+            raise ValueError(f"{study}: no trigger/claim.csv; run 'snakemake --cores 2 trigger'")
+        decided = pd.read_csv(searched[0], keep_default_na=False).iloc[0]
+        claims.loc[open_claims, ["test", "measured", "verdict"]] = decided[["test", "measured", "verdict"]].to_list()
+    return claims[list(COLUMNS)].assign(origin=sph.__version__)
+
+
+def compared_fidelities(study: Path) -> pd.DataFrame:
+    """Every fidelity of a study but the baseline against it, with the columns ``FIDELITIES``; ValueError without two of them."""
+    baseline = read_table(_found(study / BASELINE / "study.csv", "snakemake --cores 2"))
+    rows = [
+        {"fidelity": path.parent.name, **agreement(read_table(path), baseline), "origin": sph.__version__}
+        for path in sorted(study.glob("*/study.csv"))
+        if path.parent.name != BASELINE
+    ]
+    if not rows:
+        raise ValueError(f"{study}: no other fidelity; run for instance 'snakemake --cores 2 --config fidelity=standard'")
+    return pd.DataFrame(rows, columns=[row.name for row in FIDELITIES])
+
+
+def agreement(study: pd.DataFrame, baseline: pd.DataFrame) -> dict[str, float]:
+    """Runs, those of the same class, and the largest relative difference of A's displacement (see ``FIDELITIES``) of two tables."""
+    both = study.merge(baseline, on=list(GRID), suffixes=("", "_baseline"), validate="one_to_one")
+    if len(both) < len(baseline):
+        raise ValueError(f"the study has {len(both)} of the {len(baseline)} runs that it is compared with")
+    same = both["collapse_class"] == both["collapse_class_baseline"]
+    displacement, reference = both["displacement_magnitude"], both["displacement_magnitude_baseline"]
+    differences = (displacement / reference - 1.0).abs()[same & (reference > LEAST_DISPLACEMENT)]
+    return {"runs": len(both), "same_class": int(same.sum()), "displacement_difference": float(differences.max())}
+
+
+def write_time(task: str, seconds: float, conditions: str, machine: str) -> None:
+    """Put the time of a task into the table ``times`` of this release, in the place of an earlier one."""
+    row = {"task": task, "wall_time": seconds, "conditions": conditions, "machine": machine, "origin": sph.__version__}
+    times = read_measured("times")
+    kept = times[times["task"] != task]
+    write_csv(pd.concat([kept, pd.DataFrame([row])], ignore_index=True), MEASURED / "times.csv")
+
+
+def duration(seconds: float) -> str:
+    """A time in words: 40 s, 21 min, 11 min 37 s."""
+    minutes, rest = divmod(round(seconds), 60)
+    return " ".join([f"{minutes} min"] * (minutes > 0) + [f"{rest} s"] * (rest > 0 or minutes == 0))
+
+
+def _found(path: Path, command: str) -> Path:
+    if not path.is_file():
+        raise ValueError(f"{path}: no such file; run '{command}'")
+    return path
+
+
+if __name__ == "__main__":
+    for name, table in (("claims", measured_claims(STUDY)), ("fidelities", compared_fidelities(STUDY))):
+        write_csv(table, MEASURED / f"{name}.csv")
+        print(MEASURED / f"{name}.csv")

@@ -1,0 +1,84 @@
+"""The gravity stage and what the soil starts with."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from sph.scene.configuration import Section, key
+from sph.scene.places import Coordinate
+
+GRAVITY = 9.81
+"""Gravitational acceleration, m/s2."""
+
+Velocity = Annotated[float, Field(ge=-1e6, le=1e6)]
+
+
+class UniformStress(Section):
+    """The same stress everywhere."""
+
+    pressure: float = key("mean pressure, smaller than the bulk modulus", "kPa", ge=-1e6, le=1e6)
+
+
+class InitialVelocity(Section):
+    """Velocity of the soil at the start, linear between places; axes are a survey's where there is one."""
+
+    along: Literal["x", "y"] = key("coordinate on which the velocity depends")
+    position: tuple[Coordinate, ...] = key(
+        "places, increasing, a survey's coordinates where it has one; beyond the ends the velocity is that at the end", "m", min_length=1
+    )
+    x: tuple[Velocity, ...] = key("horizontal velocity at the places", "m/s")
+    y: tuple[Velocity, ...] = key("vertical velocity at the places", "m/s")
+
+    @model_validator(mode="after")
+    def _table(self) -> InitialVelocity:
+        for name in ("x", "y"):
+            if len(getattr(self, name)) != len(self.position):
+                raise ValueError(f"{name}: {len(getattr(self, name))} velocities for {len(self.position)} places")
+        if any(after <= before for before, after in pairwise(self.position)):
+            raise ValueError(f"position: the places {list(self.position)} m must increase")
+        return self
+
+    def at(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Velocity (n,) along x and y at places (n,), m/s."""
+        place = x if self.along == "x" else y
+        return np.interp(place, self.position, self.x), np.interp(place, self.position, self.y)
+
+
+class VelocityGradient(Section):
+    """A homogeneous deformation that moves the soil instead of forces: an element test; axes are a survey's where there is one."""
+
+    xx: float = key("dv_x/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
+    xy: float = key("dv_x/dy", "1/s", ge=-1e4, le=1e4, default=0.0)
+    yx: float = key("dv_y/dx", "1/s", ge=-1e4, le=1e4, default=0.0)
+    yy: float = key("dv_y/dy", "1/s", ge=-1e4, le=1e4, default=0.0)
+
+
+class GravityStage(Section):
+    """How gravity is brought on before the failure criterion is armed."""
+
+    ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
+    duration: float = key(
+        "length of the stage; at its end failure begins to count, and soil that is at yield there has failed",
+        "s",
+        "Sec. 3.2",
+        gt=0,
+        le=1000,
+        default=3.0,
+    )
+    damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
+    acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
+    inclination: float = key(
+        "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
+    )
+    initial_stress: Literal["none", "geostatic"] | UniformStress = key(
+        "stress at the start: none, that of level ground at rest at the depth below the surface (needs ramp: 0), or a uniform pressure",
+        default="none",
+    )
+
+    def failed(self, t_f: np.ndarray) -> np.ndarray:
+        """Which particles (n,) failed under gravity alone, by their times of failure (s): at the end of the stage, before any shaking."""
+        return np.isclose(t_f, self.duration, rtol=1e-9, atol=0.0)

@@ -1,0 +1,149 @@
+"""A slope of the user's own: the ground as a surveyed line, from the model's base upwards."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import model_validator
+
+from sph.scene.configuration import FileSection, key
+from sph.scene.places import Coordinate, Point, Shape
+from sph.scene.survey import read_line
+
+GENTLE = 0.5
+"""What is gentler than this part of the mean gradient of the ground's largest climb lies before the toe or behind the crest."""
+
+
+class GroundLine(FileSection, Shape):
+    """Soil below a ground line, in the coordinates of its survey; the box turns the toe of the slope to the left."""
+
+    content: ClassVar[tuple[str, ...]] = ("points",)
+
+    shape: Literal["ground_line"] = key("soil below a surveyed line")
+    points: tuple[Point, ...] = key(
+        "ground [x, elevation] along the line, vertical steps allowed, overhangs not; or in a file: CSV, GeoJSON or WKT",
+        "m",
+        min_length=2,
+        max_length=10000,
+    )
+    base: Coordinate = key("elevation of the model's base, below all ground", "m")
+    window: tuple[Coordinate, Coordinate] | None = key("x from and to which the line is taken; null: all of it", "m", default=None)
+    downhill: Literal["left", "right"] = key("side towards which the slope falls", default="left")
+    toe_at: Point | None = key("toe [x, elevation]; null: found from the line", "m", default=None)
+    crest_at: Point | None = key("crest edge [x, elevation]; null: found from the line", "m", default=None)
+
+    @classmethod
+    def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
+        """The points of a file."""
+        return {"points": read_line(path)}
+
+    @model_validator(mode="after")
+    def _sound(self) -> GroundLine:
+        line = np.array(self.points)
+        forwards = 1.0 if line[-1, 0] >= line[0, 0] else -1.0
+        back = np.flatnonzero(forwards * np.diff(line[:, 0]) < 0)
+        if back.size:
+            (x1, y1), (x2, y2) = line[back[0]], line[back[0] + 1]
+            raise ValueError(
+                f"points.{back[0] + 1}: ({x2:.10g}, {y2:.10g}) m lies behind ({x1:.10g}, {y1:.10g}) m; the ground may not overhang"
+            )
+        left, right = sorted(line[[0, -1], 0])
+        if self.window and not (left <= self.window[0] < self.window[1] <= right):
+            raise ValueError(f"window: {list(self.window)} m must increase and lie within the line, from {left:.10g} to {right:.10g} m")
+        if left == right:
+            raise ValueError(f"points: all lie at x = {left:.10g} m; expected a line that spreads in x")
+        ground = self._line
+        low = ground[np.argmin(ground[:, 1])]
+        if not self.base < low[1]:
+            raise ValueError(f"base: {self.base:.10g} m must lie below the ground, whose lowest point is ({low[0]:.10g}, {low[1]:.10g}) m")
+        for name, place in (("toe_at", self.toe_at), ("crest_at", self.crest_at)):
+            if place and not (ground[0, 0] <= place[0] <= ground[-1, 0] and self.base <= place[1]):
+                raise ValueError(f"{name}: {list(place)} m lies outside the model")
+        (toe_x, toe_y), (crest_x, crest_y) = self.toe, self.crest
+        if not (toe_x <= crest_x and toe_y < crest_y):
+            toe, crest = (self.in_survey(*place) for place in (self.toe, self.crest))
+            raise ValueError(
+                f"downhill: {self.downhill}: no slope falls to the {self.downhill}: its toe would be ({toe[0]:.10g}, {toe[1]:.10g}) m "
+                f"and its crest ({crest[0]:.10g}, {crest[1]:.10g}) m; look at downhill, toe_at and crest_at"
+            )
+        return self
+
+    @property
+    def _line(self) -> np.ndarray:
+        """The ground (n, 2) within the window in the user's coordinates, x increasing."""
+        line = np.array(self.points)
+        line = line if line[-1, 0] >= line[0, 0] else line[::-1]
+        if self.window is None:
+            return line
+        (x, y), (left, right) = line.T, self.window
+        # A window may end on a vertical step, of which the side within it counts: np.interp takes the last of several points at one x.
+        first, last = (left, np.interp(left, x, y)), (right, np.interp(-right, -x[::-1], y[::-1]))
+        return np.vstack([first, line[(left < x) & (x < right)], last])
+
+    @property
+    def direction(self) -> int:
+        """-1 for a slope that falls to the right: it is turned round."""
+        return 1 if self.downhill == "left" else -1
+
+    @property
+    def origin(self) -> Point:
+        """The user's coordinates of the box's corner below the foot of the slope, m."""
+        return float(self._line[0 if self.downhill == "left" else -1, 0]), self.base
+
+    @property
+    def _ground(self) -> np.ndarray:
+        """The ground (n, 2) in the box, m."""
+        line: np.ndarray = np.column_stack(self.in_box(*self._line.T))[:: self.direction]
+        return line
+
+    @property
+    def width(self) -> float:
+        """Inner width of the box, m."""
+        return float(self._ground[-1, 0])
+
+    @property
+    def height(self) -> float:
+        """Height of the highest ground above the base, m."""
+        return float(self._ground[:, 1].max())
+
+    @property
+    def surface(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """Corners (x, y) of the ground from left to right, m."""
+        x, y = self._ground.T.tolist()
+        return tuple(x), tuple(y)
+
+    @property
+    def toe(self) -> Point:
+        """Toe of the main slope in the box, m."""
+        return self.in_box(*self.toe_at) if self.toe_at else self._main_slope[0]
+
+    @property
+    def crest(self) -> Point:
+        """Crest edge of the main slope in the box, m."""
+        return self.in_box(*self.crest_at) if self.crest_at else self._main_slope[1]
+
+    @property
+    def slope_height(self) -> float:
+        """Height from toe to crest, m."""
+        return self.crest[1] - self.toe[1]
+
+    @property
+    def _main_slope(self) -> tuple[Point, Point]:
+        """Toe and crest: the two points of the ground between which most rise is left after half the mean gradient of the largest
+        climb is taken off everywhere, which leaves out gentler ground before and behind and passes over dips and berms."""
+        low, high = largest_climb(self._ground, 0.0)
+        gradient = (high[1] - low[1]) / max(high[0] - low[0], 1e-9)
+        return largest_climb(self._ground, GENTLE * gradient)
+
+
+def largest_climb(ground: np.ndarray, gradient: float) -> tuple[Point, Point]:
+    """The two points of the ground (n, 2), lower first, with the largest ``(y2 - y1) - gradient * (x2 - x1)``; the nearest of equals."""
+    excess = ground[:, 1] - gradient * ground[:, 0]
+    lowest = np.minimum.accumulate(excess)
+    high = int(np.argmax(excess - lowest))
+    low = int(np.flatnonzero(excess[: high + 1] == lowest[high])[-1])
+    (x1, y1), (x2, y2) = ground[[low, high]].tolist()
+    return (x1, y1), (x2, y2)

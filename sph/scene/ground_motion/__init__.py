@@ -1,0 +1,102 @@
+"""Ground motions as samples: records in files, their processing and measures, and the motion of a scene.
+
+``text``, ``units``                               what all formats share
+``comma_separated``, ``peer``, ``knet``, ``smc``  a format each
+``record``                                        a record in a scene: the section ``motion`` of kind ``record``
+``processing``                                    baseline, band-pass, trim, resampling
+``measures``, ``spectrum``                        peaks, Arias intensity, durations; response spectrum
+
+Signs: positive horizontal acceleration of the ground drives soil towards the toe of a scene, positive vertical acceleration points
+up and presses soil on the ground.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from sph.scene.ground_motion.comma_separated import read_csv
+from sph.scene.ground_motion.knet import read_knet
+from sph.scene.ground_motion.peer import read_at2
+from sph.scene.ground_motion.smc import read_smc
+from sph.scene.ground_motion.text import LARGEST_ACCELERATION as LARGEST_ACCELERATION
+from sph.scene.ground_motion.units import Unit
+
+if TYPE_CHECKING:
+    from sph.scene.loading import Loading
+    from sph.scene.schema import Scene
+
+SCENES = (".yaml", ".yml")
+KNET = tuple(f".{direction}{number}" for direction in ("ew", "ns", "ud") for number in ("", "1", "2")) + (".knet",)
+READERS = {".csv": read_csv, ".at2": read_at2, ".smc": read_smc} | dict.fromkeys(KNET, read_knet)
+RECORDS = tuple(READERS)
+"""Endings of the files that hold a ground motion."""
+LONGEST_INTERVAL = 1e-3
+"""Longest interval between the samples of a scene's motion, s."""
+
+
+class GroundMotion(NamedTuple):
+    """Horizontal acceleration of the ground, linear between the samples."""
+
+    time: np.ndarray  # (n,) increasing, s
+    acceleration: np.ndarray  # (n,) m/s2
+
+    @property
+    def peak(self) -> float:
+        """Largest absolute acceleration, m/s2."""
+        return float(np.abs(self.acceleration).max())
+
+    def scaled(self, peak: float) -> GroundMotion:
+        """The same motion with another peak (m/s2); raises ValueError unless both are positive and finite."""
+        if self.peak == 0 or not 0 < peak < math.inf:
+            raise ValueError(f"peak: {peak} m/s2 for a motion with {self.peak:g} m/s2; both must be positive and finite")
+        return self._replace(acceleration=self.acceleration * (peak / self.peak))
+
+
+def read_motion(path: Path | str, overrides: Mapping[str, Any] | None = None) -> GroundMotion:
+    """Motion of a scene file, with nested overrides laid over it, or of a record; the ending tells which."""
+    from sph.scene.schema import load_scene  # which imports this package for its records
+
+    path = Path(path)
+    if path.suffix.lower() in SCENES:
+        return motion_of(load_scene(path, overrides))
+    check_record(path, SCENES)
+    if overrides:
+        raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
+    return read_record(path)
+
+
+def motion_of(scene: Scene) -> GroundMotion:
+    """A scene's horizontal motion over its duration, sampled as by ``loading_of``."""
+    loading = loading_of(scene)
+    return GroundMotion(loading.time, loading.ground)
+
+
+def loading_of(scene: Scene) -> Loading:
+    """A scene's loads over its duration, at the time steps or parts of them no longer than ``LONGEST_INTERVAL``."""
+    from sph.scene.loading import make_loading  # which needs a scene
+
+    return make_loading(scene, substeps=math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9))
+
+
+def read_record(path: Path | str, unit: Unit | None = None) -> GroundMotion:
+    """Horizontal motion in a file of one of the formats, a CSV with one acceleration; ValueError with file, line and what is expected."""
+    path = Path(path)
+    return GroundMotion(*read_csv(path, unit, (2,))) if path.suffix.lower() == ".csv" else GroundMotion(*read_components(path, unit))
+
+
+def read_components(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ...]:
+    """Time (n,) in s and one or, in a CSV with three columns, two accelerations (n,) in m/s2; ValueError as ``read_record``."""
+    check_record(Path(path))
+    return READERS[Path(path).suffix.lower()](path, unit)
+
+
+def check_record(path: Path, others: tuple[str, ...] = ()) -> None:
+    """Refuse a file that by its ending is no record, nor one of the ``others``."""
+    if path.suffix.lower() not in (*RECORDS, *others):
+        scene = f"a scene ({', '.join(others)}) or " if others else ""
+        raise ValueError(f"{path}: must be {scene}a record ({', '.join(RECORDS)})")

@@ -1,0 +1,194 @@
+"""A recorded ground motion in a scene: the section ``motion`` of kind ``record``.
+
+The scene names files; when it is validated it takes their samples into itself (``data``), so that a trajectory can be repeated from
+its file alone.  A scene with ``data`` reads no file.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, NamedTuple, get_args
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from sph.scene.configuration import Section, check_file, key
+from sph.scene.ground_motion import read_components
+from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
+from sph.scene.ground_motion.text import LARGEST_ACCELERATION
+from sph.scene.ground_motion.units import Unit
+
+UNEVEN = 0.1
+"""Largest distance of a sample from an even spacing, over the interval: times are written with few digits.  Also the largest difference
+in length of two components."""
+DIGITS = 9
+"""Digits of the samples in a scene; recorders have six or seven."""
+
+Sample = Annotated[float, Field(ge=-LARGEST_ACCELERATION, le=LARGEST_ACCELERATION)]
+
+
+class RecordData(Section):
+    """The samples of a record, as read."""
+
+    interval: float = key("interval of the samples", "s", ge=1e-6, le=10)
+    x: tuple[Sample, ...] = key("horizontal acceleration", "m/s2", min_length=2, max_length=MOST_SAMPLES)
+    y: tuple[Sample, ...] | None = key("vertical acceleration, positive upwards", "m/s2", default=None)
+
+    @model_validator(mode="after")
+    def _as_long(self) -> RecordData:
+        if self.y is not None and len(self.y) != len(self.x):
+            raise ValueError(f"data: y has {len(self.y)} samples, x has {len(self.x)}")
+        return self
+
+
+class Vertical(Section):
+    """The vertical component."""
+
+    file: str | None = key("its file, as that of the record; null: the third column of the record's CSV", default=None, min_length=1)
+    factor: float = key("multiplies it beyond what the record is scaled by", ge=-1e3, le=1e3, default=1.0)
+
+
+class Record(Section):
+    """A recorded ground motion."""
+
+    kind: Literal["record"] = key("recorded motion")
+    file: str | None = key(
+        "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, .csv), relative to the scene's folder or the working "
+        "folder; with data the name of where they came from",
+        default=None,
+        min_length=1,
+        max_length=1000,
+    )
+    unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs; null: they say it, or are CSV in m/s2", default=None)
+    vertical: Vertical | None = key("vertical component; null: none", default=None)
+    start: float = key("time at which the record, as processed, begins", "s", ge=0, le=1e4)
+    amplitude: float | None = key(
+        "peak horizontal acceleration to which the record, as processed, is scaled; null: as recorded", "m/s2", ge=0, le=1e4, default=None
+    )
+    factor: float = key("multiplies all components; negative turns them round; with amplitude 1 or -1", ge=-1e3, le=1e3, default=1.0)
+    baseline: Baseline | None = key("removal of drift, before all else and once more at the end; null: none", default=None)
+    band_pass: BandPass | None = key("band-pass filter, after the baseline; null: none", default=None)
+    trim: Trim | None = key("cut to the strong part, after the filter; null: none", default=None)
+    resample: Resample | None = key("other interval of the samples, after the trim; null: none", default=None)
+    data: RecordData | None = key("the samples; null: read from the files", default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _read(cls, values: Any) -> Any:
+        if not isinstance(values, Mapping) or values.get("data") is not None or not isinstance(values.get("file"), str):
+            return values
+        if not values["file"]:
+            return values  # refused below, with its key
+        vertical = values.get("vertical")
+        second = vertical.get("file") if isinstance(vertical, Mapping) else None
+        unit = values.get("unit")
+        if unit not in (None, *get_args(Unit)) or not isinstance(second, str | None):
+            return values  # refused below, with its key
+        files = [name for name in (values["file"], second) if name]
+        data = read_data(*(_identity(name) for name in files), unit=unit, third_column=vertical is not None and not second)
+        named: dict[str, Any] = {"file": Path(values["file"]).name, "data": data}
+        if second:
+            named["vertical"] = {**values["vertical"], "file": Path(second).name}
+        return {**values, **named}
+
+    @model_validator(mode="after")
+    def _bears_processing(self) -> Record:
+        if self.data is None:
+            raise ValueError("file: is required where there are no data")
+        if self.vertical is not None and self.data.y is None:
+            raise ValueError("vertical: there is neither a second file nor a third column; name one in vertical.file")
+        if self.amplitude is not None and abs(self.factor) != 1.0:
+            raise ValueError(f"factor: {self.factor:g} with amplitude: {self.amplitude:g} m/s2 must be 1 or -1; leave one of them out")
+        processed(self)
+        return self
+
+    @property
+    def peak(self) -> float:
+        """Largest horizontal acceleration, as processed, m/s2."""
+        return float(np.abs(processed(self).horizontal).max())
+
+    @property
+    def end(self) -> float:
+        """Time at which the record ends, s."""
+        return float(self.start + processed(self).time[-1])
+
+    def acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Horizontal acceleration of the box at times (s), m/s2: linear between the samples, 0 before and after the record."""
+        return self._at(time, processed(self).horizontal)
+
+    def vertical_acceleration(self, time: np.ndarray) -> np.ndarray:
+        """Vertical acceleration of the box at times (s), m/s2, positive upwards."""
+        return self._at(time, processed(self).vertical)
+
+    def _at(self, time: np.ndarray, samples: np.ndarray) -> np.ndarray:
+        return np.interp(time - self.start, processed(self).time, samples, left=0.0, right=0.0)
+
+
+class Processed(NamedTuple):
+    """A record as the scene wants it."""
+
+    time: np.ndarray  # (n,) from 0 on, s
+    horizontal: np.ndarray  # (n,) m/s2
+    vertical: np.ndarray  # (n,) m/s2, zeros without one
+
+
+@functools.lru_cache(maxsize=8)
+def processed(record: Record) -> Processed:
+    """Samples of a record after its processing; ValueError for processing that the record does not bear."""
+    data = record.data
+    assert data is not None
+    raw = [np.array(data.x)] + ([np.array(data.y)] if record.vertical is not None else [])
+    components, interval = process(raw, data.interval, record.baseline, record.band_pass, record.trim, record.resample)
+    peak = float(np.abs(components[0]).max())
+    if record.amplitude is not None and record.amplitude > 0 and not peak > 0:
+        raise ValueError(f"amplitude: {record.amplitude:g} m/s2 cannot be reached, the record stands still")
+    scale = record.factor if record.amplitude is None else record.factor * (record.amplitude / peak if peak > 0 else 0.0)
+    horizontal = scale * components[0]
+    vertical = scale * record.vertical.factor * components[1] if record.vertical is not None else np.zeros_like(horizontal)
+    if not max(np.abs(horizontal).max(), np.abs(vertical).max()) <= LARGEST_ACCELERATION:
+        raise ValueError(f"factor: {record.factor:g}: more than {LARGEST_ACCELERATION:g} m/s2")
+    return Processed(interval * np.arange(horizontal.size), horizontal, vertical)
+
+
+@functools.lru_cache(maxsize=8)
+def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_column: bool) -> RecordData:
+    """Samples in one or two files, each with what tells it from others and from what it was before; ValueError names it."""
+    interval, first, columns = read_even(files[0][0], unit, third_column)
+    if len(files) > 1:
+        other, begins, vertical = read_even(files[1][0], unit, False)
+        if abs(other / interval - 1.0) > 1e-6:
+            raise ValueError(f"vertical.file: {files[1][0]}: has a sample every {other:g} s, {files[0][0]} every {interval:g} s")
+        if abs(begins - first) > UNEVEN * interval:
+            raise ValueError(f"vertical.file: {files[1][0]}: begins at {begins:g} s, {files[0][0]} at {first:g} s")
+        shorter, longer = sorted((vertical[0].size, columns[0].size))
+        if shorter < (1.0 - UNEVEN) * longer:  # components may end some samples apart
+            raise ValueError(f"vertical.file: {files[1][0]}: holds {vertical[0].size:,} samples, {files[0][0]} {columns[0].size:,}")
+        columns = [columns[0][:shorter], vertical[0][:shorter]]
+    if columns[0].size > MOST_SAMPLES:
+        raise ValueError(f"{files[0][0]}: holds {columns[0].size:,} samples, at most {MOST_SAMPLES:,} in a scene; cut or resample it")
+    rounded = [tuple(float(f"{value:.{DIGITS}g}") for value in column) for column in columns]
+    return RecordData(interval=interval, x=rounded[0], y=rounded[1] if len(rounded) > 1 else None)
+
+
+def read_even(path: str, unit: Unit | None, third_column: bool = True) -> tuple[float, float, list[np.ndarray]]:
+    """Interval and first time (s) and components of a record, with its third column if wanted; ValueError if it is not evenly sampled."""
+    time, *columns = read_components(path, unit)
+    interval = float(f"{(time[-1] - time[0]) / (time.size - 1):.{DIGITS}g}")
+    uneven = np.abs(time - time[0] - interval * np.arange(time.size)) > UNEVEN * interval
+    if uneven.any():
+        at = int(uneven.argmax())
+        raise ValueError(f"{path}: sample {at + 1}, at {time[at]:g} s: samples must be evenly spaced, here by {interval:g} s")
+    return interval, float(time[0]), columns[: 1 + third_column]
+
+
+def _identity(name: str) -> tuple[str, tuple[int, ...]]:
+    """A file, told by its place on the disk and its last change; its date alone may be that of an older file copied over it."""
+    try:
+        state = os.stat(name)
+        check_file(name)
+    except (OSError, ValueError) as error:
+        raise ValueError(f"file: {name!r} cannot be read: {getattr(error, 'strerror', None) or error}") from error
+    return name, (state.st_dev, state.st_ino, state.st_ctime_ns, state.st_size)

@@ -1,0 +1,54 @@
+"""Records of the USGS in SMC format: 11 lines of text, 48 integers, 50 reals, comments, samples in cm/s2.
+
+https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html: the first line names the kind of file; integers are written as 8I10, the 16th
+counts the lines of comments and the 17th the samples; reals as 5E15.7, the 2nd is the sampling rate; samples as eight a line of
+ten columns.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from sph.scene.ground_motion.text import check_head, number, read_lines, samples
+from sph.scene.ground_motion.units import SIZES, Unit, size_of
+
+KINDS = ("1 UNCORRECTED ACCELEROGRAM", "2 CORRECTED ACCELEROGRAM")
+TEXTS, INTEGERS, REALS = 11, 6, 10
+"""Lines of each kind of header."""
+WIDTH = 10
+
+
+def read_smc(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ...]:
+    """Time (n,) in s from 0 on and acceleration (n,) in m/s2; ValueError with file and line, where there is one."""
+    lines = read_lines(path)
+    if " ".join(lines[0].split()).upper() not in KINDS:
+        raise ValueError(f"{path}, line 1: must read {' or '.join(map(repr, KINDS))} (found {lines[0][:80]!r})")
+    head = TEXTS + INTEGERS + REALS
+    if len(lines) < head:
+        raise ValueError(f"{path}: must begin with {head} lines of headers, has {len(lines)} lines")
+    integers = _fields(path, lines, TEXTS, INTEGERS, 10)
+    reals = _fields(path, lines, TEXTS + INTEGERS, REALS, 15)
+    if len(integers) < 17 or len(reals) < 2:
+        raise ValueError(f"{path}, lines {TEXTS + 1}-{head}: must be 48 integers and 50 reals (found {len(integers)} and {len(reals)})")
+    comments, count, rate = integers[15], integers[16], reals[1]
+    if not (0 <= comments <= len(lines) and comments == int(comments) and count == int(count)):
+        raise ValueError(f"{path}, lines {TEXTS + 2}-{TEXTS + 3}: no numbers of comments and samples (found {comments:g} and {count:g})")
+    check_head(path, count, 1.0 / rate if rate > 0 else np.inf)
+    scale = size_of(path, SIZES["cm/s2"], unit)
+    return np.arange(int(count)) / rate, samples(path, lines, head + int(comments), WIDTH, scale, int(count))
+
+
+def _fields(path: Path | str, lines: list[str], first: int, count: int, width: int) -> list[float]:
+    """The numbers in some lines of headers, in columns of a width."""
+    values = []
+    for index in range(first, first + count):
+        line = lines[index].rstrip()
+        words = [line[at : at + width] for at in range(0, len(line), width)]
+        for word in words:
+            value = number(word)
+            if value is None or not np.isfinite(value):
+                raise ValueError(f"{path}, line {index + 1}: must be numbers in columns of {width} (found {line[:80]!r})")
+            values.append(value)
+    return values

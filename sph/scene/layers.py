@@ -1,0 +1,76 @@
+"""Layers of other soil than that of the scene, by depth, by elevation or by polygon.
+
+Layers lie over each other in the order in which they are written: where two overlap, the later one counts.  A layer names only the keys of
+its soil in which it differs.  How layers enter the equations: ``sph.solver.physics.material``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from sph.scene.configuration import Section, key
+from sph.scene.geometry import PolygonBody
+from sph.scene.places import Coordinate
+from sph.scene.soil import Soil
+
+Depth = Annotated[float, Field(ge=0, le=1e4)]
+
+
+class DepthRegion(Section):
+    """What lies between two depths below the ground: layers that follow the surface."""
+
+    kind: Literal["depth"] = key("between two depths below the ground")
+    top: Depth = key("depth of its upper side, vertically below the ground", "m", default=0.0)
+    bottom: Depth | None = key("depth of its lower side; null: down to the base", "m", default=None)
+
+    @model_validator(mode="after")
+    def _thick(self) -> DepthRegion:
+        if self.bottom is not None and not self.top < self.bottom:
+            raise ValueError(f"bottom: {self.bottom} m must be deeper than top: {self.top} m")
+        return self
+
+    def contains(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+        """Which of the places (n,) under a ground (n,) of these heights lie in it, m."""
+        depth = ground - y
+        return (self.top <= depth) & (depth < (math.inf if self.bottom is None else self.bottom))
+
+
+class ElevationRegion(Section):
+    """What lies between two heights: level strata."""
+
+    kind: Literal["elevation"] = key("between two heights")
+    bottom: Coordinate | None = key("height of its lower side; null: down to the base", "m", default=None)
+    top: Coordinate | None = key("height of its upper side; null: up to the ground", "m", default=None)
+
+    @model_validator(mode="after")
+    def _thick(self) -> ElevationRegion:
+        if self.bottom is not None and self.top is not None and not self.bottom < self.top:
+            raise ValueError(f"bottom: {self.bottom} m must be lower than top: {self.top} m")
+        return self
+
+    def contains(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+        """Which of the places (n,) lie in it, m."""
+        return ((-math.inf if self.bottom is None else self.bottom) <= y) & (y < (math.inf if self.top is None else self.top))
+
+
+class PolygonRegion(PolygonBody):
+    """What lies inside a polygon: lenses, fills, a weathered zone."""
+
+    kind: Literal["polygon"] = key("inside of a polygon")
+
+    def contains(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray | None = None) -> np.ndarray:
+        """Which of the places (n,) lie in it, m."""
+        return super().contains(x, y)
+
+
+class Layer(Section):
+    """A region of other soil."""
+
+    region: Annotated[DepthRegion | ElevationRegion | PolygonRegion, Field(discriminator="kind")] = key("where it lies")
+    soil: Soil = key("its material: only the keys that differ from the scene's soil need be given", default=Soil())
+    S_R: float | None = key("its strength ratio; null: that of the coupling", ge=0, le=1, default=None)
+    gamma: float | None = key("its rate of the loss of strength; null: that of the coupling", "1/s", ge=0, le=1e6, default=None)

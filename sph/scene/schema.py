@@ -1,0 +1,369 @@
+"""The scene: everything a run needs, validated before any work and immutable.
+
+A scene file (YAML) holds the sections below.  Users write kPa and degrees; the
+properties ending in ``_si`` give pascals and radians to the solver.  Every key is
+declared here once, with its unit, allowed range, default and source, and
+``docs/reference/scene-keys.md`` is generated from these declarations (``sph reference scene``).
+
+A term of physics that a scene does not want is ``null``; a term it wants is a small
+record of its own coefficients.  There are no on/off flags beside coefficients.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import Field, ModelWrapValidatorHandler, field_validator, model_validator
+
+from sph.scene.configuration import Section, key, merge, read_scene, validated
+from sph.scene.geometry import Geometry
+from sph.scene.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.scene.ground_motion.record import Record, processed
+from sph.scene.layers import Layer
+from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
+from sph.scene.numerics import Numerics
+from sph.scene.places import ABOVE, RIGHT, Point
+from sph.scene.soil import Coupling, Soil
+from sph.scene.walls import Walls
+
+MOST_PARTICLES = 5_000_000
+"""Most particles of a scene: lattice points of the box and its walls."""
+
+MOST_PAIRS = 1_000_000_000
+"""Most pairs of neighbours, whose lists take some 30 bytes each."""
+
+MOST_STEPS = 20_000_000
+"""Most time steps of a run; the loads of every step are kept, 40 bytes each."""
+
+MOST_SAMPLES = 1_000_000
+"""Most samples of the series of a run."""
+
+MOST_STORED = 200_000_000
+"""Most frames times particles of a run, whose fields take 58 bytes each."""
+
+Frequency = Annotated[float, Field(ge=1e-3, le=1e4)]
+
+
+class RayleighDamping(Section):
+    """Rayleigh damping from one damping ratio met at two frequencies (Sec. 2.5)."""
+
+    ratio: float = key("damping ratio at both frequencies", source="ours", ge=0, le=0.5, default=0.02)
+    frequencies: tuple[Frequency, Frequency] = key("the two frequencies, from 0.001 to 10000 Hz", "Hz", default=(1.0, 5.6))
+
+    @model_validator(mode="after")
+    def _increasing(self) -> RayleighDamping:
+        if not self.frequencies[0] < self.frequencies[1]:
+            raise ValueError(f"damping: frequencies {list(self.frequencies)} must be increasing")
+        return self
+
+    @property
+    def mass_coefficient(self) -> float:
+        """alpha, 1/s."""
+        w1, w2 = (2 * math.pi * f for f in self.frequencies)
+        return 2 * self.ratio * w1 * w2 / (w1 + w2)
+
+    @property
+    def stiffness_coefficient(self) -> float:
+        """beta_R, s."""
+        w1, w2 = (2 * math.pi * f for f in self.frequencies)
+        return 2 * self.ratio / (w1 + w2)
+
+
+class EarlyStop(Section):
+    """When a run may end before its duration: after the shaking, once the soil has stood still and its loss of strength is over."""
+
+    speed: float = key(
+        "the soil (root mean square over its mass) and every probe are slower than this through the window",
+        "m/s",
+        gt=0,
+        le=100,
+        default=0.02,
+    )
+    window: float = key("length of the interval at rest, after the shaking, at whose end the run ends", "s", gt=0, le=1000, default=1.0)
+    solid_weight: float = key(
+        "no failed particle has a larger weight of its solid state (beta), or the slope may stand now and fail later",
+        ge=0,
+        lt=1,
+        default=0.05,
+    )
+
+
+class Outputs(Section):
+    """What a run stores, and how often."""
+
+    frame_interval: float = key(
+        "interval of the particle fields, which are also stored at the ends of the gravity stage, the shaking and the run",
+        "s",
+        gt=0,
+        le=1e4,
+        default=0.25,
+    )
+    series_interval: float = key("interval of probes, energies and other series", "s", gt=0, le=1e4, default=0.01)
+
+
+Place = Literal["crest_edge", "toe"] | Point
+
+
+class Scene(Section):
+    """One simulation."""
+
+    name: str = key("name used in file names and titles", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")
+    title: str = key("one line for figures and tables", default="", max_length=200)
+    duration: float = key("simulated time", "s", "Sec. 4 (15 s)", gt=0, le=1e4, default=15.0)
+    geometry: Geometry = key("shape of the soil", source="Fig. 1")
+    walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
+    soil: Soil = key("material", source="Tables 1-2", default=Soil())
+    layers: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Layer] = key(
+        "regions of other soil, by name; of two that overlap the later one counts", default={}, max_length=100
+    )
+    coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
+    motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
+    gravity: GravityStage = key("gravity stage", default=GravityStage())
+    initial_velocity: InitialVelocity | None = key("velocity at the start", default=None)
+    prescribed_velocity_gradient: VelocityGradient | None = key("motion of the soil in an element test, throughout the run", default=None)
+    damping: RayleighDamping | None = key("Rayleigh damping", source="Sec. 2.5", default=RayleighDamping())
+    early_stop: EarlyStop | None = key("end of a run whose soil has come to rest, before its duration", default=None)
+    numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
+    outputs: Outputs = key("stored data", default=Outputs())
+    probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
+        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m, a survey's coordinates where it has one; "
+        "the nearest particle is taken",
+        source="particle A: Figs. 6-7",
+        default={"A": "crest_edge"},
+    )
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _complete_layers(cls, data: Any, make: ModelWrapValidatorHandler[Scene]) -> Scene:
+        """Layers whose soil is the scene's own but for the keys they name, which their soil knows as the keys that were set."""
+        if not isinstance(data, Mapping) or not isinstance(data.get("layers"), Mapping):
+            return make(data)
+        own = data.get("soil", {})
+        named = {
+            name: layer.get("soil", {})
+            for name, layer in data["layers"].items()
+            if isinstance(layer, Mapping) and isinstance(own, Mapping) and isinstance(layer.get("soil", {}), Mapping)
+        }
+        complete = {name: {**data["layers"][name], "soil": merge(own, soil)} for name, soil in named.items()}
+        scene = make({**data, "layers": {**data["layers"], **complete}})
+        for name, soil in named.items():
+            scene.layers[name].soil.model_fields_set.intersection_update(soil)
+        return scene
+
+    @field_validator("title")
+    @classmethod
+    def _one_line(cls, title: str) -> str:
+        if not title.isprintable():
+            raise ValueError("must be one line of printable characters")
+        return title
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Scene:
+        self._check_size()
+        dt = self.numerics.time_step
+        for name in ("series_interval", "frame_interval"):
+            _whole_multiple(getattr(self.outputs, name), dt, f"outputs.{name}", "numerics.time_step")
+        _whole_multiple(self.outputs.frame_interval, self.outputs.series_interval, "outputs.frame_interval", "outputs.series_interval")
+        _whole_multiple(self.duration, self.outputs.series_interval, "duration", "outputs.series_interval")
+        _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
+        if self.early_stop is not None:
+            _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
+        if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
+            where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
+            raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
+        self._check_sampling()
+        if self.gravity.ramp > self.gravity.duration:
+            raise ValueError(f"gravity.ramp: {self.gravity.ramp} s is longer than gravity.duration: {self.gravity.duration} s")
+        if self.gravity.initial_stress == "geostatic" and self.gravity.ramp > 0:
+            raise ValueError(
+                f"gravity.ramp: {self.gravity.ramp} s with gravity.initial_stress: geostatic, "
+                "which balances gravity in full from the start; set gravity.ramp: 0"
+            )
+        if self.gravity.initial_stress == "geostatic" and self.gravity.inclination != 0:
+            raise ValueError(
+                f"gravity.inclination: {self.gravity.inclination} degree with gravity.initial_stress: geostatic, that of level ground"
+            )
+        if self.gravity.duration > self.duration:
+            raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
+        if isinstance(self.gravity.initial_stress, UniformStress):
+            pressure, bulk_modulus = self.gravity.initial_stress.pressure, 1e-3 * min(soil.bulk_modulus_si for soil in self.soils)
+            if not abs(pressure) < bulk_modulus:
+                raise ValueError(
+                    f"gravity.initial_stress.pressure: {pressure} kPa is not smaller than the bulk modulus, {bulk_modulus:g} kPa"
+                )
+        if 2 * self.numerics.smoothing_length < 1.2 * self.numerics.spacing * (1 - 1e-9):
+            raise ValueError(
+                f"numerics.smoothing_ratio: {self.numerics.smoothing_ratio} with smoothing_length_is: {self.numerics.smoothing_length_is} "
+                "ends the kernel within 1.2 spacings, where it holds too few neighbours"
+            )
+        self._check_walls()
+        if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
+            raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
+        return self
+
+    def _check_size(self) -> None:
+        """Refuse what no machine at hand can hold or finish, before anything is made of it."""
+        numerics, outputs, layers = self.numerics, self.outputs, self.walls.layers
+        columns, rows = self.lattice
+        particles, steps = (columns + 2 * layers) * (rows + 2 * layers), self.steps(self.duration)
+        box = f"in the box of {self.geometry.width:g} x {self.geometry.height:g} m"
+        if particles > MOST_PARTICLES:
+            raise ValueError(
+                f"numerics.spacing: {numerics.spacing} m makes {particles:,} particles {box}, walls included, at most {MOST_PARTICLES:,}; "
+                "choose a larger spacing or a smaller geometry"
+            )
+        pairs = particles * math.pi * (2 * numerics.smoothing_length / numerics.spacing + numerics.neighbour_skin) ** 2
+        if pairs > MOST_PAIRS:
+            raise ValueError(
+                f"numerics.smoothing_ratio: {numerics.smoothing_ratio} makes {pairs:.3g} pairs of {particles:,} particles {box}, "
+                f"at most {MOST_PAIRS:,}; choose a smaller one or a larger numerics.spacing"
+            )
+        if steps > MOST_STEPS:
+            raise ValueError(
+                f"numerics.time_step: {numerics.time_step} s makes {steps:,} steps of duration: {self.duration} s, at most {MOST_STEPS:,}; "
+                "choose a larger step or a shorter duration"
+            )
+        if self.duration > MOST_SAMPLES * outputs.series_interval:
+            raise ValueError(
+                f"outputs.series_interval: {outputs.series_interval} s makes more than {MOST_SAMPLES:,} samples of duration: "
+                f"{self.duration} s; choose a longer interval or a shorter duration"
+            )
+        if particles * self.duration > MOST_STORED * outputs.frame_interval:
+            raise ValueError(
+                f"outputs.frame_interval: {outputs.frame_interval} s stores {particles:,} particles more than {MOST_STORED:,} times in "
+                f"duration: {self.duration} s; choose a longer interval, a shorter duration or a larger numerics.spacing"
+            )
+
+    def _check_sampling(self) -> None:
+        """Refuse a motion that the time steps do not resolve; adaptive steps are at most as long.
+
+        A load that is brought on within a step (``constant``) acts from that step on.
+        """
+        step, motion = self.numerics.time_step, self.motion
+        if isinstance(motion, Record):
+            self._check_record(motion)
+        elif not isinstance(motion, (NoMotion, ConstantAcceleration)) and motion.amplitude > 0:
+            longest = motion.shortest_period / STEPS_IN_PERIOD
+            if step > longest * (1 + 1e-9):
+                raise ValueError(
+                    f"numerics.time_step: {step:g} s is too long for motion ({motion.kind}), whose shortest period, "
+                    f"{motion.shortest_period:.3g} s, must hold {STEPS_IN_PERIOD} steps; choose at most {longest:.3g} s, or a slower motion"
+                )
+
+    def _check_record(self, record: Record) -> None:
+        step, made = self.numerics.time_step, processed(record)
+        interval = float(made.time[1])
+        if step > interval * (1 + 1e-6):
+            raise ValueError(
+                f"numerics.time_step: {step:g} s would skip samples of motion, a record every {interval:.6g} s; "
+                "choose a shorter step, or a longer motion.resample.interval"
+            )
+        for samples in (made.horizontal, made.vertical):
+            peak = int(np.abs(samples).argmax())
+            before = math.floor((record.start + made.time[peak]) / step + 1e-6)
+            felt = np.interp(step * np.array([before, before + 1]) - record.start, made.time, samples, left=0.0, right=0.0)
+            if np.abs(felt).max() < (1.0 - MISSED) * abs(samples[peak]):
+                raise ValueError(
+                    f"numerics.time_step: {step:g} s misses {1.0 - np.abs(felt).max() / abs(samples[peak]):.1%} of the peak of motion, "
+                    f"a record every {interval:.6g} s from {record.start:g} s on; choose a step of which both are whole multiples, or a "
+                    "shorter one"
+                )
+
+    def _check_walls(self) -> None:
+        walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
+        slip = {"base": "free_slip" in (walls.base, walls.top), "sides": walls.sides == "free_slip"}
+        if any(slip.values()) and walls.layers < needed:
+            raise ValueError(
+                f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
+                f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
+            )
+        self._check_absorbing()
+        for name, slips in slip.items():
+            if walls.friction is not None and getattr(walls.friction, name) > 0 and not slips:
+                raise ValueError(f"walls.friction.{name}: {getattr(walls.friction, name)} needs a free_slip wall there")
+        if walls.sides == "periodic":
+            _whole_multiple(self.geometry.width, self.numerics.spacing, "geometry.width", "numerics.spacing", "m")
+            least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
+            if self.geometry.width < least:
+                raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
+
+    def _check_absorbing(self) -> None:
+        walls = self.walls
+        if walls.bedrock is not None and walls.base != "absorbing":
+            raise ValueError(f"walls.bedrock: needs walls.base: absorbing, not {walls.base}")
+        where = next((f"walls.{name}: absorbing" for name in ("base", "sides") if getattr(walls, name) == "absorbing"), "")
+        if not where:
+            return
+        if walls.layers < self.layers_filling_support:
+            raise ValueError(
+                f"walls.layers: {walls.layers} layers do not fill the kernel's support; {where} needs {self.layers_filling_support}"
+            )
+        if walls.top != "none":
+            raise ValueError(f"walls.top: {walls.top} with {where}; set walls.top: none")
+        if self.prescribed_velocity_gradient is not None:
+            raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
+        if isinstance(self.motion, ConstantAcceleration):
+            raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
+        if walls.sides == "absorbing" and walls.base not in ("sticky", "absorbing"):
+            raise ValueError(f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a sticky or absorbing base")
+        if walls.sides == "absorbing" and self.coupling.initial_state == "fluid":
+            raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
+
+    def stored(self) -> str:
+        """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
+
+        def inherited(soil: Soil) -> set[str]:
+            return {key for key, value in self.soil if key not in soil.model_fields_set and getattr(soil, key) == value}
+
+        return self.model_dump_json(exclude={"layers": {name: {"soil": inherited(layer.soil)} for name, layer in self.layers.items()}})
+
+    @property
+    def soils(self) -> tuple[Soil, ...]:
+        """The scene's own soil and those of its layers in order."""
+        return self.soil, *(layer.soil for layer in self.layers.values())
+
+    @property
+    def largest_p_wave_speed(self) -> float:
+        """V_p of the stiffest soil, m/s."""
+        return max(soil.p_wave_speed for soil in self.soils)
+
+    @property
+    def lattice(self) -> tuple[int, int]:
+        """Columns and rows of the lattice at half offsets that fills the box."""
+        sides = ((self.geometry.width, RIGHT), (self.geometry.height, ABOVE))
+        columns, rows = (math.ceil(side / self.numerics.spacing - 0.5 - shift) for side, shift in sides)
+        return columns, rows
+
+    @property
+    def layers_filling_support(self) -> int:
+        """Layers of boundary particles that fill the kernel's support but for one spacing, where the gradient fades."""
+        return math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
+
+    def steps(self, time: float) -> int:
+        """Number of time steps to a time (s)."""
+        return round(time / self.numerics.time_step)
+
+
+def _whole_multiple(value: float, unit: float, name: str, unit_name: str, of: str = "s") -> None:
+    ratio = value / unit
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6 * ratio:
+        raise ValueError(f"{name}: {value} {of} must be a whole multiple of {unit_name} ({unit} {of})")
+
+
+def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
+    """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed."""
+    return validated(Scene, data, origin)
+
+
+def written_scene(path: Path | str) -> dict[str, Any]:
+    """Mapping in a scene's file; the default probes are among its keys, so that one laid over it stands beside them."""
+    return {"probes": Scene.model_fields["probes"].default, **read_scene(path)}
+
+
+def load_scene(path: Path | str, overrides: Mapping[str, Any] | None = None) -> Scene:
+    """Scene of a YAML file with nested overrides laid over it; raises ValueError before any work."""
+    return make_scene(merge(written_scene(path), overrides or {}), str(path))

@@ -1,0 +1,65 @@
+"""The box around the soil."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import model_validator
+
+from sph.scene.configuration import Section, key
+
+HOLDING = ("sticky", "free_slip")
+"""Walls that stand still and that nothing passes."""
+
+
+class WallFriction(Section):
+    """Coulomb friction between soil and free-slip walls; a wall without a coefficient has none."""
+
+    base: float = key("coefficient of friction (tangent of the angle) at base and top", ge=0, le=10, default=0.0)
+    sides: float = key("coefficient of friction at the side walls", ge=0, le=10, default=0.0)
+
+
+class Bedrock(Section):
+    """Elastic half-space below an absorbing base."""
+
+    density: float = key("density", "kg/m3", ge=1e-3, le=1e5)
+    s_wave_speed: float = key("speed of shear waves", "m/s", gt=0, le=1e5)
+    p_wave_speed: float = key("speed of pressure waves, at least sqrt(4/3) that of shear waves", "m/s", gt=0, le=1e5)
+
+    @model_validator(mode="after")
+    def _stable(self) -> Bedrock:
+        if not 3.0 * self.p_wave_speed**2 >= 4.0 * self.s_wave_speed**2 * (1.0 - 1e-9):
+            raise ValueError(f"p_wave_speed: {self.p_wave_speed} m/s is smaller than sqrt(4/3) times s_wave_speed: {self.s_wave_speed} m/s")
+        return self
+
+
+class Walls(Section):
+    """How the box holds the soil."""
+
+    base: Literal["sticky", "free_slip", "absorbing", "none"] = key(
+        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a frictionless floor, a half-space that takes waves up "
+        "(the motion is then that of its outcrop), or nothing",
+        source="Sec. 2.4; free_slip ours; absorbing: Joyner and Chen 1975",
+        default="sticky",
+    )
+    sides: Literal["sticky", "free_slip", "absorbing", "periodic", "none"] = key(
+        "side walls: fixed particles that hold the soil (the paper), a frictionless wall, level ground that goes on and takes waves up "
+        "(free field), soil that goes on periodically, or nothing",
+        source="Sec. 2.4; free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
+        default="sticky",
+    )
+    top: Literal["sticky", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
+    friction: WallFriction | None = key("friction on free-slip walls", default=None)
+    bedrock: Bedrock | None = key("what an absorbing base stands on, below its boundary particles; null: the soil goes on", default=None)
+    layers: int = key(
+        "layers of boundary particles; free-slip and absorbing walls need as many as fill the kernel's support but for one spacing",
+        source="Sec. 4 (2,404 particles)",
+        ge=1,
+        le=8,
+        default=2,
+    )
+
+    @property
+    def hold(self) -> bool:
+        """Whether there is a wall that stands still."""
+        return any(how in HOLDING for how in (self.base, self.sides, self.top))

@@ -1,0 +1,196 @@
+"""How the solver is compiled, and where compiled code is kept.
+
+numba's on-disk cache has two traps: it does not see edits in imported files, and when two
+processes compile different variants of one function at the same time a third can be handed the
+wrong one.  Three measures answer them: the cache folder is named after a digest of the compiled
+sources and numba's version; compiling and loading happen under a lock between processes
+(``compile_lock``); and every run checks that the variant it got reports the terms it asked for
+(``sph.solver.integration.active_terms``).
+
+Nor does numba notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
+files with their digests, and under the lock, before anything is loaded, what is not as listed is deleted and compiled again.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
+from pathlib import Path
+from typing import Any
+
+import llvmlite.binding
+import numba
+import numpy as np
+
+FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
+"""Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
+
+OVERLAP_CHECKS = 1000
+"""How many pairs of arrays LLVM may test for overlap before a loop in order to vectorise it; the loop over the stress
+state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
+
+
+PACKAGE = Path(__file__).resolve().parents[2]
+SOURCES = ("scene", "solver", "storage")
+"""Folders of the package in which everything lies that decides the results of a run."""
+COMPILED = (
+    "boundaries/absorbing.py",
+    "boundaries/contact.py",
+    "boundaries/free_slip.py",
+    "compiled/jit.py",
+    "compiled/threads.py",
+    "integration.py",
+    "neighbours.py",
+    "physics/bingham.py",
+    "physics/coupling.py",
+    "physics/elasticity.py",
+    "physics/kernels.py",
+    "physics/material.py",
+    "physics/mohr_coulomb.py",
+    "physics/momentum.py",
+    "state.py",
+    "time_step.py",
+)
+"""Files of the solver whose text becomes machine code: those with jitted functions, and those whose names they use (a test holds the
+list against the sources).  An edit in any other file compiles nothing again."""
+
+
+def compiled_digest() -> str:
+    """Digest of the files that are compiled and of numba's version."""
+    return _digest(PACKAGE / "solver" / name for name in COMPILED)
+
+
+def solver_digest() -> str:
+    """Digest of all sources that decide a run (``SOURCES``) and of numba's version."""
+    return _digest(sorted(path for folder in SOURCES for path in (PACKAGE / folder).rglob("*.py")))
+
+
+def _digest(paths: Iterable[Path]) -> str:
+    digest = hashlib.sha256(numba.__version__.encode())
+    for path in paths:
+        digest.update(path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+REMEDY = "set SPH_CACHE_DIR to a folder that can be written"
+
+
+def cache_folder() -> Path:
+    """Folder of the compiled code: ``$SPH_CACHE_DIR`` or the user's cache, then the digest; OSError where neither is known."""
+    chosen, users = os.environ.get("SPH_CACHE_DIR"), os.environ.get("XDG_CACHE_HOME")
+    try:
+        home = Path(chosen) if chosen else (Path(users) if users else Path.home() / ".cache") / "sph"
+    except RuntimeError as error:
+        raise OSError(f"compiled code cannot be kept: this user has no home folder; {REMEDY}") from error
+    return home.absolute() / compiled_digest()
+
+
+llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")
+# One vector a turn: rows of neighbours are short, and what does not fill a turn is done one by one (a fifth at 19 neighbours).
+llvmlite.binding.set_option("sph", "-force-vector-interleave=1")
+_uncached: list[Any] = []
+"""Jitted functions whose compiled code is not kept yet."""
+
+
+def jit(function: Callable[..., Any]) -> Any:
+    """Compile for the solver: inlined, sums may be reordered, division by zero gives infinity.
+
+    What is compiled under ``compile_lock`` is cached; importing this package needs no folder that can be written.
+    Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in
+    rounding from the first step (a test compares them), probably because a function called from the cached object
+    is optimised apart from the one compiled here, with sums in another order.
+    """
+    compiled = numba.njit(fastmath=FASTMATH, error_model="numpy", forceinline=True, nogil=True)(function)
+    if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        _uncached.append(compiled)
+    return compiled
+
+
+@jit
+def rows(first, last):  # type: ignore[no-untyped-def]
+    """Range of rows as unsigned numbers: signed indices are tested for wrap-around, and loops with that test do not vectorise."""
+    return range(np.uint64(first), np.uint64(max(first, last)))
+
+
+@contextmanager
+def compile_lock(required: bool = True) -> Iterator[None]:
+    """Let one process at a time compile or load from the cache, and only what is there as it was written.
+
+    OSError names the folder and the remedy if compiled code cannot be kept there; if that is not ``required``, what is
+    compiled then serves this process alone.
+    """
+    with ExitStack() as stack:
+        try:
+            stack.enter_context(_cache())
+        except OSError:
+            if required:
+                raise
+        yield
+
+
+@contextmanager
+def _cache() -> Iterator[None]:
+    folder = cache_folder()
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with open(folder / "lock", "w") as handle:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+            mend(folder)
+            _keep_in(folder)
+            yield
+            seal(folder)
+    except OSError as error:
+        raise OSError(f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or {REMEDY}") from error
+
+
+def _keep_in(folder: Path) -> None:
+    """Have numba cache every function there; where it could not write, it would choose another place without a word: OSError."""
+    for place in (folder, *folder.glob("*/")):
+        tempfile.TemporaryFile(dir=place).close()
+    earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
+    while _uncached:
+        _uncached.pop().enable_caching()
+    numba.config.CACHE_DIR = earlier  # type: ignore[attr-defined]
+
+
+LISTED = "digests.json"
+"""The list of a cache folder's files."""
+_seen: dict[str, tuple[tuple[int, int, int], str]] = {}
+"""Digests that this process has computed, with the file's identity: hashing all takes 0.1 s for 50 MB, looking takes a millisecond."""
+
+
+def mend(folder: Path) -> None:
+    """Delete what is not as listed: damaged, left by a process that was killed, or written past the lock."""
+    try:
+        listed = json.loads((folder / LISTED).read_bytes())
+    except (FileNotFoundError, ValueError):
+        listed = {}
+    for name, digest in _digests(folder).items():
+        if listed.get(name) != digest:
+            (folder / name).unlink()
+
+
+def seal(folder: Path) -> None:
+    """List the files as they are."""
+    text = json.dumps(_digests(folder))
+    listed = folder / LISTED
+    if not listed.exists() or listed.read_text(encoding="utf-8") != text:
+        temporary = folder / f".{LISTED}"
+        temporary.write_text(text, encoding="utf-8")
+        os.replace(temporary, listed)
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    found = {}
+    for path in sorted(folder.glob("*/*.nb*")):
+        stat = path.stat()
+        identity = (stat.st_ino, stat.st_size, stat.st_mtime_ns)
+        if _seen.get(str(path), (None, ""))[0] != identity:
+            _seen[str(path)] = identity, hashlib.sha256(path.read_bytes()).hexdigest()
+        found[str(path.relative_to(folder))] = _seen[str(path)][1]
+    return found

@@ -1,0 +1,101 @@
+"""Watching over a run: what must never happen, looked for at every sample.
+
+The loop itself stops when a particle moves further between two steps than its neighbours' skin allows, or to no number.  At every
+sample (``outputs.series_interval``) the state must further be finite, no particle faster than the P-wave, none behind the walls, and the
+budget of energy must close: more energy in the soil than was put into it is made by the scheme.  A run in which one of these happens
+ends with the status ``diverged`` and says what, when, which particle, and what is likely to be the cause.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.scene.walls import HOLDING
+from sph.solver.particles import Particles
+from sph.solver.state import State
+
+MAX_SPEED_RATIO = 1.0
+"""A particle is too fast above this multiple of V_p."""
+MAX_ENERGY_GAP = 0.25
+"""Largest gap in the energy budget, and largest negative dissipation, over the sum of its parts: now, half-way or at the start.
+Soil that settles between free-slip walls gains up to a tenth of its small energies from them; what diverges gains more than all."""
+SMALL_SPEED = 1e-3
+"""Energies below that of the soil at this part of V_p are not judged: a run begins with none."""
+LEFT_THE_BOX = "has left the box"
+PARTS = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy")
+
+
+def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[str, Sequence[Any]], jumped: bool = False) -> str:
+    """What is wrong with a run at its last sample, in words; empty while it is sound.
+
+    ``series`` holds the samples by name; ``jumped`` says that the loop has stopped by itself.
+    """
+    soil = slice(0, particles.n_soil)
+    fields = np.array([getattr(state, name)[soil] for name in ("x", "y", "vx", "vy", "density", "ax", "ay")])
+    wrong = ~np.isfinite(fields).all(axis=0)
+    if wrong.any():
+        return _at(particles, int(np.argmax(wrong)), "is not a number")
+    if jumped:
+        moved = np.hypot(state.x - state.x_pairs, state.y - state.y_pairs)[soil]
+        return _at(particles, int(np.argmax(moved)), "jumped further than its neighbours' skin in a step")
+    speed = np.hypot(state.vx, state.vy)[soil]
+    wave = scene.largest_p_wave_speed
+    if not speed.max() < MAX_SPEED_RATIO * wave:
+        return _at(particles, int(np.argmax(speed)), f"is faster than V_p, {wave:.0f} m/s")
+    outside = _behind_walls(scene, particles, state)
+    if outside.any():
+        return _at(particles, int(np.argmax(outside)), LEFT_THE_BOX)
+    smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * wave) ** 2
+    return _energy_made(series, smallest)
+
+
+def _at(particles: Particles, i: int, what: str) -> str:
+    return f"particle {i}, at first at ({particles.x[i]:.4g}, {particles.y[i]:.4g}) m, {what}"
+
+
+def _behind_walls(scene: Scene, particles: Particles, state: State) -> np.ndarray:
+    """Which soil (n,) lies behind the last layer of a wall as it is now (sides are as high as theirs) or below the base past its end."""
+    reach = 0.5 * scene.numerics.spacing
+    (x, wall_x), (y, wall_y) = (np.split(a, [particles.n_soil]) for a in (state.x, state.y))
+    walls, behind = scene.walls, np.zeros(x.size, bool)
+    if walls.base != "none":
+        behind |= y < wall_y.min() - reach
+    if walls.top != "none":
+        behind |= y > wall_y.max() + reach
+    if walls.sides in (*HOLDING, "absorbing"):
+        low = y < wall_y.max() + reach
+        behind |= low & ((x < wall_x.min() - reach) | (x > wall_x.max() + reach))
+    return behind
+
+
+def _energy_made(series: Mapping[str, Sequence[Any]], smallest: float) -> str:
+    """Whether the scheme has made energy, by the last sample; energies below the smallest (J/m) do not count."""
+    now = {name: float(series[name][-1]) for name in (*PARTS, "shaking_work")}
+    half_way = len(series["kinetic_energy"]) // 2
+    scale = max(smallest, *(math.fsum(abs(float(series[name][k])) for name in PARTS) for k in (-1, half_way, 0)))
+    balance = math.fsum(now[name] for name in PARTS) - now["shaking_work"]
+    start = math.fsum(float(series[name][0]) for name in PARTS) - float(series["shaking_work"][0])
+    gap = abs(balance - start)
+    if not gap <= MAX_ENERGY_GAP * scale:
+        return f"the energy budget is open by {gap / scale:.0%} of its parts"
+    if not now["dissipated_energy"] >= -MAX_ENERGY_GAP * scale:
+        return f"energy was made: the dissipated part is {now['dissipated_energy'] / scale:.0%} of all"
+    return ""
+
+
+def likely_cause(scene: Scene, ratio: float, wrong: str) -> str:
+    """What to look at first, from the largest time step over its measured limit so far, the scene, and what is wrong."""
+    if ratio > 1.0:
+        return f"the time step was {ratio:.2f} times its measured limit: choose a smaller numerics.time_step, or numerics.adaptive_step"
+    if LEFT_THE_BOX in wrong:
+        return (
+            "soil ran off an open end of the base or was thrown over the walls: widen the box (geometry), close its sides, or shake it less"
+        )
+    if scene.numerics.artificial_viscosity is None or scene.numerics.artificial_viscosity.alpha < 0.1:
+        return "little or no artificial viscosity: particles that meet fast pass between each other (numerics.artificial_viscosity)"
+    return "particles that meet fast pass between each other: try a smaller time step, more artificial viscosity, or a finer spacing"

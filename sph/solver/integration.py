@@ -1,0 +1,321 @@
+"""Verlet (leapfrog) time integration (Sec. 2.6).
+
+    v(n+1/2) = v(n-1/2) + a(n) dt,  x(n+1) = x(n) + v(n+1/2) dt,
+    stress(n+1) from the strain rates of v(n+1/2) at x(n+1),  a(n+1) from stress(n+1).
+
+Mass-proportional damping is taken at the midpoint of the kick and is therefore stable at any step.
+Stiffness damping and artificial viscosity use the velocities half a step back, which lowers the
+stable step (``sph.solver.time_step``).  The step changes at frames only, if at all; velocities then lag by half of the old step, which is
+an error of the size of one step's change of velocity.
+"""
+
+from __future__ import annotations
+
+import math
+
+from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
+from sph.solver.boundaries.contact import add_contact
+from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.threads import BLOCK, own_blocks, wait
+from sph.solver.neighbours import allocate_pairs, find_candidates, update_pairs
+from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.momentum import (
+    add_artificial_stress,
+    add_repulsion,
+    set_artificial_stress,
+    stress_accelerations,
+    velocity_gradients,
+)
+from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
+
+
+@jit
+def _mass_damping(term):  # type: ignore[no-untyped-def]
+    if term is None:
+        return 0.0
+    else:
+        return term.mass
+
+
+@jit
+def _held(limit, v, dt):  # type: ignore[no-untyped-def]
+    """Velocity (m/s) after friction of at most ``limit`` (m/s2) has opposed it for a step."""
+    return math.copysign(max(abs(v) - limit * dt, 0.0), v)
+
+
+@jit
+def _rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+    """Velocity of particle i after the friction of the walls."""
+    if term is None:
+        return vx, vy
+    else:
+        return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
+
+
+@jit
+def _drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
+    """Velocity of a particle in a prescribed motion; without one as it is."""
+    if term is None:
+        return vx, vy
+    else:
+        return term.xx * x + term.xy * y, term.yx * x + term.yy * y
+
+
+@jit
+def _rate(term, new, old, dt):  # type: ignore[no-untyped-def]
+    """Rate at which a term has changed a velocity, m/s2."""
+    if term is None:
+        return 0.0
+    else:
+        return (new - old) / dt
+
+
+@jit
+def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping, first, last):  # type: ignore[no-untyped-def]
+    """Move the soil among particles first to last by one step.
+
+    Returns the works of shaking (or of a prescribed motion) and gravity and the energies taken by mass damping, by artificial
+    viscosity and stress, and by friction on walls (J/m).
+    """
+    dt = terms.dt
+    alpha = _mass_damping(terms.rayleigh)
+    shaking = falling = damped = viscous = rubbed = 0.0
+    gravity_x, gravity_y = gravity * terms.down_x, gravity * terms.down_y
+    fall_y = gravity_y - vertical
+    for i in rows(first, min(last, terms.n_soil)):
+        rate = alpha * state.beta[i] + extra_damping
+        keep = 1.0 - 0.5 * rate * dt
+        lose = 1.0 / (1.0 + 0.5 * rate * dt)
+        vx_old = state.vx[i]
+        vy_old = state.vy[i]
+        free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
+        free_y = (vy_old * keep + (state.ay[i] + fall_y) * dt) * lose
+        held_x, held_y = _rub(terms.friction, state, i, free_x, free_y, dt)
+        vx, vy = _drive(terms.driven, state.x[i], state.y[i], held_x, held_y)
+        state.vx[i] = vx
+        state.vy[i] = vy
+        state.x[i] += vx * dt
+        state.y[i] += vy * dt
+        mean_x = 0.5 * (vx + vx_old)
+        mean_y = 0.5 * (vy + vy_old)
+        # What a prescribed motion does counts as work of the shaking, what friction takes as energy taken by the walls.
+        forced_x, forced_y = _rate(terms.driven, vx, held_x, dt), _rate(terms.driven, vy, held_y, dt)
+        shaking += mass[i] * ((forced_x - ground) * mean_x + (forced_y - vertical) * mean_y)
+        falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
+        rubbed += mass[i] * (_rate(terms.friction, free_x, held_x, dt) * mean_x + _rate(terms.friction, free_y, held_y, dt) * mean_y)
+        # Damping acts on the velocity that friction or a prescribed motion has not changed yet.
+        damped += mass[i] * rate * 0.5 * ((free_x + vx_old) * mean_x + (free_y + vy_old) * mean_y)
+        viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
+    return shaking * dt, falling * dt, damped * dt, viscous * dt, rubbed * dt
+
+
+@jit
+def largest_move(x, y, x_ref, y_ref, first, last):  # type: ignore[no-untyped-def]
+    """Largest squared distance (m2) of particles first to last from reference positions; NaN if any is NaN or infinite."""
+    largest = total = 0.0
+    for i in rows(first, last):
+        square = (x[i] - x_ref[i]) ** 2 + (y[i] - y_ref[i]) ** 2
+        largest = max(largest, square)
+        total += square
+    return largest + 0.0 * total
+
+
+@jit
+def _note_moves(team, row, x, y, x_ref, y_ref, n):  # type: ignore[no-untyped-def]
+    """Largest move of this thread's rows among the first n, for ``_moved``."""
+    begin, end = own_blocks(team)
+    team.move[row, team.rank] = largest_move(x, y, x_ref, y_ref, min(n, begin * BLOCK), min(n, end * BLOCK))
+
+
+@jit
+def _moved(team, row):  # type: ignore[no-untyped-def]
+    """Largest move of all threads' rows, m2; NaN if any is."""
+    largest = total = 0.0
+    for rank in range(team.size):
+        largest = max(largest, team.move[row, rank])
+        total += team.move[row, rank]
+    return largest + 0.0 * total
+
+
+@jit
+def _add_up(sums, work):  # type: ignore[no-untyped-def]
+    """Add a step's sums, blocks in order, to ``State.work``; returns how many particles failed."""
+    work[REPULSION] = 0.0
+    failed = 0.0
+    for block in range(sums.shape[0]):
+        for column in range(FAILURES):
+            work[column] += sums[block, column]
+        failed += sums[block, FAILURES]
+    return int(failed)
+
+
+@jit
+def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
+    """Candidates at the present positions, and room for their pairs."""
+    state.x_candidates[:] = state.x
+    state.y_candidates[:] = state.y
+    candidates = find_candidates(state.x, state.y, terms.reach, terms.period)
+    return candidates, allocate_pairs(candidates, terms.zero, terms.tension)
+
+
+@jit
+def make_lists(state, terms):  # type: ignore[no-untyped-def]
+    """Candidates and pairs as they were when the state was saved (or at the start)."""
+    candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.period)
+    pairs = allocate_pairs(candidates, terms.zero, terms.tension)
+    update_pairs(pairs, candidates, terms, state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
+    return candidates, pairs
+
+
+@jit
+def renew_pairs(state, candidates, pairs, terms, first, last):  # type: ignore[no-untyped-def]
+    """Pairs of particles first to last at the present positions."""
+    for i in range(first, last):
+        state.x_pairs[i] = state.x[i]
+        state.y_pairs[i] = state.y[i]
+        state.density_pairs[i] = state.density[i]
+    update_pairs(pairs, candidates, terms, state.x, state.y, state.density, first, last)
+
+
+TERM_NAMES = (
+    "wendland_c2",
+    "capped_viscosity",
+    "rayleigh_damping",
+    "artificial_viscosity",
+    "gradient_correction",
+    "short_range_repulsion",
+    "free_slip",
+    "wall_faces",
+    "wall_friction",
+    "periodic",
+    "artificial_stress",
+    "prescribed_motion",
+    "layers",
+    "absorbing_walls",
+    "free_field",
+)
+
+
+@jit
+def _present(term):  # type: ignore[no-untyped-def]
+    return term is not None
+
+
+@jit
+def active_terms(terms):  # type: ignore[no-untyped-def]
+    """Which optional terms the compiled variant holds, in the order of ``TERM_NAMES``."""
+    return (
+        _present(terms.kernel.wendland_c2),
+        _present(terms.soil.fluid_law.cap),
+        _present(terms.rayleigh),
+        _present(terms.viscosity),
+        _present(terms.correction),
+        _present(terms.repulsion),
+        _present(terms.slip),
+        _present(terms.faces),
+        _present(terms.friction),
+        _present(terms.period),
+        _present(terms.tension),
+        _present(terms.driven),
+        _present(terms.layers),
+        _present(terms.absorbing),
+        _present(terms.free_field),
+    )
+
+
+@jit
+def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicked, team):  # type: ignore[no-untyped-def]
+    """Advance ``state`` in place from step ``step`` by ``n_steps``, as one of a team's threads.
+
+    Returns the number of particles that failed (to the first thread), the number of steps made, whether
+    the candidates are spent, and the terms that this compiled variant holds, so that the caller can check
+    it got the one it asked for.  Spent candidates stop the run between the drift and the rest of a step;
+    renewed, it goes on from there with ``kicked``.  Fewer steps without that mean that a particle jumped
+    further than the candidates' skin allows or to NaN.
+    """
+    n_soil, n_moving, n = terms.n_soil, terms.n_moving, state.x.size
+    first_block, last_block = own_blocks(team)
+    first_row, last_row = first_block * BLOCK, min(n, last_block * BLOCK)
+    failed = done = 0
+    spent = False
+    for s in range(step, step + n_steps):
+        # Those of one step are added up while other threads are already at the next.
+        sums = team.sums[s % 2]
+        renew = kicked and s == step
+        if not renew:
+            rate, vertical = _mass_damping(terms.rayleigh) + loading.extra_damping[s], loading.vertical[s]
+            kick_free_field(terms.free_field, state, terms.dt, rate, loading.ground[s], vertical, team)
+            for block in range(first_block, last_block):
+                (
+                    sums[block, SHAKING],
+                    sums[block, GRAVITY],
+                    sums[block, MASS_DAMPING],
+                    sums[block, VISCOUS],
+                    sums[block, WALLS],
+                ) = kick_and_drift(
+                    state,
+                    terms,
+                    mass,
+                    loading.ground[s],
+                    vertical,
+                    loading.gravity[s],
+                    loading.extra_damping[s],
+                    block * BLOCK,
+                    (block + 1) * BLOCK,
+                )
+                shaking, held, viscous, taken = kick_boundary(
+                    terms.absorbing,
+                    state,
+                    terms,
+                    mass,
+                    rate,
+                    loading.ground[s],
+                    vertical,
+                    loading.gravity[s],
+                    loading.time[s],
+                    block * BLOCK,
+                    (block + 1) * BLOCK,
+                )
+                sums[block, SHAKING] += shaking
+                sums[block, GRAVITY] += held
+                sums[block, VISCOUS] += viscous
+                sums[block, WALLS] += taken
+            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_moving)
+            wait(team)
+            renew = not _moved(team, 0) <= terms.pairs_tolerance**2
+            if renew:
+                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_moving)
+                wait(team)
+                move = _moved(team, 1)
+                spent = terms.candidates_tolerance**2 < move <= (terms.candidates_tolerance + terms.reach) ** 2
+                if not move <= terms.candidates_tolerance**2:
+                    break
+        if renew:
+            renew_pairs(state, candidates, pairs, terms, first_row, last_row)
+        strain_free_field(terms.free_field, terms.rayleigh, state, terms.dt, team)
+        mirror_velocity(terms.slip, state, pairs, n_soil, first_row, last_row, team)
+        for block in range(first_block, last_block):
+            first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+            velocity_gradients(state, pairs, terms.viscosity, terms.layers, team.gradient, first, last)
+            sums[block, FAILURES], internal = update_stress(
+                state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
+            )
+            sums[block, INTERNAL] = internal * terms.dt
+            set_artificial_stress(terms.tension, state, first, min(last, terms.n_stressed))
+        wait(team)
+        mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
+        for block in range(first_block, last_block):
+            first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_moving))
+            rubbed = set_friction(terms.friction, terms.layers, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
+            taken = wall_work(terms.slip, terms.layers, state, pairs, terms.correction, terms.cell_mass, team.gradient, first, last)
+            sums[block, WALLS] += terms.dt * (rubbed + taken)
+            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_moving))
+            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_moving, first, min(last, n_moving))
+            sums[block, REPULSION] += add_contact(terms.faces, terms.friction, state, mass, first, min(last, n_soil))
+        wait(team)
+        if team.rank == 0:
+            failed += _add_up(sums, state.work)
+        done += 1
+    return failed, done, spent, active_terms(terms)

@@ -1,0 +1,240 @@
+"""Who is near whom, and the kernel gradients between them.
+
+Two lists are kept.  The *candidates* reach a skin beyond the support and are renewed when a
+particle has moved half the skin.  The *pairs* are the candidates inside the support with their
+kernel gradients times the neighbour's mass, g_ij = m_j grad_i W_ij; they are renewed when a
+particle has moved the gradient tolerance, so that a time step only gathers fields.  Storing the
+directed pair (i, j) and (j, i) separately keeps both loops free of scatter, so that they vectorise
+and threads share them by rows; indices are unsigned, since signed ones test for wrap-around and do not.
+
+The gradients may be kept in single precision (``numerics.precision``): the loops over them are bound by
+memory, while the fields and all sums stay double.  Rounding is the same for (i, j) and (j, i) and for both
+loops, so that momentum and energy are conserved as before.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.physics.kernels import evaluate, support
+
+SMALLEST_NORM = 1e-30
+"""kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
+
+
+class Candidates(NamedTuple):
+    """Neighbours within support + skin, by rows: those of i are neighbour[start[i]:start[i + 1]]."""
+
+    start: np.ndarray  # (n + 1,) uint32
+    neighbour: np.ndarray  # (m,) uint32
+
+
+class Pairs(NamedTuple):
+    """Neighbours within the support, by rows start[i] to end[i], and their gradients."""
+
+    start: np.ndarray  # (n,) uint32
+    end: np.ndarray  # (n,) uint32
+    neighbour: np.ndarray  # (m,) uint32
+    gx: np.ndarray  # (m,) m_j dW/dx, kg/m3, single or double precision
+    gy: np.ndarray  # (m,) likewise
+    inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 below SMALLEST_NORM
+    sum_x: np.ndarray  # (n,) sum of gx over the row, kg/m3
+    sum_y: np.ndarray  # (n,)
+    correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
+    close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
+    close_end: np.ndarray  # (n,) uint32
+    nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
+
+
+@jit
+def wrap(period, dx):  # type: ignore[no-untyped-def]
+    """Horizontal distance to the nearest image of a neighbour, m."""
+    if period is None:
+        return dx
+    else:
+        return dx - period.length * math.floor(dx / period.length + 0.5)
+
+
+@jit
+def _columns(period, x, reach):  # type: ignore[no-untyped-def]
+    """Left end (m), width (m) and number of the columns of cells; of a period as many as fill it."""
+    if period is None:
+        x_min = x.min()
+        return x_min, reach, np.int64((x.max() - x_min) / reach) + 1
+    else:
+        count = np.int64(period.length / reach)
+        return 0.0, period.length / count, count
+
+
+@jit
+def _column(period, x, x_min, width, columns):  # type: ignore[no-untyped-def]
+    if period is None:
+        return np.int64((x - x_min) / width)
+    else:
+        return min(np.int64((x - period.length * math.floor(x / period.length)) / width), columns - 1)
+
+
+@jit
+def _columns_around(period, column, columns):  # type: ignore[no-untyped-def]
+    """First and last column to look at, each once; on periodic sides to be taken modulo their number."""
+    if period is None:
+        return max(column - 1, 0), min(column + 2, columns)
+    else:
+        return column - 1, column - 1 + min(columns, 3)
+
+
+@jit
+def find_candidates(x, y, reach, period):  # type: ignore[no-untyped-def]
+    """All directed pairs nearer than ``reach`` (m), through a grid of cells of that size."""
+    n = x.size
+    x_min, width, columns = _columns(period, x, reach)
+    y_min = y.min()
+    rows_of_cells = np.int64((y.max() - y_min) / reach) + 1
+    cell = np.empty(n, np.int64)
+    first = np.zeros(columns * rows_of_cells + 1, np.int64)
+    for i in range(n):
+        cell[i] = _column(period, x[i], x_min, width, columns) * rows_of_cells + np.int64((y[i] - y_min) / reach)
+        first[cell[i] + 1] += 1
+    for c in range(columns * rows_of_cells):
+        first[c + 1] += first[c]
+    fill = first[:-1].copy()
+    order = np.empty(n, np.uint32)
+    for i in range(n):
+        order[fill[cell[i]]] = i
+        fill[cell[i]] += 1
+
+    start = np.zeros(n + 1, np.uint32)
+    index = np.empty(64 * n, np.uint32)
+    reach_square = reach * reach
+    total = np.uint64(0)
+    for i in range(n):
+        column, row = cell[i] // rows_of_cells, cell[i] % rows_of_cells
+        start[i] = total
+        low, high = max(row - 1, 0), min(row + 1, rows_of_cells - 1)
+        left, right = _columns_around(period, column, columns)
+        for c in range(left, right):
+            base = (c if period is None else c % columns) * rows_of_cells
+            begin, end = first[base + low], first[base + high + 1]
+            if total + np.uint64(end - begin) > np.uint64(index.size):
+                index = np.concatenate((index, np.empty(index.size + end - begin, np.uint32)))
+            for k in rows(begin, end):
+                j = order[k]
+                # Without branches: written always, kept where the count goes on.
+                index[total] = j
+                total += np.uint64((j != i) & (wrap(period, x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
+    start[n] = total
+    return Candidates(start, index[:total].copy())
+
+
+@jit
+def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
+    """Room for the pairs of a candidate list; gradients get the type of the number ``zero``."""
+    n = candidates.start.size - 1
+    size = candidates.neighbour.size
+    nearness = 0 if tension is None else size
+    return Pairs(
+        np.zeros(n, np.uint32),
+        np.zeros(n, np.uint32),
+        np.empty(size, np.uint32),
+        np.full(size, zero),
+        np.full(size, zero),
+        np.full(size, zero),
+        np.empty(n),
+        np.empty(n),
+        np.empty((n, 3)),
+        np.empty(size, np.uint32),
+        np.zeros(n, np.uint32),
+        np.full(nearness, zero),
+    )
+
+
+@jit
+def _keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
+    if term is None:
+        return
+    else:
+        nearness[k] = (value * term.inverse_kernel) ** term.exponent
+
+
+@jit
+def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
+    """Inverse of the moment matrix over density; the identity where it is off or too singular."""
+    if term is None:
+        return 1.0, 0.0, 1.0
+    else:
+        determinant = m_xx * m_yy - m_xy * m_xy
+        if determinant < term.min_determinant * density * density:
+            return 1.0, 0.0, 1.0
+        s = density / determinant
+        return m_yy * s, -m_xy * s, m_xx * s
+
+
+@jit
+def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type: ignore[no-untyped-def]
+    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).  ``terms``: ``state.Terms``.
+
+    The rows follow each other without gaps, since reading them is what a large scene
+    spends its time on.  Pairs nearer than ``terms.close_range`` (m) are listed once more for short-range forces.
+    """
+    kernel, period = terms.kernel, terms.period
+    reach = support(kernel)
+    reach_square = reach * reach
+    close_square = terms.close_range * terms.close_range
+    longest = np.uint32(1)
+    for i in rows(first, last):
+        longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
+    # One row's neighbours side by side: loops that gather and store at once do not vectorise.
+    row_dx, row_dy = np.empty(longest), np.empty(longest)
+    begin = np.uint64(candidates.start[first])
+    for i in rows(first, last):
+        x_i = x[i]
+        y_i = y[i]
+        count = close = np.uint64(0)
+        for k in rows(candidates.start[i], candidates.start[i + np.uint64(1)]):
+            j = candidates.neighbour[k]
+            dx = wrap(period, x_i - x[j])
+            dy = y_i - y[j]
+            r_square = dx * dx + dy * dy
+            # Without branches: written always, kept where the count goes on.
+            pairs.neighbour[begin + count] = j
+            pairs.close[begin + close] = j
+            row_dx[count] = dx
+            row_dy[count] = dy
+            count += np.uint64(r_square < reach_square)
+            close += np.uint64(r_square < close_square)
+        gxs, gys, inverse_norms = (
+            pairs.gx[begin : begin + count],
+            pairs.gy[begin : begin + count],
+            pairs.inverse_norm[begin : begin + count],
+        )
+        sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
+        for k in range(count):
+            dx = row_dx[k]
+            dy = row_dy[k]
+            r = math.sqrt(dx * dx + dy * dy)
+            value, slope = evaluate(kernel, r)
+            factor = terms.cell_mass * slope
+            _keep_nearness(terms.tension, pairs.nearness, begin + k, value)
+            norm = -factor * r
+            gxs[k] = factor * dx
+            gys[k] = factor * dy
+            inverse_norms[k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+            # The rounded values: the sums must be those of what is stored.
+            gx = np.float64(gxs[k])
+            gy = np.float64(gys[k])
+            sum_x += gx
+            sum_y += gy
+            m_xx -= gx * dx
+            m_xy -= gx * dy
+            m_yy -= gy * dy
+        pairs.start[i] = begin
+        pairs.close_end[i] = begin + close
+        begin += count
+        pairs.end[i] = begin
+        pairs.sum_x[i] = sum_x
+        pairs.sum_y[i] = sum_y
+        pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = _invert(terms.correction, density[i], m_xx, m_xy, m_yy)

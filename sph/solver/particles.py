@@ -1,0 +1,123 @@
+"""Placing particles: soil on a lattice, the box around it, probes (Secs. 2.4, 3.1 and 4)."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.geometry import Bodies
+from sph.scene.places import ABOVE, shifted
+from sph.scene.schema import Scene
+from sph.scene.walls import HOLDING
+
+SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
+
+
+class Particles(NamedTuple):
+    """Initial particles; the soil comes first, then the walls."""
+
+    x: np.ndarray  # (n,) m
+    y: np.ndarray  # (n,) m
+    kind: np.ndarray  # (n,) int8: SOIL, BASE, SIDE, TOP
+    mass: np.ndarray  # (n,) kg for a metre of thickness
+    layer: np.ndarray  # (n,) int: 0 for the scene's own soil, k for its k-th layer
+    first_slip: int  # from this one on free-slip base and top
+    first_slip_side: int  # from this one on free-slip side walls
+    first_fixed: int  # from this one on walls that stand still; boundary particles before it follow the soil
+
+    @property
+    def n_soil(self) -> int:
+        """Number of soil particles."""
+        return int(np.count_nonzero(self.kind == SOIL))
+
+
+def place_particles(scene: Scene) -> Particles:
+    """Lattice at half offsets filling the geometry, with boundary layers below, beside and above it.
+
+    Columns of soil run from wall to wall; the box is as wide as the whole number of columns that fit.  Absorbing walls come
+    first after the soil, their sides as high as the ground beside them, and free-slip walls last, base and top before sides.
+    """
+    dx = scene.numerics.spacing
+    columns, rows = scene.lattice
+    column, row = (a.ravel() for a in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
+    inside = _inside(scene, (column + 0.5) * dx, (row + 0.5) * dx)
+    soil = [(column[inside], row[inside], SOIL)]
+    if not soil[0][0].size:
+        raise ValueError(f"geometry: holds no particle of the lattice with numerics.spacing: {dx:g} m")
+
+    walls = scene.walls
+    layers = np.arange(walls.layers)
+    overhang = walls.layers if walls.sides in (*HOLDING, "absorbing") else 0
+    left, right = (_ground(scene, row[inside & (column == c)]) for c in (0, columns - 1))
+    whole_width = np.arange(-overhang, columns + overhang)
+    wanted = [
+        (walls.base, (*_grid(whole_width, -1 - layers), BASE)),
+        (walls.top, (*_grid(whole_width, rows + layers), TOP)),
+        (walls.sides, (*_grid(-1 - layers, left), SIDE)),
+        (walls.sides, (*_grid(columns + layers, right), SIDE)),
+    ]
+    absorbing = [block for how, block in wanted if how == "absorbing"]
+    sticky = [block for how, block in wanted if how == "sticky"]
+    slip = [block for how, block in wanted[:2] if how == "free_slip"]
+    slip_sides = [block for how, block in wanted[2:] if how == "free_slip"]
+    first_fixed = sum(len(c) for c, _, _ in soil + absorbing)
+    first_slip = first_fixed + sum(len(c) for c, _, _ in sticky)
+    first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
+    blocks = soil + absorbing + sticky + slip + slip_sides
+
+    x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
+    y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
+    kind = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
+    layer = layer_index(scene, x, y)
+    mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
+    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side, first_fixed)
+
+
+def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Layer (n,) at places (n,): 0 is the scene's own soil, k its k-th layer.  Walls go on as the soil beside them."""
+    half = 0.5 * scene.numerics.spacing
+    x, y = shifted(np.clip(x, half, scene.geometry.width - half), np.maximum(y, half), scene.numerics.spacing)
+    ground = scene.geometry.ground(x)
+    y = np.minimum(y, np.maximum(ground - ABOVE * scene.numerics.spacing, half))
+    places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
+    index = np.zeros(np.shape(x), int)
+    for number, layer in enumerate(scene.layers.values(), 1):
+        index[layer.region.contains(*places, ground)] = number
+    return index
+
+
+def _ground(scene: Scene, soil: np.ndarray) -> np.ndarray:
+    """Rows of a side wall: all of the box, or those of the soil beside an absorbing one; ValueError if that is not one whole column."""
+    if scene.walls.sides != "absorbing":
+        return np.arange(scene.lattice[1])
+    if not soil.size or soil.size <= soil.max():
+        raise ValueError("walls.sides: absorbing needs soil at both sides, from the base to the ground without a gap (geometry)")
+    return np.arange(soil.size)
+
+
+def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    grid = np.meshgrid(columns, rows, indexing="ij")
+    return grid[0].ravel(), grid[1].ravel()
+
+
+def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    geometry, (x, y) = scene.geometry, shifted(x, y, scene.numerics.spacing)
+    if isinstance(geometry, Bodies):
+        return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
+    return y < geometry.ground(x)
+
+
+def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
+    """Index of the soil particle nearest to each probe's place; ValueError for a place away from the soil."""
+    places = {"crest_edge": scene.geometry.crest, "toe": scene.geometry.toe}
+    soil_x, soil_y = shifted(particles.x[: particles.n_soil], particles.y[: particles.n_soil], scene.numerics.spacing)
+    found = {}
+    for name, place in scene.probes.items():
+        px, py = places[place] if isinstance(place, str) else scene.geometry.in_box(*place)
+        distance = np.hypot(soil_x - px, soil_y - py)
+        found[name] = int(np.argmin(distance))
+        if distance.min() > 2.0 * scene.numerics.spacing:
+            px, py = scene.geometry.in_survey(px, py)
+            raise ValueError(f"probes.{name}: ({px:g}, {py:g}) m lies {distance.min():.3g} m from the nearest soil particle")
+    return found

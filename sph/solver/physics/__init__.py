@@ -1,0 +1,1 @@
+"""Terms of physics, one a file: kernels, constitutive laws, their coupling, and the forces between particles."""

@@ -1,0 +1,273 @@
+"""Stress of a particle from its solid and its fluid state (Eqs. 8, 9, 14, 15).
+
+    sigma = beta sigma_s + (1 - beta) sigma_f,   beta = 1 before t_f, then exp(-gamma (t - t_f)).
+
+The paper prints one global t_f and an exponent of the other sign, with which beta would grow; here
+each particle has its own t_f, the moment its stress first reaches the failure surface of the solid
+state.  Both states stay on their own Mohr-Coulomb surface: the solid one is elastic, perfectly
+plastic, since with gamma = 1/s it lives on for seconds.  The fluid deviator starts from the stress
+at t_f.  The elastic pressure is common to both.
+
+At the end of the gravity stage every particle is armed.  Soil that is at yield there has failed under
+gravity alone: its t_f is the end of the stage.  Particles held by a fixed wall (``sph.solver.state.initial_state``) yield
+because the wall carries them and not because the slope does not stand: such a one is armed once it has come off the surface clearly.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.physics.bingham import fluid_deviator
+from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
+from sph.solver.physics.material import material_of
+from sph.solver.physics.mohr_coulomb import limit_tension, return_factor, shear_demand, strength
+from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
+
+BETA_ZERO = 1e-16
+"""Below this weight the solid state no longer shows in the sum and is dropped."""
+OFF_THE_SURFACE = 0.95
+"""A particle that a wall held at yield is armed when it asks for less than this part of its strength."""
+
+
+CHUNK = 64
+"""Particles treated together: the states that none of them needs are left out, and the loops over them vectorise."""
+
+
+@jit
+def correct_gradient(term, b, i, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+    """Velocity gradient exact for linear fields: L times the correction matrix."""
+    if term is None:
+        return l_xx, l_xy, l_yx, l_yy
+    else:
+        return (
+            l_xx * b[i, 0] + l_xy * b[i, 1],
+            l_xx * b[i, 1] + l_xy * b[i, 2],
+            l_yx * b[i, 0] + l_yy * b[i, 1],
+            l_yx * b[i, 1] + l_yy * b[i, 2],
+        )
+
+
+@jit
+def store_stress(term, b, i, state, sxx, syy, sxy):  # type: ignore[no-untyped-def]
+    """Stress for the momentum equation, times the correction matrix where that is on."""
+    if term is None:
+        state.sxx[i] = sxx
+        state.syy[i] = syy
+        state.sxy[i] = sxy
+    else:
+        state.sxx[i] = sxx * b[i, 0] + sxy * b[i, 1]
+        state.sxy[i] = sxx * b[i, 1] + sxy * b[i, 2]
+        state.syx[i] = sxy * b[i, 0] + syy * b[i, 1]
+        state.syy[i] = sxy * b[i, 1] + syy * b[i, 2]
+
+
+@jit
+def power(term, state, gradient, i):  # type: ignore[no-untyped-def]
+    """Power of the momentum equation's stress on the plain gradient sums, W/kg: conjugate to the forces."""
+    syx = state.sxy[i] if term is None else state.syx[i]
+    return state.sxx[i] * gradient[0, i] + state.sxy[i] * gradient[1, i] + syx * gradient[2, i] + state.syy[i] * gradient[3, i]
+
+
+@jit
+def damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
+    """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa."""
+    if term is None:
+        return 0.0, 0.0, 0.0
+    else:
+        scale = beta * term.stiffness
+        mean = bulk_modulus * trace - 0.5 * rate_z
+        return scale * (mean + rate_d), scale * (mean - rate_d), scale * rate_q
+
+
+@jit
+def blend(beta, solid, fluid):  # type: ignore[no-untyped-def]
+    """Eq. 8 for one component; with beta = 1, before failure, exactly that of the solid state."""
+    return beta * solid + (1.0 - beta) * fluid
+
+
+@jit
+def blended(state, terms, i):  # type: ignore[no-untyped-def]
+    """Pressure and deviator (p, d, q, z) of Eq. 8, Pa."""
+    soil = material_of(terms.layers, terms.soil, i)
+    p = pressure(soil.bulk_modulus, state.density[i], terms.reference_density)
+    b = state.beta[i]
+    return (
+        blend(b, limit_tension(soil.solid, p), limit_tension(soil.fluid, p)),
+        blend(b, state.solid_d[i], state.fluid_d[i]),
+        blend(b, state.solid_q[i], state.fluid_q[i]),
+        blend(b, state.solid_z[i], state.fluid_z[i]),
+    )
+
+
+@jit
+def _update_beta(fluid, state, i, decay):  # type: ignore[no-untyped-def]
+    if fluid is None:
+        return 1.0
+    else:
+        beta = state.beta[i] * decay
+        beta = beta if beta > BETA_ZERO else 0.0
+        state.beta[i] = beta if state.phase[i] == FAILED else 1.0
+        return state.beta[i]
+
+
+@jit
+def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
+    if fluid is None:
+        return 0.0, 0.0, 0.0, 0.0
+    else:
+        p = limit_tension(fluid, p)
+        d, q, z = fluid_deviator(law, fluid, p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i], l_xx, l_yy, d_xy, angle, dt)
+        failed = state.phase[i] == FAILED
+        state.fluid_d[i] = d if failed else 0.0
+        state.fluid_q[i] = q if failed else 0.0
+        state.fluid_z[i] = z if failed else 0.0
+        return p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i]
+
+
+@jit
+def _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
+    if solid is None:
+        return 0.0, 0.0, 0.0, 0.0
+    else:
+        d, q = rotate(state.solid_d[i], state.solid_q[i], angle)
+        d += rate_d * dt
+        q += rate_q * dt
+        z = state.solid_z[i] + rate_z * dt
+        p_solid = limit_tension(solid, p)
+        factor = return_factor(solid, p_solid, d, q, z)
+        state.solid_d[i] = d * factor
+        state.solid_q[i] = q * factor
+        state.solid_z[i] = z * factor
+        reached[k] = 1.0 if factor < 1.0 or p_solid > p else 0.0
+        return p_solid, state.solid_d[i], state.solid_q[i], state.solid_z[i]
+
+
+@jit
+def _where(wanted, value):  # type: ignore[no-untyped-def]
+    if wanted is None:
+        return None
+    else:
+        return value
+
+
+@jit
+def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reached, first, last):  # type: ignore[no-untyped-def]
+    """Density, both states, beta and stress of particles first to last; a state for which None is given does not matter to any.
+
+    Notes in ``reached`` who reached the failure surface; returns the internal work over dt, W/m.
+    """
+    dt = terms.dt
+    half = 0.5 * terms.cell_mass
+    internal = 0.0
+    for i in rows(first, last):
+        soil = material_of(terms.layers, terms.soil, i)
+        solid, fluid = _where(with_solid, soil.solid), _where(with_fluid, soil.fluid)
+        bulk = soil.bulk_modulus
+        density = state.density[i]
+        s = 1.0 / density
+        l_xx, l_xy, l_yx, l_yy = correct_gradient(
+            terms.correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
+        )
+        trace = l_xx + l_yy
+        d_xy = 0.5 * (l_xy + l_yx)
+        angle = 0.5 * (l_xy - l_yx) * dt
+        rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, d_xy)
+        new_density = max(density * (1.0 - trace * dt), terms.least_density)
+        state.density[i] = new_density
+        p = pressure(bulk, new_density, terms.reference_density)
+        beta = _update_beta(fluid, state, i, soil.beta_decay)
+        p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
+        p_s, d_s, q_s, z_s = _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first))
+        d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
+        mean = -blend(beta, p_s, p_f) - 0.5 * z
+        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh, beta, bulk, rate_d, rate_q, rate_z, trace)
+        s = 1.0 / (new_density * new_density)
+        internal += half * power(terms.correction, state, gradient, i)
+        store_stress(terms.correction, pairs.correction, i, state, (mean + d + damp_xx) * s, (mean - d + damp_yy) * s, (q + damp_xy) * s)
+        internal += half * power(terms.correction, state, gradient, i)
+    return internal
+
+
+@jit
+def _last_that_fails(absorbing, n_soil, last):  # type: ignore[no-untyped-def]
+    """Absorbing boundary particles stand for soil far away, and do not fail."""
+    if absorbing is None:
+        return last
+    else:
+        return min(last, n_soil)
+
+
+@jit
+def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
+    """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
+    newly_failed = 0
+    for i in range(first, _last_that_fails(terms.absorbing, terms.n_soil, last)):
+        if state.phase[i] == UNARMED:
+            state.phase[i] = YIELDED if reached[i - first] > 0.0 else ARMED
+        elif state.phase[i] == HELD:
+            limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
+            soil = material_of(terms.layers, terms.soil, i)
+            p = limit_tension(soil.solid, pressure(soil.bulk_modulus, state.density[i], terms.reference_density))
+            demand = shear_demand(soil.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
+            if reached[i - first] == 0.0 and demand <= limit * strength(soil.solid, p):
+                state.phase[i] = ARMED
+        elif state.phase[i] == YIELDED or state.phase[i] == ARMED and reached[i - first] > 0.0:
+            state.t_f[i] = time if state.phase[i] == ARMED else time - terms.dt
+            state.phase[i] = FAILED
+            state.fluid_d[i] = state.solid_d[i]
+            state.fluid_q[i] = state.solid_q[i]
+            state.fluid_z[i] = state.solid_z[i]
+            newly_failed += 1
+    return newly_failed
+
+
+@jit
+def update_stress(state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
+    """Advance density, both states and beta of particles first to last to ``time`` (s).
+
+    ``gradient`` (4, n) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy; ``reached``
+    (CHUNK,) is room to work in.  Returns the number of particles that failed and the internal work over dt, W/m.
+    """
+    failed = 0
+    internal = 0.0
+    for begin in range(first, min(last, terms.n_stressed), CHUNK):
+        end = min(begin + CHUNK, last, terms.n_stressed)
+        some_failed = some_armed = some_to_arm = some_solid = False
+        for i in rows(begin, end):
+            some_failed |= state.phase[i] == FAILED
+            some_armed |= state.phase[i] == ARMED
+            some_to_arm |= state.phase[i] != ARMED and state.phase[i] != FAILED
+            some_solid |= state.beta[i] > 0.0
+        if not some_failed:
+            internal += _advance_chunk(True, None, state, pairs, terms, gradient, reached, begin, end)
+        elif some_solid:
+            internal += _advance_chunk(True, True, state, pairs, terms, gradient, reached, begin, end)
+        else:
+            internal += _advance_chunk(None, True, state, pairs, terms, gradient, reached, begin, end)
+        if time >= terms.armed_from and (some_to_arm or some_armed and reached[: end - begin].max() > 0.0):
+            failed += _arm_and_fail(state, terms, reached, begin, end, time)
+    return failed, internal
+
+
+@jit
+def elastic_energy(state, terms):  # type: ignore[no-untyped-def]
+    """Energy stored in the blended stress, J/m: sum of V (p^2 / 2K + s:s / 4G)."""
+    total = 0.0
+    for i in range(state.x.size):
+        p, d, q, z = blended(state, terms, i)
+        soil = material_of(terms.layers, terms.soil, i)
+        volume = terms.cell_mass / state.density[i]
+        total += volume * (0.5 * p * p / soil.bulk_modulus + 0.25 * deviator_square(d, q, z) / soil.shear_modulus)
+    return total
+
+
+@jit
+def cauchy_stress(state, terms, out):  # type: ignore[no-untyped-def]
+    """Fill ``out`` (n, 4) with the stress xx, yy, zz, xy of Eq. 8 (Pa, tension positive)."""
+    for i in range(state.x.size):
+        p, d, q, z = blended(state, terms, i)
+        out[i, 0] = -p - 0.5 * z + d
+        out[i, 1] = -p - 0.5 * z - d
+        out[i, 2] = -p + z
+        out[i, 3] = q

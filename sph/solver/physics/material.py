@@ -1,0 +1,122 @@
+"""Coefficients of the material of each particle: one for all, or those of its layer.
+
+With one soil the coefficients are plain numbers of the compiled code; the tables of layers are compiled in only where a scene has them.
+
+Particles of soils of different density sit on one lattice and take the same room.  The sums over neighbours therefore count particles,
+not mass (as Hu and Adams 2006 do for fluids of different density): every particle enters them with the mass that the scene's own soil
+has in its place (``Terms.cell_mass``), and the state's density is that of this mass.  Strain rates are then right at an interface,
+where sums of true masses would see a jump of density as a strain.  The force between two particles is equal and opposite as before; it
+accelerates a particle of true density rho by ``lightness`` = rho_0 / rho as much as one of the scene's own.  True masses enter body
+forces (not at all), short-range forces, and energies.  In a scene without layers all of this is the identity.
+
+The step of the weight at an interface is smoothed by the kernel; where densities differ by half, the stress within a few rows of it
+alternates from row to row by up to some per cent, as it does beside a fixed base (``tests/physics/test_layered_soil.py``).
+
+Artificial viscosity takes the mean impedance rho V_p of the two particles, so that it too is equal and opposite.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.layers import Layer
+from sph.scene.schema import Scene
+from sph.scene.soil import CappedViscosity, Coupling, Soil
+from sph.solver.compiled.jit import jit
+from sph.solver.physics.bingham import CapTerm, FluidLaw
+from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+
+
+class Material(NamedTuple):
+    """Coefficients of one soil."""
+
+    bulk_modulus: float
+    """K, Pa"""
+    shear_modulus: float
+    """G, Pa"""
+    solid: MohrCoulomb
+    fluid: MohrCoulomb
+    fluid_law: FluidLaw
+    beta_decay: float
+    """exp(-gamma dt)"""
+
+
+class LayersTerm(NamedTuple):
+    """Materials of layers."""
+
+    layer: np.ndarray
+    """(n,) uint8, 0 for the scene's own soil, k for the k-th layer"""
+    table: np.ndarray
+    """(layers + 1, 10): the numbers of ``Material`` in order, without the cap"""
+    lightness: np.ndarray
+    """(n,) density of the scene's own soil over the particle's"""
+    impedance: np.ndarray
+    """(n,) density times V_p over that of the scene's own soil"""
+
+
+def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None = None) -> Material:
+    """Coefficients of a soil, whose layer may have its own S_R and gamma, at a time step (s)."""
+    strength_ratio = coupling.S_R if layer is None or layer.S_R is None else layer.S_R
+    gamma = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
+    cut = coupling.fluid_tension_limit
+    cap = CapTerm(float(coupling.fluid.max_viscosity)) if isinstance(coupling.fluid, CappedViscosity) else None
+    return Material(
+        bulk_modulus=float(soil.bulk_modulus_si),
+        shear_modulus=float(soil.shear_modulus_si),
+        solid=make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),
+        fluid=make_mohr_coulomb(
+            strength_ratio * soil.cohesion_si, strength_ratio * soil.friction_angle_si, None if cut is None else 1e3 * cut
+        ),
+        fluid_law=FluidLaw(float(soil.shear_modulus_si), float(soil.viscosity), cap),
+        beta_decay=math.exp(-gamma * dt),
+    )
+
+
+def make_layers(scene: Scene, layer: np.ndarray, dt: float) -> LayersTerm | None:
+    """Tables of a scene's layers for particles in these layers (n,), or None without."""
+    if not scene.layers:
+        return None
+    materials = [make_material(scene.soil, scene.coupling, dt)]
+    materials += [make_material(its.soil, scene.coupling, dt, its) for its in scene.layers.values()]
+    table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, m.fluid_law.viscosity, m.beta_decay] for m in materials])
+    density = np.array([soil.density for soil in scene.soils])
+    impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
+    return LayersTerm(layer.astype(np.uint8), table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
+
+
+@jit
+def material_of(layers, soil, i):  # type: ignore[no-untyped-def]
+    """Coefficients of particle i: those of ``soil`` where there are no layers."""
+    if layers is None:
+        return soil
+    else:
+        t, k = layers.table, layers.layer[i]
+        return Material(
+            t[k, 0],
+            t[k, 1],
+            MohrCoulomb(t[k, 2], t[k, 3], t[k, 4]),
+            MohrCoulomb(t[k, 5], t[k, 6], t[k, 7]),
+            FluidLaw(t[k, 1], t[k, 8], soil.fluid_law.cap),
+            t[k, 9],
+        )
+
+
+@jit
+def lightness(layers, i):  # type: ignore[no-untyped-def]
+    """Density of the scene's own soil over that of particle i's."""
+    if layers is None:
+        return 1.0
+    else:
+        return layers.lightness[i]
+
+
+@jit
+def mean_impedance(layers, i, j, value):  # type: ignore[no-untyped-def]
+    """A value times the mean impedance of particles i and j over that of the scene's own soil."""
+    if layers is None:
+        return value
+    else:
+        return value * 0.5 * (layers.impedance[i] + layers.impedance[j])

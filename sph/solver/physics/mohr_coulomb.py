@@ -1,0 +1,66 @@
+"""Mohr-Coulomb surface in plane strain, for both states (Sec. 2.3, Eqs. 14 and 15).
+
+In the plane: radius <= c cos(phi) + p_plane sin(phi) with p_plane = -(s_xx + s_yy) / 2 = p + z / 2,
+where p is the mean pressure and z the out-of-plane deviator.  The return keeps the pressure and the
+direction of the deviator (no dilation); since z shrinks with the deviator, the factor solves
+
+    f (radius - z/2 sin(phi)) = c cos(phi) + p sin(phi).
+
+In tension the surface ends at its apex, p = -c cot(phi).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sph.solver.compiled.jit import jit
+
+
+class MohrCoulomb(NamedTuple):
+    """Strength of one state."""
+
+    cohesion_term: float
+    """c cos(phi), Pa"""
+    sine: float
+    """sin(phi)"""
+    tension_limit: float
+    """largest mean tension, Pa"""
+
+
+def make_mohr_coulomb(cohesion: float, friction_angle: float, tension_limit: float | None = None) -> MohrCoulomb:
+    """Surface from c (Pa), phi (rad) and, below the apex, an optional cut-off in tension (Pa)."""
+    sine = math.sin(friction_angle)
+    apex = math.inf
+    if cohesion == 0:
+        apex = 0.0
+    elif sine > 0:
+        apex = cohesion * math.cos(friction_angle) / sine
+    limit = apex if tension_limit is None else min(apex, tension_limit)
+    return MohrCoulomb(float(cohesion * math.cos(friction_angle)), float(sine), float(limit))
+
+
+@jit
+def limit_tension(surface, p):  # type: ignore[no-untyped-def]
+    """Pressure no lower than the apex or the cut-off, Pa."""
+    return max(p, -surface.tension_limit)
+
+
+@jit
+def strength(surface, p):  # type: ignore[no-untyped-def]
+    """Yield shear stress c cos(phi) + p sin(phi) (Pa), never negative."""
+    return max(surface.cohesion_term + p * surface.sine, 0.0)
+
+
+@jit
+def shear_demand(surface, d, q, z):  # type: ignore[no-untyped-def]
+    """What a deviator (d, q, z) asks of the strength: radius - z/2 sin(phi), Pa."""
+    return math.sqrt(d * d + q * q) - 0.5 * z * surface.sine
+
+
+@jit
+def return_factor(surface, p, d, q, z):  # type: ignore[no-untyped-def]
+    """Factor (<= 1) that brings the deviator to the surface at pressure p; 1 inside or on it."""
+    demand = shear_demand(surface, d, q, z)
+    available = strength(surface, p)
+    return available / demand if demand > available else 1.0

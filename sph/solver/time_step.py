@@ -1,0 +1,179 @@
+"""Limits of the time step: from theory before a run, measured during it.
+
+All limits come from the largest eigenvalue of the discrete operator.  For a lattice, a plane wave
+of wave number k sees the effective wave number S(k) = sum_j V_j |dW/dx| sin(k x_ij); its maximum
+over k is computed from the scene's kernel and spacing, not assumed.  With omega = V_p max S:
+
+* acoustic: leapfrog is stable for dt < 2 / omega;
+* stiffness damping, taken half a step back: dt < (sqrt(b^2 + 4) - b) / omega with
+  b = beta_R omega (the root of omega^2 dt (dt / 4 + beta_R / 2) = 1);
+* artificial viscosity acts on pairs, at most at the rate 2 alpha V_p sum_j V_j |dW/dr|, and adds to
+  the damping of that highest mode;
+* capped viscosity: 0.125 h^2 rho / eta_max.
+
+Particles out of their lattice have stiffer modes: in the debris of the paper's scene the largest frequency is 1.2 times
+that of the lattice at h = 1.3 spacings and 2.2 times at h = 2.3, at the same density.  So the largest frequency is also measured
+on the present arrangement, by power iteration on the undamped elastic operator, a few turns at every frame from where the last
+frame left it (``stiffest_frequency``).  A run records the limit beside its step, and with ``adaptive_step`` keeps to it; one with
+a fixed step says when it was exceeded.  Stiffness damping counts in the lattice limit only: failed soil has lost it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import MOST_STEPS, Scene
+from sph.scene.soil import CappedViscosity
+from sph.solver.compiled.jit import jit
+from sph.solver.physics.coupling import correct_gradient, store_stress
+from sph.solver.physics.elasticity import elastic_increment
+from sph.solver.physics.kernels import evaluate, make_kernel
+from sph.solver.physics.material import material_of
+from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
+from sph.solver.state import State
+
+
+class Limit(NamedTuple):
+    """One limit of the time step."""
+
+    name: str
+    seconds: float
+    reason: str
+
+
+def lattice_wave_number(scene: Scene) -> float:
+    """Largest effective wave number (1/m) of the discrete gradient on the initial lattice."""
+    x, volume, factor = _lattice(scene)
+    k = np.linspace(0.0, np.pi / scene.numerics.spacing, 721)
+    return float(np.abs(volume * (factor * x) @ np.sin(np.outer(x, k))).max())
+
+
+def wave_speed_ratio(scene: Scene, wavelength: float) -> float:
+    """Speed of elastic waves of a length (m) on the initial lattice over that in the soil; 0 for waves that it cannot carry."""
+    x, volume, factor = _lattice(scene)
+    k = 2.0 * np.pi / wavelength
+    if wavelength < 2.0 * scene.numerics.spacing:
+        return 0.0
+    return max(float(-volume * (factor * x) @ np.sin(k * x)) / k, 0.0)
+
+
+def _lattice(scene: Scene) -> tuple[np.ndarray, float, np.ndarray]:
+    numerics = scene.numerics
+    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
+    reach = int(np.ceil(2 * numerics.smoothing_length / numerics.spacing))
+    offsets = np.arange(-reach, reach + 1) * numerics.spacing
+    x, y = (a.ravel() for a in np.meshgrid(offsets, offsets))
+    r = np.hypot(x, y)
+    x, r = x[r > 0], r[r > 0]
+    return x, numerics.spacing**2, np.array([evaluate(kernel, distance)[1] for distance in r])
+
+
+def limits(scene: Scene) -> list[Limit]:
+    """The limits that a scene has, smallest last reason included; seconds."""
+    numerics, speed = scene.numerics, scene.largest_p_wave_speed
+    wave_number = lattice_wave_number(scene)
+    omega = speed * wave_number
+    found = [Limit("acoustic", 2.0 / omega, f"V_p = {speed:.0f} m/s, largest wave number {wave_number:.2f} 1/m")]
+    b = 0.0
+    if scene.damping is not None:
+        b += scene.damping.stiffness_coefficient * omega
+        found.append(Limit("stiffness damping", _damped(b, omega), f"beta_R = {scene.damping.stiffness_coefficient:.3g} s"))
+    if numerics.artificial_viscosity is not None:
+        b += _viscous_rate(scene) / omega
+        found.append(Limit("with artificial viscosity", _damped(b, omega), f"alpha = {numerics.artificial_viscosity.alpha}"))
+    if isinstance(scene.coupling.fluid, CappedViscosity):
+        cap = scene.coupling.fluid.max_viscosity
+        density = min(soil.density for soil in scene.soils)
+        found.append(Limit("capped viscosity", 0.125 * numerics.smoothing_length**2 * density / cap, f"eta_max = {cap:.3g} Pa s"))
+    return found
+
+
+def _damped(b: float, omega: float) -> float:
+    return 4.0 / (math.sqrt(b * b + 4.0) + b) / omega
+
+
+def _viscous_rate(scene: Scene) -> float:
+    """Rate at which artificial viscosity damps the stiffest mode, 1/s; with layers a bound: the lightest beside the largest impedance."""
+    if scene.numerics.artificial_viscosity is None:
+        return 0.0
+    x, volume, factor = _lattice(scene)
+    speed = max(soil.density * soil.p_wave_speed for soil in scene.soils) / min(soil.density for soil in scene.soils)
+    return scene.numerics.artificial_viscosity.alpha * speed * volume * float(np.abs(factor * x).sum())
+
+
+class PresentLimit:
+    """Limit of a scene's time step for particles as they lie."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.lattice = min(limit.seconds for limit in limits(scene))
+        self.viscous_rate = _viscous_rate(scene)
+
+    def seconds(self, frequency: float) -> float:
+        """Limit (s) if the stiffest mode has this angular frequency (rad/s); never above that of the lattice."""
+        return min(self.lattice, _damped(self.viscous_rate / frequency, frequency))
+
+
+@jit
+def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no-untyped-def]
+    """Largest angular frequency (rad/s) of elastic waves among the particles as they lie; a lower bound that turns improve.
+
+    ``state`` is one whose velocities hold the mode, which is improved in place, and whose stresses and accelerations are free to use.
+    """
+    n = state.x.size
+    square = 0.0
+    for _ in range(turns):
+        for i in range(terms.n_moving, n):
+            state.vx[i] = 0.0
+            state.vy[i] = 0.0
+        norm = 0.0
+        for i in range(terms.n_moving):
+            norm += state.vx[i] ** 2 + state.vy[i] ** 2
+        scale = 1.0 / math.sqrt(norm)
+        for i in range(terms.n_moving):
+            state.vx[i] *= scale
+            state.vy[i] *= scale
+        velocity_gradients(state, pairs, None, terms.layers, gradient, 0, n)
+        for i in range(terms.n_stressed):
+            s = 1.0 / state.density[i]
+            l_xx, l_xy, l_yx, l_yy = correct_gradient(
+                terms.correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
+            )
+            soil = material_of(terms.layers, terms.soil, i)
+            rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, 0.5 * (l_xy + l_yx))
+            mean = (soil.bulk_modulus * (l_xx + l_yy) - 0.5 * rate_z) * s * s
+            store_stress(terms.correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s)
+        stress_accelerations(state, pairs, terms.correction, terms.layers, 0, terms.n_moving)
+        square = 0.0
+        for i in range(terms.n_moving):
+            square += state.ax[i] ** 2 + state.ay[i] ** 2
+            state.vx[i] = -state.ax[i]
+            state.vy[i] = -state.ay[i]
+    return square**0.25
+
+
+def mode_of(state: State) -> State:
+    """A state that shares positions and lists with another, moves in its stiffest mode and has stresses of its own."""
+    own = ("ax", "ay", "sxx", "syy", "sxy", "syx", "viscous_x", "viscous_y")
+    return state._replace(vx=state.mode_x, vy=state.mode_y, **{name: np.zeros_like(state.x) for name in own})
+
+
+def check_time_step(scene: Scene) -> None:
+    """Refuse a time step above a limit, or a limit that an adaptive one meets in too many steps; ValueError names key, value and limit."""
+    adaptive = scene.numerics.adaptive_step
+    if adaptive is not None:
+        smallest = min(limits(scene), key=lambda limit: limit.seconds)
+        if scene.duration > MOST_STEPS * adaptive.courant * smallest.seconds:
+            raise ValueError(
+                f"numerics.adaptive_step: the limit by {smallest.name}, {smallest.seconds:.3g} s ({smallest.reason}), makes more than "
+                f"{MOST_STEPS:,} steps of duration: {scene.duration} s; choose a shorter duration or a larger numerics.spacing"
+            )
+        return
+    for limit in limits(scene):
+        if scene.numerics.time_step >= limit.seconds:
+            raise ValueError(
+                f"numerics.time_step: {scene.numerics.time_step:g} s exceeds the limit by {limit.name}, "
+                f"{limit.seconds:.3g} s ({limit.reason}); choose a smaller step"
+            )

@@ -1,0 +1,55 @@
+"""What a rigid sliding block does under a run's shaking: the baseline beside the simulated displacement and the critical amplitude."""
+
+from __future__ import annotations
+
+import math
+
+from scipy.optimize import brentq  # type: ignore[import-untyped]
+
+from sph.scene.ground_motion import motion_of
+from sph.scene.motion import ConstantAcceleration, reference_amplitude
+from sph.scene.schema import Scene
+from sph.stability.newmark import sliding_block
+from sph.study.tables import BASELINE
+
+
+def baseline_metrics(scene: Scene, yield_acceleration: float) -> dict[str, float]:
+    """The columns ``BASELINE`` of a study's table for a run, from its scene and the yield acceleration (m/s2) of its slope.
+
+    The slip is infinite for a slope that does not stand without shaking (yield acceleration 0), and under a load that stays and is larger;
+    it is NaN where the yield acceleration is.
+    """
+    if math.isnan(yield_acceleration):
+        slip = math.nan
+    elif yield_acceleration == 0.0 or isinstance(scene.motion, ConstantAcceleration) and scene.motion.amplitude > yield_acceleration:
+        slip = math.inf
+    else:
+        motion = motion_of(scene)
+        slip = sliding_block(motion.time, motion.acceleration, yield_acceleration).permanent
+    return dict(zip((row.name for row in BASELINE), (yield_acceleration, slip), strict=True))
+
+
+def newmark_amplitude(scene: Scene, yield_acceleration: float, displacement: float) -> float:
+    """Amplitude (m/s2) of the scene's motion at which the sliding block slips by a displacement (m), from its yield acceleration (m/s2).
+
+    0 for a slope that does not stand without shaking, the yield acceleration under a load that stays, infinite for a motion that nowhere
+    drives the block downslope, NaN where the yield acceleration is; ValueError for a scene that is not shaken.
+    """
+    if not yield_acceleration > 0.0:
+        return yield_acceleration
+    if reference_amplitude(scene.motion) == 0.0:
+        raise ValueError(f"motion: scene {scene.name} is not shaken, there is nothing to scale")
+    if isinstance(scene.motion, ConstantAcceleration):
+        return yield_acceleration
+    motion = motion_of(scene)
+    shape = motion.acceleration / reference_amplitude(scene.motion)
+    if not shape.max() > 0.0:
+        return math.inf
+
+    def excess(amplitude: float) -> float:
+        return sliding_block(motion.time, amplitude * shape, yield_acceleration).permanent - displacement
+
+    low = high = yield_acceleration / float(shape.max())
+    while excess(high) < 0.0:
+        low, high = high, 2.0 * high
+    return float(brentq(excess, low, high, xtol=1e-6)) if high > low else high

@@ -1,0 +1,145 @@
+"""What a scene asks of a machine: computing time, memory and room on a disk, before it is run.
+
+Computing time is a sum of four parts, each with a constant of the reference machine (one core of the machine that measured
+the ladder, two runs side by side).  The constants were fitted to the 77 timed rungs of ``measured/trade.csv``: half of them are met
+within 6 %, eight in ten between -17 % and +8 %, the worst are 0.56 and 1.25 times what was measured.
+
+* a directed neighbour and a particle in a time step;
+* the renewal of a directed neighbour's gradient, whenever the fastest debris has moved by ``numerics.gradient_tolerance``; it is taken
+  to travel the height of the slope once;
+* a sample of the series, and at every frame the measurement of the time step's limit.
+
+Soil that can soften is taken to fail once the gravity stage is over, so that all is an upper estimate where nothing fails.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from sph.scene.schema import Scene, make_scene
+from sph.solver.compiled.jit import compile_lock
+from sph.solver.particles import place_particles
+from sph.solver.run import TURNS
+from sph.solver.time_step import limits
+from sph.stability.record import SEARCHES
+from sph.stability.standing import FailureRule, static_scene
+
+NEIGHBOUR, PARTICLE, RENEWAL, SAMPLE = 1.2e-9, 38e-9, 3.5e-9, 31e-6
+"""Seconds of a directed neighbour, a particle, the renewal of a neighbour's gradient, and a sample."""
+STIFFENING = 0.75
+"""Frequency of debris over that of the lattice, times spacing over smoothing length: 1.7 at h = 2.3 spacings, the mean over a collapse."""
+PROCESS, COMPILER = 250.0, 500.0
+"""MiB of a process with its libraries, and of one that compiles the solver (measured)."""
+BYTES_OF_NEIGHBOUR, BYTES_OF_STORED = 60, 145
+"""Bytes of memory of a directed neighbour, with its particle's share, and of a particle at a frame (measured, whole process)."""
+FILED, FILED_STATE, FILED_SAMPLE = 32, 200, 80
+"""Bytes of a file, compressed: a particle at a frame of a moving slope, its restart state, a sample of the series (measured)."""
+TRIALS = 13
+"""Static tests of a search to 1 % (measured on the paper's slope)."""
+START, COMPILE = 1.5, 45.0
+"""Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
+MIB = 2.0**20
+
+
+class Cost(NamedTuple):
+    """What a run, or a part of one, asks for."""
+
+    particles: int
+    neighbours: float  # directed, of a particle inside the lattice
+    steps: int  # made, those an adaptive step adds included
+    seconds: float  # of computing on one core of the reference machine
+    memory: float  # MiB of its process
+    disk: float  # MiB of its file
+
+
+def cost(scene: Scene, since: float = 0.0, until: float | None = None) -> Cost:
+    """Cost of a scene from one simulated time to another, s; by default the whole run.  The file holds what came before, too."""
+    until = scene.duration if until is None else until
+    numerics, outputs, settled = scene.numerics, scene.outputs, scene.gravity.duration
+    n = place_particles(scene).x.size
+    neighbours = math.pi * (2 * numerics.smoothing_length / numerics.spacing) ** 2
+    calm, debris = _substeps(scene)
+    before, after = max(min(until, settled) - since, 0.0), max(until - max(since, settled), 0.0)
+    steps = scene.steps(before) * calm + scene.steps(after) * debris
+    frames = (until - since) / outputs.frame_interval
+    (_, toe), (_, crest) = scene.geometry.toe, scene.geometry.crest
+    reach = numerics.gradient_tolerance * numerics.spacing
+    renewed = min(steps, (crest - toe) / reach * _softens(scene) * (after > 0)) if reach else steps
+    a_step = n * (neighbours * NEIGHBOUR + PARTICLE)
+    stored, sampled = n * (until / outputs.frame_interval + 1), until / outputs.series_interval + 1
+    return Cost(
+        particles=n,
+        neighbours=neighbours,
+        steps=steps,
+        seconds=(steps + TURNS * frames) * a_step + renewed * n * neighbours * RENEWAL + (until - since) / outputs.series_interval * SAMPLE,
+        memory=PROCESS + (n * neighbours * BYTES_OF_NEIGHBOUR + stored * BYTES_OF_STORED) / MIB,
+        disk=(stored * FILED + n * FILED_STATE + sampled * FILED_SAMPLE) / MIB,
+    )
+
+
+def search_cost(scene: Scene) -> Cost:
+    """Cost of the search for a scene's yield acceleration; of one that has none, a single static test of the scene as it is."""
+    try:
+        one = cost(static_scene(scene, FailureRule(), acceleration=1.0))
+    except ValueError:
+        return cost(scene)
+    # Its tests stay in memory until Python gives them back: two at once have been seen.
+    return one._replace(steps=TRIALS * one.steps, seconds=TRIALS * one.seconds, memory=2 * one.memory, disk=0.1)
+
+
+def _softens(scene: Scene) -> bool:
+    return scene.coupling.gamma > 0 or scene.coupling.initial_state == "fluid"
+
+
+def _substeps(scene: Scene) -> tuple[int, int]:
+    """Steps made for a time step of the scene, in the gravity stage and with debris."""
+    numerics = scene.numerics
+    if numerics.adaptive_step is None:
+        return 1, 1
+    acoustic, smallest = _limits(scene)
+    stiffening = STIFFENING * numerics.smoothing_length / numerics.spacing if _softens(scene) else 1.0
+    debris = min(smallest, acoustic / max(stiffening, 1.0))
+    calm, moving = (math.ceil(numerics.time_step / (numerics.adaptive_step.courant * limit) - 1e-9) for limit in (smallest, debris))
+    return max(calm, 1), max(moving, 1)
+
+
+UNLIKE = ("name", "title", "duration", "motion", "outputs", "probes")
+"""Keys in which scenes of a study often differ, and which the limits do not depend on."""
+_known: dict[str, tuple[float, float]] = {}
+"""Limits by all other keys: a study may have ten thousand scenes."""
+
+
+def _limits(scene: Scene) -> tuple[float, float]:
+    """Acoustic and smallest limit of the time step in the lattice, s."""
+    key = scene.model_dump_json(exclude=dict.fromkeys(UNLIKE, True) | {"coupling": {"S_R", "gamma"}})
+    if key not in _known:
+        with compile_lock(required=False):
+            seconds = [limit.seconds for limit in limits(scene)]
+        _known[key] = seconds[0], min(seconds)
+    return _known[key]
+
+
+class Needs(NamedTuple):
+    """What a job of a workflow asks of a cluster, in the units of Snakemake's resources."""
+
+    mem_mb: int
+    runtime: int  # minutes
+
+
+SLACK, MEMORY_SLACK = 3.0, 1.5
+"""Times the estimate that a job asks for: a node may be slower than the reference machine, and its cores shared."""
+GRACE = 300.0
+"""Seconds that a job asks for on top: libraries from a shared disk, compiling, waiting for another job that compiles."""
+
+
+def needs(scene: Mapping[str, Any], what: str = "end", attempt: int = 1) -> Needs:
+    """What a job asks for that runs a scene to a stage (``sph.solver.run.Until``) or searches a limit of it (``record.SEARCHES``).
+
+    More at every attempt.
+    """
+    built = make_scene(scene)
+    found = search_cost(built) if what in SEARCHES else cost(built, until=built.gravity.duration if what == "gravity" else None)
+    seconds = SLACK * found.seconds + GRACE
+    return Needs(math.ceil(attempt * MEMORY_SLACK * max(found.memory, COMPILER)), math.ceil(attempt * seconds / 60))

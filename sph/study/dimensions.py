@@ -1,0 +1,179 @@
+"""The dimensions of a study: keys of the scene by their dotted paths, or by the paper's short names, and values as written.
+
+A value stays the string that it was written as, so that file names and labels are what the user wrote; it becomes a number, a word
+or null once, in the scene and in the study's tables.
+"""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import re
+import types
+import typing
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import BaseModel, BeforeValidator, Field
+
+from sph.measures.metrics import GRID
+from sph.scene.configuration import Section
+from sph.scene.schema import Scene
+from sph.storage.trajectory import Variable
+
+GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
+"""The scene keys that the paper's dimensions set, by their short names."""
+CASE = "case"
+"""Dimension of a study that is a list of runs, and the column of their names."""
+NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
+NAME = "<name>"
+"""Stands for a name of the user's choice in a key."""
+AXES: tuple[Variable, ...] = (
+    Variable("S_R", ("S_R",), "f8", "1", "strength ratio of the fluid state, Eqs. 14-15"),
+    Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),
+    Variable("amplitude", ("amplitude",), "f8", "m s-2", "amplitude of the ground acceleration"),
+)
+"""The paper's dimensions in a study's tables."""
+
+
+def as_written(value: Any) -> Any:
+    """A number that YAML has read becomes its shortest text, null the word; quoted values keep theirs, lists item by item."""
+    if isinstance(value, list):
+        return [as_written(item) for item in value]
+    number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    return "null" if value is None else repr(value) if number else value
+
+
+Value = Annotated[str, Field(max_length=100, pattern=r"^[A-Za-z0-9+-][A-Za-z0-9_./+-]*$"), BeforeValidator(as_written)]
+Values = Annotated[tuple[Value, ...], Field(min_length=1)]
+
+
+def is_number(label: str) -> bool:
+    """Whether a value is written as a number."""
+    return NUMBER.fullmatch(label) is not None
+
+
+def value_of(label: str) -> float | str | None:
+    """What a scene is given for a value as written: a number, nothing for null, else the word."""
+    return None if label == "null" else float(label) if is_number(label) else label
+
+
+class Dimension(NamedTuple):
+    """What a study varies."""
+
+    name: str  # in the configuration, in file names and in tables
+    unit: str  # of the scene's key
+    text: str  # its meaning
+    words: bool  # some value is no number
+
+    @property
+    def symbol(self) -> str:
+        """Name for figures and pages."""
+        return {"gamma": "γ"}.get(self.name, self.name)
+
+    @property
+    def label(self) -> str:
+        """Symbol and unit."""
+        return f"{self.symbol} ({self.shown_unit})" if self.shown_unit else self.symbol
+
+    @property
+    def shown_unit(self) -> str:
+        """Unit as it is printed; nothing for a number without one."""
+        return "" if self.unit == "-" else re.sub(r"(?<=[a-z])[23]", lambda power: "²³"[int(power[0]) - 2], self.unit)
+
+    def variable(self, listed: bool) -> Variable:
+        """The coordinate of a study's table: a dimension of its own, or one along the cases of a list."""
+        known = next((axis for axis in AXES if axis.name == self.name), None)
+        kind, unit = ("str" if self.words else "f8"), "1" if self.unit == "-" else self.unit
+        found = known or Variable(self.name, (self.name,), "f8", unit, f"{scene_key(self.name)}: {self.text}")
+        return found._replace(dims=(CASE,) if listed else found.dims, dtype=kind)
+
+
+def scene_key(name: str) -> str:
+    """The dotted scene key of a dimension."""
+    return GRID_KEYS.get(name, name)
+
+
+def title_of(dimensions: Iterable[Dimension], point: Mapping[str, str]) -> str:
+    """A point in words: every dimension with value and unit."""
+    return ", ".join(f"{d.symbol} {point[d.name]} {d.shown_unit}".rstrip() for d in dimensions)
+
+
+def in_order(names: Iterable[str]) -> list[str]:
+    """Dimensions in the order of file names and tables: the paper's first, then as written."""
+    names = list(names)
+    return [name for name in GRID if name in names] + [name for name in names if name not in GRID]
+
+
+def point_name(point: Mapping[str, str]) -> str:
+    """Name of a point in file names."""
+    return "_".join(f"{name}-{point[name]}" for name in in_order(point))
+
+
+def check_names(where: str, names: Iterable[str]) -> None:
+    """ValueError for a dimension that is no key of a scene, with the nearest one, and for two that set one key."""
+    keys: dict[str, str] = {}
+    for name in names:
+        key = scene_key(name)
+        if not any(_matches(key, known) for known in scene_keys()):
+            near = difflib.get_close_matches(key, [*GRID_KEYS, *scene_keys()], 1, 0.5)
+            raise ValueError(f"{where}.{name}: there is no such key in a scene" + (f"; the nearest is {near[0]}" if near else ""))
+        if key in keys:
+            raise ValueError(f"{where}: {keys[key]} and {name} set the same key")
+        keys[key] = name
+
+
+def _matches(key: str, known: str) -> bool:
+    parts, wanted = key.split("."), known.split(".")
+    return len(parts) == len(wanted) and all(part == other or other == NAME and part for part, other in zip(parts, wanted, strict=True))
+
+
+@functools.cache
+def scene_keys() -> tuple[str, ...]:
+    """Every dotted key of a scene that can hold a number, a word or null, of all variants; ``NAME`` stands for a name."""
+    return tuple(dict.fromkeys(_keys(Scene)))
+
+
+def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+    for name, field in model.model_fields.items():
+        yield prefix + name
+        for section in sections(field.annotation):
+            yield from _keys(section, f"{prefix}{name}.")
+        if _mappings(field.annotation):
+            yield f"{prefix}{name}.{NAME}"
+        for section in named_sections(field.annotation):
+            yield from _keys(section, f"{prefix}{name}.{NAME}.")
+
+
+def sections(annotation: Any) -> list[type[BaseModel]]:
+    """The sections that a key's type allows."""
+    return [part for part in _parts(annotation) if isinstance(part, type) and issubclass(part, BaseModel)]
+
+
+def named_sections(annotation: Any) -> list[type[BaseModel]]:
+    """Sections that a mapping holds under names of the user's choice."""
+    return [section for mapping in _mappings(annotation) for section in sections(typing.get_args(mapping)[1])]
+
+
+def _mappings(annotation: Any) -> list[Any]:
+    return [part for part in _parts(annotation) if typing.get_origin(part) is dict]
+
+
+def _parts(annotation: Any) -> list[Any]:
+    """The types that a type allows, one by one."""
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType, typing.Annotated):
+        return [part for inner in typing.get_args(annotation) for part in _parts(inner)]
+    return [annotation]
+
+
+def dimension(name: str, labels: Iterable[str], scene: Scene) -> Dimension:
+    """A dimension with the unit and the meaning that the scene's key is declared with, from a scene in which it is set."""
+    at: Any = scene
+    unit, text = "-", ""
+    for part in scene_key(name).split("."):
+        field = type(at).model_fields.get(part) if isinstance(at, Section) else None
+        if field is not None:
+            extra: Any = field.json_schema_extra or {}
+            unit, text = extra.get("unit", "-"), field.description or ""
+        at = at.get(part) if isinstance(at, Mapping) else getattr(at, part, None)
+    return Dimension(name, unit, text, not all(map(is_number, labels)))

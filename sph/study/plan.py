@@ -1,0 +1,441 @@
+"""A study: one scene with some of its keys varied, at a fidelity (``config/config.yaml``).
+
+The runs are a grid of values, a list of cases or a sample (``sph.study.sampling``); a dimension is any key of the scene, the paper's
+three by their short names.  Values stay the strings they were written as (``sph.study.dimensions``).  ``load_study`` builds and
+validates the scene of every run, so that a typo is refused before any work.  What runs share is simulated once (``sph.study.stages``).
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import BeforeValidator, Field, model_validator
+
+from sph.measures.fields import check_probe
+from sph.measures.metrics import GRID, MetricSettings
+from sph.paper.claims import ClaimSettings
+from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, scene_files, validated
+from sph.scene.schema import Scene, make_scene
+from sph.study.dimensions import (
+    CASE,
+    Dimension,
+    Value,
+    Values,
+    as_written,
+    check_names,
+    dimension,
+    in_order,
+    is_number,
+    point_name,
+    scene_key,
+    title_of,
+    value_of,
+)
+from sph.study.sampling import KINDS, MOST_RUNS, Sample, read_cases
+from sph.study.stages import SharedStages, Stages
+from sph.study.tables import Layout
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
+LONGEST_NAME = 120
+"""Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
+PART = 500
+"""Runs that are measured by one job."""
+Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
+Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
+Point = dict[str, str]
+"""Value of every dimension of a run, as written."""
+
+
+def _dimensions_kept(grid: Any) -> Any:
+    """A dimension set to null is none: so a configuration laid over another takes it out."""
+    return {name: values for name, values in grid.items() if values is not None} if isinstance(grid, Mapping) else grid
+
+
+class FigureCases(Section):
+    """Which runs figures show: Figs. 4-7 at the amplitude of the claims, values as in the grid; profiles of any study by name."""
+
+    strengths: Axis = key("S_R of Figs. 4 and 6", source="Figs. 4, 6", default=("0.10", "0.25", "0.50"))
+    gamma: Number = key("gamma of Figs. 4 and 6", "1/s", "Figs. 4, 6", default="100")
+    compared_gammas: Axis = key("gammas of Figs. 5 and 7", "1/s", "Figs. 5, 7", default=("100", "1"))
+    compared_strengths: Axis = key(
+        "S_R of the panels of Fig. 7, the first also of Fig. 5",
+        source="Fig. 7: 0.25 in the text, 0.35 in the caption",
+        default=("0.25", "0.35"),
+    )
+    runs: tuple[str, ...] = key(
+        "runs, by the names of their files without suffix, whose profiles a study without the paper's three dimensions shows; "
+        "none: four, evenly through the study",
+        default=(),
+        max_length=12,
+    )
+
+
+class Study(Section):
+    """The configuration of the workflow."""
+
+    study: str = key("name; results go to results/<study>/<fidelity>", pattern=NAME)
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    fidelity: str = key("which of the fidelities to run at")
+    grid: Annotated[dict[str, Values], BeforeValidator(_dimensions_kept), Field(min_length=1)] | None = key(
+        "values of each dimension, every combination is run; quote them to keep trailing zeros; dimensions: S_R, gamma, amplitude "
+        "or any dotted key of the scene that takes a number or a word",
+        source="Figs. 4-5, Sec. 3.2",
+        default=None,
+    )
+    cases: Annotated[tuple[Annotated[dict[str, Value], Field(min_length=1)], ...], Field(min_length=1)] | None = key(
+        "instead of a grid: the runs one by one, a value of each dimension; or the name of a CSV file with a column a dimension",
+        default=None,
+    )
+    sample: Sample | None = key("instead of a grid: runs that fill ranges of the dimensions", default=None)
+    fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key("scene keys that each fidelity sets, by name")
+    figures: FigureCases = key("runs shown in Figs. 4-7", default=FigureCases())
+    metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
+    claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
+    trade: str = key("file of the ladder that 'snakemake trade' runs, searched for as the scene", default="config/trade.yaml")
+    validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
+    limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
+    extremes: str = key("file of the sweeps that 'snakemake extremes' runs, likewise", default="config/extremes.yaml")
+    sensitivity: str = key("file of the factors that 'snakemake sensitivity' varies, likewise", default="config/sensitivity.yaml")
+    trigger: str = key("file of the searches that 'snakemake trigger' and 'snakemake maps' run, likewise", default="config/trigger.yaml")
+
+    @model_validator(mode="after")
+    def _known(self) -> Study:
+        if self.fidelity not in self.fidelities:
+            raise ValueError(f"fidelity: {self.fidelity!r} is not one of {', '.join(self.fidelities)}")
+        return self
+
+    @model_validator(mode="after")
+    def _runs_known(self) -> Study:
+        chosen = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(chosen) != 1:
+            raise ValueError(f"one of {', '.join(KINDS)} says which runs there are (found {' and '.join(chosen) or 'none'})")
+        if self.sample is not None:
+            check_names("sample.ranges", self.sample.ranges)
+        elif self.grid is not None:
+            check_names("grid", self.grid)
+            for name, values in self.grid.items():
+                if len({value_of(value) for value in values}) < len(values):
+                    raise ValueError(f"grid.{name}: {list(values)} holds one value twice")
+            runs = math.prod(len(values) for values in self.grid.values())
+            if runs > MOST_RUNS:
+                raise ValueError(f"grid: {', '.join(self.grid)}: the grid has {runs:,} points, at most {MOST_RUNS:,}")
+        else:
+            assert self.cases is not None
+            check_names("cases", self.cases[0])
+            if len(self.cases) > MOST_RUNS:
+                raise ValueError(f"cases: {len(self.cases):,} runs, at most {MOST_RUNS:,}")
+            for number, case in enumerate(self.cases, 1):
+                if set(case) != set(self.cases[0]):
+                    raise ValueError(f"cases: number {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}")
+        return self
+
+    @functools.cached_property
+    def names(self) -> list[str]:
+        """The dimensions, in the order of file names and tables."""
+        return in_order(self.grid or (self.sample.ranges if self.sample else self.cases[0] if self.cases else ()))
+
+    @property
+    def of_the_paper(self) -> bool:
+        """Whether the study is a grid over exactly the paper's three dimensions, which its claims and Figs. 4-7 need."""
+        return self.grid is not None and self.names == list(GRID)
+
+    def needs_the_paper(self, what: str) -> None:
+        """ValueError where the study is not a grid over the paper's dimensions."""
+        if not self.of_the_paper:
+            raise ValueError(f"{what} need a grid over exactly {', '.join(GRID)}; study {self.study!r} varies {', '.join(self.names)}")
+
+    @functools.cached_property
+    def values(self) -> dict[str, tuple[str, ...]]:
+        """Values of each dimension of a grid, numbers increasing and words as written; of a list, those of all runs in their order."""
+        if self.grid is None:
+            points = self.sample.points() if self.sample else self.cases or ()
+            return {name: tuple(point[name] for point in points) for name in self.names}
+        return {
+            name: tuple(sorted(self.grid[name], key=float) if all(map(is_number, self.grid[name])) else self.grid[name])
+            for name in self.names
+        }
+
+    @functools.cached_property
+    def numbered(self) -> bool:
+        """Whether the names of runs are numbers: in a list, and in a grid whose dimensions make too long a name or one with a folder."""
+        longest = point_name({name: max(values, key=len) for name, values in self.values.items()})
+        return self.grid is None or len(longest) > LONGEST_NAME or any("/" in value for values in self.values.values() for value in values)
+
+    @functools.cached_property
+    def runs(self) -> dict[str, Point]:
+        """Every run by the name of its file, in the order of the tables."""
+        combined = zip(*self.values.values(), strict=True) if self.grid is None else itertools.product(*self.values.values())
+        points = [dict(zip(self.names, values, strict=True)) for values in combined]
+        if self.numbered:
+            return {f"{CASE}-{number:06d}": point for number, point in enumerate(points, 1)}
+        return {point_name(point): point for point in points}
+
+    @property
+    def points(self) -> pd.DataFrame:
+        """Table of all runs, values as written."""
+        return pd.DataFrame(list(self.runs.values()), columns=self.names)
+
+    def name_of(self, point: Mapping[str, str]) -> str:
+        """Name of the file of a run of the study."""
+        return next(name for name, own in self.runs.items() if own == point) if self.numbered else point_name(point)
+
+    @property
+    def figures_made(self) -> list[str]:
+        """Figures of the study."""
+        return [f"fig{number}" for number in (range(1, 8) if self.of_the_paper else range(1, 4))] + OF_ANY * (not self.of_the_paper)
+
+    def shown_runs(self, most: int, chosen: Sequence[str] = ()) -> list[str]:
+        """Names of at most so many runs, evenly through the study, with those that were chosen, in the order of the tables."""
+        names = list(self.runs)
+        for name in chosen:
+            if name not in self.runs:
+                raise ValueError(f"figures.runs: there is no run {name!r}; the first are {', '.join(names[:3])}")
+        even = np.unique(np.linspace(0, len(names) - 1, min(max(most - len(chosen), 0), len(names))).round().astype(int))
+        wanted = {names[number] for number in even} | set(chosen)
+        return [name for name in names if name in wanted]
+
+    @property
+    def page_runs(self) -> list[str]:
+        """Names of the runs that the page shows."""
+        few = len(self.runs) <= MOST_SHOWN
+        return list(self.runs) if few else self.shown_runs(MOST_SHOWN, [] if self.of_the_paper else self.profile_runs)
+
+    @property
+    def figure_files(self) -> dict[str, list[str]]:
+        """Names of the runs from which the figures are drawn, but for the one of all runs."""
+        numbered = [figure for figure in self.figures_made if figure not in OF_ANY]
+        found = {figure: [self.name_of(point) for _, point in self.figure_runs(int(figure[3:]))] for figure in numbered}
+        return found if self.of_the_paper else found | {"profiles": self.profile_runs}
+
+    @property
+    def profile_runs(self) -> list[str]:
+        """Names of the runs whose profiles are drawn."""
+        return self.shown_runs(PROFILES if not self.figures.runs else 0, self.figures.runs)
+
+    @property
+    def reference_amplitude(self) -> str:
+        """Label of the amplitude at which claims are tested and figures drawn; ValueError if the grid lacks it."""
+        return self.label("amplitude", str(self.claims.amplitude))
+
+    def label(self, name: str, value: str) -> str:
+        """The grid's own writing of a number; ValueError if the grid lacks it."""
+        for label in self.values[name]:
+            if value_of(label) == float(value):
+                return label
+        raise ValueError(f"grid.{name}: {value} is needed by the figures, the grid has {', '.join(self.values[name])}")
+
+    def figure_runs(self, figure: int) -> Iterator[tuple[tuple[str, ...], dict[str, str]]]:
+        """Titles (panel, then curve) and point of every run that a figure shows.
+
+        Figs. 1-3 show what goes in and need one run without a title.  ValueError where the study has not what the figure needs.
+        """
+        cases = self.figures
+        if figure <= 3 and not self.of_the_paper:
+            yield (), next(iter(self.runs.values()))
+            return
+        self.needs_the_paper("Figures 4 to 7")
+        if figure <= 3:
+            pairs = [(cases.strengths[0], cases.gamma)]
+        elif figure in (4, 6):
+            pairs = [(S_R, cases.gamma) for S_R in cases.strengths]
+        else:
+            strengths = cases.compared_strengths if figure == 7 else cases.compared_strengths[:1]
+            pairs = [(S_R, gamma) for S_R in strengths for gamma in cases.compared_gammas]
+        for wanted_S_R, wanted_gamma in pairs:
+            S_R, gamma = self.label("S_R", wanted_S_R), self.label("gamma", wanted_gamma)
+            first, second = f"$S_R$ = {S_R}", f"γ = {gamma} s⁻¹"
+            titles = () if figure <= 3 else (first, second) if figure == 7 else (f"{first}, {second}",)
+            yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self.reference_amplitude}
+
+
+OF_ANY = ["study", "profiles"]
+"""Figures of a study without the paper's dimensions."""
+MOST_SHOWN = 200
+"""Most runs that the page shows, evenly through the study."""
+PROFILES = 4
+"""Profiles of such a study where it does not choose them."""
+
+
+class Plan:
+    """A study with its scene file read: the scene of every stage and run, as mappings."""
+
+    def __init__(
+        self, study: Study, base: Mapping[str, Any], origin: str, overrides: Mapping[str, Any] | None = None, subfolder: str = ""
+    ) -> None:
+        self.study, self.origin, self._subfolder = study, origin, subfolder
+        self._scene_file = base
+        self._base = merge(merge(base, study.fidelities[study.fidelity]), overrides or {})
+
+    @property
+    def folder(self) -> str:
+        """Where the results go, relative to the working folder."""
+        return "/".join(part for part in ("results", self.study.study, self.study.fidelity, self._subfolder) if part)
+
+    def at(self, fidelity: str, overrides: Mapping[str, Any] | None = None, subfolder: str = "", origin: str = "") -> Plan:
+        """The same study at one of its fidelities, with scene keys laid over it, its results in a folder below."""
+        return Plan(self.study.model_copy(update={"fidelity": fidelity}), self._scene_file, origin or self.origin, overrides, subfolder)
+
+    def scene(self, **point: str) -> dict[str, Any]:
+        """Scene with some of the dimensions set, as a mapping."""
+        return merge(self._base, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
+
+    def run_scene(self, name: str) -> dict[str, Any]:
+        """Scene of a run by the name of its file."""
+        return self.scene(**self.point(name))
+
+    def point(self, name: str) -> Point:
+        """Point of a run by the name of its file; over the paper's dimensions also of one that the study has not: the trigger's."""
+        if name in self.study.runs:
+            return self.study.runs[name]
+        found = re.fullmatch("_".join(f"{dimension}-([^_/]+)" for dimension in GRID), name) if self.study.of_the_paper else None
+        if found is None:
+            raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
+        return dict(zip(GRID, found.groups(), strict=True))
+
+    @functools.cached_property
+    def _shared(self) -> SharedStages:
+        return SharedStages(self.study.runs, self.study.numbered, self._stands)
+
+    def _stands(self, point: Mapping[str, str]) -> bool:
+        try:
+            self.built(**point)
+        except ValueError:
+            return False
+        return True
+
+    def stages(self, name: str) -> Stages:
+        """The stages of a run by the name of its file."""
+        return self._shared.of_runs.get(name) or self._shared.of(name, self.point(name))
+
+    def stage(self, name: str) -> dict[str, Any]:
+        """Scene of a gravity stage or a trunk by the name of its file; also of a trunk of the trigger's."""
+        if name in self._shared.points:
+            return self.scene(**self._shared.points[name])
+        if self.study.of_the_paper and name.startswith("amplitude-"):
+            return self.scene(amplitude=name.removeprefix("amplitude-"))
+        raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
+
+    def gravity_of(self, trunk: str) -> str:
+        """Name of the gravity stage of a trunk."""
+        found = self._shared.gravity_of
+        return found[trunk] if trunk in found else self.gravities[0]
+
+    @property
+    def gravities(self) -> list[str]:
+        """Names of all gravity stages."""
+        return list(dict.fromkeys(stages.gravity for stages in self._shared.of_runs.values()))
+
+    @property
+    def trunks(self) -> list[str]:
+        """Names of all trunks."""
+        return list(dict.fromkeys(stages.trunk for stages in self._shared.of_runs.values()))
+
+    @property
+    def page_stages(self) -> list[str]:
+        """Names of the stages whose cost the page counts: all, where it shows all runs."""
+        return self.gravities + self.trunks if len(self.study.runs) <= MOST_SHOWN else []
+
+    @property
+    def slope(self) -> dict[str, Any]:
+        """Scene of the first gravity stage, as a mapping."""
+        return self.stage(self.gravities[0])
+
+    @property
+    def one_slope(self) -> bool:
+        """Whether all runs share their gravity stage: one slope, whose yield acceleration is searched."""
+        return len(self.gravities) == 1
+
+    @functools.cached_property
+    def dimensions(self) -> list[Dimension]:
+        """The dimensions with units and meanings."""
+        scene = self.built(**next(iter(self.study.runs.values())))
+        return [dimension(name, values, scene) for name, values in self.study.values.items()]
+
+    @property
+    def profile_titles(self) -> list[str]:
+        """Titles of the runs whose profiles are drawn."""
+        return [title_of(self.dimensions, self.study.runs[name]) for name in self.study.profile_runs]
+
+    @property
+    def note(self) -> str:
+        """The line on a figure of all runs."""
+        return (
+            f"fidelity {self.study.fidelity} · scene {self._base.get('name')} · {len(self.study.runs):,} runs of study {self.study.study}"
+        )
+
+    @property
+    def layout(self) -> Layout:
+        """How the study's tables are laid out."""
+        listed = self.study.grid is None
+        labels = () if listed else tuple(self.study.values.values())
+        return Layout(tuple(found.variable(listed) for found in self.dimensions), labels, self.study.numbered)
+
+    @property
+    def parts(self) -> list[str]:
+        """Names of the parts in which the runs are measured."""
+        return [f"{number + 1:04d}" for number in range(-(-len(self.study.runs) // PART))]
+
+    def part(self, name: str) -> dict[str, Point]:
+        """The runs of a part, by name."""
+        first = (int(name) - 1) * PART
+        return dict(itertools.islice(self.study.runs.items(), first, first + PART))
+
+    def validate(self) -> None:
+        """Build every scene; ValueError with file and key for the first that is refused."""
+        for name, overrides in self.study.fidelities.items():
+            make_scene(merge(self._scene_file, overrides), f"{self.origin} at fidelity {name}")
+        seen: dict[tuple[float | str | None, ...], str] = {}
+        for name, point in self.study.runs.items():
+            self.built(**point)
+            first = seen.setdefault(tuple(map(value_of, point.values())), name)
+            if first != name and self.study.cases is not None:
+                at = ", ".join(f"{key} = {value}" for key, value in point.items())
+                raise ValueError(f"cases: {first} and {name} are one run, {at}")
+        self.study.figure_files  # noqa: B018  refuses what a figure lacks
+
+    def built(self, **point: str) -> Scene:
+        """The validated scene of a point; ValueError for one that cannot share its gravity stage or lacks the probe that is measured."""
+        at = ", ".join(f"{name} = {value}" for name, value in point.items())
+        scene = make_scene(self.scene(**point), f"{self.origin} at {at}" if at else self.origin)
+        check_probe(self.study.metrics.probe, scene, f"{self.origin} at {at}" if at else self.origin)
+        if scene.coupling.initial_state == "fluid":
+            raise ValueError(
+                f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "
+                "allowed in a study: 'solid' (a fluid scene runs by 'sph run')"
+            )
+        return scene
+
+
+def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
+    """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
+
+    ``folders`` are searched in order for the scene file and a file of cases.
+    """
+    origin = "config" if isinstance(config, Mapping) else str(config)
+    data = config if isinstance(config, Mapping) else read_yaml(config)
+    cases = data["cases"] if isinstance(data.get("cases"), str) else None
+    if cases is not None:
+        data = {**data, "cases": read_cases(folders, cases)}
+    study = validated(Study, data, origin)
+    scene = found_file(folders, study.scene, f"{origin}: scene")
+    plan = Plan(study, read_scene(scene), str(scene))
+    if check:
+        plan.validate()
+        sources: list[Path | str] = [scene, *scene_files(plan.scene()), *([] if cases is None else [found_file(folders, cases, "cases")])]
+        _check_apart(sources, Path(folders[0], "results", study.study), origin)
+    return plan
+
+
+def _check_apart(sources: Iterable[Path | str], results: Path, origin: str) -> None:
+    """Refuse a study that is read from among its results, which are written over."""
+    for file in map(Path, sources):
+        if results.resolve() in file.resolve().parents:
+            raise ValueError(f"{origin}: {file} lies in {results}, where results are written over; move it elsewhere")

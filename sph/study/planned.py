@@ -1,0 +1,90 @@
+"""What the jobs of a workflow are given and hold what they read against: scenes as they were planned, and digests of the sources.
+
+Snakemake runs a job again when its parameters are others.  By the dates of files alone it would miss one that is replaced by an older
+one, as by ``cp -p``, unzip or ``rsync -a``: so the parameters hold the contents of the files that a scene and the program are read from.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import xarray as xr
+
+import sph
+from sph.scene.configuration import MOST_LINES, differences, one_line, scene_files
+from sph.scene.schema import Scene, make_scene
+from sph.storage import trajectory
+from sph.storage.files import content_digest
+
+SHOWN = 80
+"""Most characters of a value in the list of keys that differ."""
+
+
+class Planned(NamedTuple):
+    """A scene as it was planned."""
+
+    scene: dict[str, Any]  # as a mapping
+    files: dict[str, str]  # digest of the content of every file that it is read from
+
+    def __repr__(self) -> str:
+        """Digest of all of it: what Snakemake keeps with a result and compares; a scene may hold a record of megabytes."""
+        return f"Planned({trajectory.text_digest([self.scene, list(self.files.values())])})"
+
+    def build(self) -> Scene:
+        """The scene; ValueError where a file has changed since it was planned."""
+        scene = make_scene(self.scene)
+        changed = [name for name, digest in self.files.items() if content_digest(Path(name)) != digest]
+        if changed:
+            raise ValueError(f"{', '.join(changed)}: has changed since this job was planned; give the same command again")
+        return scene
+
+    def read(self, path: Path | str) -> xr.Dataset:
+        """Root group of the trajectory, or of the trials of a search, of this scene; ValueError for a file of another one."""
+        ds = trajectory.read(path)
+        self.check(ds.attrs, path)
+        return ds
+
+    def check(self, attrs: Mapping[str, Any], path: Path | str) -> None:
+        """ValueError names the keys in which the scene among a file's attributes differs from this one, and the remedy."""
+        differ = differing(attrs, self.build(), path)
+        if differ:
+            raise ValueError(
+                f"{path}: was made from another scene than the one planned; delete it and give the same command again, which makes it "
+                "anew; they differ in\n  " + "\n  ".join(differ)
+            )
+
+
+def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[str]:
+    """Keys in which the scene among a file's attributes differs from a planned one, with both values; names of files do not count."""
+    if attrs.get("scene") == scene.stored():
+        return []
+    found = trajectory.scene_of(xr.Dataset(attrs=attrs), str(path))
+    lines = [
+        f"{name}: {one_line(repr(there), SHOWN)} in the file, {one_line(repr(here), SHOWN)} planned"
+        for name, (there, here) in differences(found.model_dump(), scene.model_dump()).items()
+    ]
+    return lines[:MOST_LINES] + [f"and {len(lines) - MOST_LINES} more"] * (len(lines) > MOST_LINES)
+
+
+def planned(scene: Mapping[str, Any]) -> Planned:
+    """A scene, as a mapping, with the contents that its files have when they are first asked for: during the planning."""
+    return Planned(dict(scene), {name: _at_planning(os.path.abspath(name)) for name in scene_files(scene)})
+
+
+@functools.cache
+def _at_planning(name: str) -> str:
+    try:
+        return content_digest(Path(name))
+    except OSError as error:
+        raise ValueError(f"file: {one_line(name)}: cannot be read: {error.strerror or error}") from error
+
+
+def sources(*patterns: str) -> str:
+    """Digest of those of the library's files that match patterns: Snakemake does not see edits in imported modules by itself."""
+    folder = Path(sph.__file__).parent
+    paths = sorted({path for pattern in patterns for path in folder.glob(pattern)})
+    return content_digest(*paths)

@@ -1,0 +1,100 @@
+"""Runs of a study that are no grid: a list of cases, written out or in a CSV file, or a sample of ranges."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import numpy as np
+from pydantic import BeforeValidator, model_validator
+from scipy.stats import qmc  # type: ignore[import-untyped]
+
+from sph.scene.configuration import Section, found_file, key
+
+MOST_RUNS = 100_000
+"""Most runs of a study."""
+LARGEST_TABLE = 50_000_000
+"""Largest CSV file of cases, bytes."""
+DIGITS = 8
+"""Significant digits of a sampled value."""
+
+
+class Range(Section):
+    """A range that is sampled; ``[low, high]`` stands for a linear one."""
+
+    bounds: tuple[float, float] = key("smallest and largest value, in the unit of the scene's key")
+    scale: Literal["linear", "log"] = key("scale on which the range is filled evenly", default="linear")
+
+    @model_validator(mode="after")
+    def _increasing(self) -> Range:
+        low, high = self.bounds
+        if not low < high or self.scale == "log" and low <= 0:
+            raise ValueError(
+                f"bounds: [{low:g}, {high:g}] must increase" + (" and be positive on a log scale" if self.scale == "log" else "")
+            )
+        return self
+
+    def values(self, shares: np.ndarray) -> list[str]:
+        """Values, as they are written, at shares (n,) of the range."""
+        low, high = np.log(self.bounds) if self.scale == "log" else self.bounds
+        values = low + shares * (high - low)
+        return [f"{value:.{DIGITS}g}" for value in (np.exp(values) if self.scale == "log" else values)]
+
+
+Ranges = dict[str, Annotated[Range, BeforeValidator(lambda value: {"bounds": value} if isinstance(value, list) else value)]]
+
+
+class Sample(Section):
+    """Runs that fill ranges of scene keys."""
+
+    method: Literal["latin_hypercube", "sobol", "random"] = key(
+        "sobol: a scrambled Sobol' sequence, and random: a larger sample keeps the runs of a smaller one; latin_hypercube: every range "
+        "is filled evenly, a larger sample is a new one",
+        default="sobol",
+    )
+    size: int = key("number of runs; powers of 2 suit sobol best", ge=1, le=MOST_RUNS)
+    seed: int = key("seed of the sample", ge=0, le=2**31, default=1)
+    ranges: Ranges = key("range of each dimension: [low, high] or {bounds: [low, high], scale: log}", min_length=1, max_length=100)
+
+    def points(self) -> list[dict[str, str]]:
+        """The runs in their order."""
+        count = len(self.ranges)
+        if self.method == "sobol":
+            shares = qmc.Sobol(count, scramble=True, rng=self.seed).random_base2(math.ceil(math.log2(self.size)))[: self.size]
+        elif self.method == "random":
+            shares = np.random.default_rng(self.seed).random((self.size, count))
+        else:
+            shares = qmc.LatinHypercube(count, rng=self.seed).random(self.size)
+        columns = [span.values(shares[:, place]) for place, span in enumerate(self.ranges.values())]
+        return [dict(zip(self.ranges, values, strict=True)) for values in zip(*columns, strict=True)]
+
+
+def read_cases(folders: Sequence[Path], name: str) -> list[dict[str, str]]:
+    """The cases in a CSV file, dimensions in its first row and one case in each after it; ValueError names file, line and value."""
+    path = found_file(folders, name, "cases")
+    try:
+        if path.stat().st_size > LARGEST_TABLE:
+            raise ValueError(f"it is larger than {LARGEST_TABLE:,} bytes")
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            head, *rows = ([cell.strip() for cell in row] for row in csv.reader(file, strict=True) if row)
+    except (OSError, ValueError, csv.Error) as error:
+        raise ValueError(f"cases: {name}: cannot be read as a table of cases: {error}") from error
+    for line, row in enumerate(rows, 2):
+        if len(row) != len(head):
+            raise ValueError(f"cases: {name}: row {line} has {len(row)} values for {len(head)} dimensions")
+    if len(set(head)) < len(head):
+        raise ValueError(f"cases: {name}: a dimension is named twice in {', '.join(head)}")
+    return [dict(zip(head, row, strict=True)) for row in rows]
+
+
+def chosen_runs(config: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration laid over another, without the grid, cases or sample of the other where what was ``given`` over it has its own."""
+    chosen = [kind for kind in KINDS if given.get(kind) is not None]
+    return {name: value for name, value in config.items() if name not in KINDS or not chosen or name in chosen}
+
+
+KINDS = ("grid", "cases", "sample")
+"""Keys that say which runs a study has; one of them is set."""

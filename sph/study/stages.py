@@ -1,0 +1,66 @@
+"""What runs of a study share: the *gravity stage*, by runs that agree in every key that acts before the shaking, and the *trunk*, which
+shakes until the first failure, by those that agree in all keys but ``sph.solver.run.BRANCH_KEYS``.
+
+A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``trunk_soil.cohesion-20_motion.frequency-1``; the
+paper's are ``gravity`` and ``amplitude-6.0``), or, where runs are numbered, after the first run that needs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+from sph.solver.run import BRANCH_KEYS, FREE_KEYS, is_among
+from sph.study.dimensions import point_name, scene_key
+
+LATER = ("motion", "early_stop")
+"""Sections without effect in the gravity stage."""
+GRAVITY, TRUNK = "gravity", "trunk"
+IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
+"""Keys and sections without effect in a stage, as the solver compares scenes before it goes on from one."""
+
+
+class Stages(NamedTuple):
+    """What a run goes on from: names of the files."""
+
+    gravity: str
+    trunk: str
+
+
+class SharedStages:
+    """The stages of all runs (points by name); ``stands`` says whether the scene with some of the dimensions set is a scene."""
+
+    def __init__(self, runs: Mapping[str, Mapping[str, str]], numbered: bool, stands: Callable[[Mapping[str, str]], bool]) -> None:
+        self._numbered, self._stands = numbered, stands
+        self._standing: dict[tuple[tuple[str, str], ...], bool] = {}
+        self._numbers: dict[tuple[tuple[str, str], ...], str] = {}
+        self.points: dict[str, dict[str, str]] = {}
+        """dimensions that each stage sets, by its name"""
+        self.gravity_of: dict[str, str] = {}
+        """gravity stage of each trunk"""
+        self.of_runs: dict[str, Stages] = {}
+        for name, point in runs.items():
+            self.of_runs[name] = found = self.of(name, point)
+            self.gravity_of[found.trunk] = found.gravity
+            for kind, stage in zip((GRAVITY, TRUNK), found, strict=True):
+                self.points.setdefault(stage, self._acting(kind, point))
+
+    def of(self, name: str, point: Mapping[str, str]) -> Stages:
+        """The stages of a run, one of the study's or, where runs are not numbered, another."""
+        return Stages(self._name(GRAVITY, name, point), self._name(TRUNK, name, point))
+
+    def _name(self, kind: str, run: str, point: Mapping[str, str]) -> str:
+        acting = self._acting(kind, point)
+        if not acting:
+            return kind
+        if self._numbered:
+            return f"{kind}_{self._numbers.setdefault(((kind, ''), *acting.items()), run)}"
+        return point_name(acting) if kind == TRUNK and list(acting) == ["amplitude"] else f"{kind}_{point_name(acting)}"
+
+    def _acting(self, kind: str, point: Mapping[str, str]) -> dict[str, str]:
+        """The dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""
+        acting = {name: value for name, value in point.items() if not is_among(scene_key(name), IDLE[kind])}
+        at = tuple(acting.items())
+        if at not in self._standing:
+            self._standing[at] = len(acting) == len(point) or self._stands(acting)
+        return acting if self._standing[at] else dict(point)
