@@ -50,7 +50,10 @@ def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--ou
 
     if not path.parent.is_dir():
         raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
-    check_name(path)
+    try:
+        check_name(path)
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from error
     if path.is_dir():
         raise ValueError(f"{option} {path}: is a folder")
     if path.exists() and not path.is_file() or path == Path("-"):

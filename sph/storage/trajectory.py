@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from sph import __version__
-from sph.scene.configuration import without_files
+from sph.scene.configuration import in_order, without_files
 from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.storage.files import whole
@@ -127,8 +127,8 @@ def scene_digest(scene: Scene) -> str:
 
 
 def text_digest(data: Any) -> str:
-    """Digest of plain data, whatever the order of its keys."""
-    return hashlib.sha256(to_json(data, sort_keys=True).encode()).hexdigest()[:16]
+    """Digest of plain data, whatever the order of its keys, but for that of layers."""
+    return hashlib.sha256(to_json(in_order(data), sort_keys=True).encode()).hexdigest()[:16]
 
 
 def _version(package: str) -> str:

@@ -18,6 +18,7 @@ from sph.scene.configuration import differences, merge
 from sph.scene.schema import make_scene
 from sph.storage import trajectory
 from sph.storage.files import content_digest
+from sph.storage.trajectory import text_digest
 from sph.study.planned import Planned, planned, sources
 
 GROUND: dict[str, Any] = merge(SLOPE, {"geometry": {"shape": "ground_line", "file": "ground.csv", "base": 430.0}})
@@ -125,6 +126,14 @@ def test_what_a_scene_says_has_one_digest(place: Path) -> None:
     assert ground == trajectory.scene_digest(make_scene(merge(GROUND, {"geometry": {"file": "elsewhere.csv"}})))
     (place / "ground.csv").write_text(LINES[1])
     assert ground != trajectory.scene_digest(make_scene(GROUND))
+
+
+def test_the_order_of_layers_counts_and_no_other() -> None:
+    # Of two layers that overlap the later one counts: a scene with the others first is another one.
+    one, other = ({"soil": {"a": 1, "b": 2}, "layers": {name: {"top": 1} for name in names}} for names in ("ab", "ba"))
+    assert differences(one, other) == {"layers": (["a", "b"], ["b", "a"])}
+    assert text_digest(one) != text_digest(other)
+    assert text_digest(one) == text_digest({"layers": one["layers"], "soil": {"b": 2, "a": 1}})
 
 
 def test_differences_name_keys_and_leave_files_out() -> None:

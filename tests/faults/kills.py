@@ -26,8 +26,8 @@ from comparison import same_files, same_variables  # noqa: E402
 from killing import CHECKPOINT, TIMINGS, killed, start  # noqa: E402
 from small_scenes import SLOPE  # noqa: E402
 
-from sph import trajectory  # noqa: E402
 from sph.scene.configuration import dotted, merge  # noqa: E402
+from sph.storage import trajectory  # noqa: E402
 from sph.storage.files import beside  # noqa: E402
 from sph.study.tables import read_study  # noqa: E402
 

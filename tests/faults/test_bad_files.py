@@ -167,7 +167,7 @@ def test_a_record_without_end_is_not_read(tmp_path: Path) -> None:
         (("newmark", "slope.yaml", "--ay", "1e-300"), "--ay '1e-300': must be positive and finite, from 1e-06 to 1e+06 m/s2"),
         (("newmark", "slope.yaml", "--ay", "1", "--scale-to", "1e300"), "--scale-to '1e300'"),
         (("fos", "slope.yaml", "--tolerance", "1e-300"), "tolerance: 1e-300 must be positive, 1e-06 at least"),
-        (("fos", "slope.yaml", "--tolerance", "nan"), "tolerance: nan"),
+        (("fos", "slope.yaml", "--tolerance", "nan"), "--tolerance"),
         (("run", "slope.yaml", "--threads", "100000"), "--threads"),
     ],
 )

@@ -1,6 +1,6 @@
-# Purpose: what simulations ask of a cluster, by their scenes.
-# Inputs:  scenes, as the rules have them in their params.
-# Outputs: functions for the resources of rules
+# Purpose: functions of wildcards that rules share: what simulations ask of a cluster by their scenes, and what a design varies.
+# Inputs:  scenes, as the rules have them in their params; the factors chosen by the screening.
+# Outputs: functions for the resources and params of rules
 from sph.study.cost import Needs, needs
 
 
@@ -25,3 +25,13 @@ def stage_scene(wildcards):
 def searched_scene(wildcards):
     """The scene whose yield acceleration is searched."""
     return PLANS(wildcards.folder).slope
+
+
+def varied(wildcards):
+    """Factors that a design varies beside those that vary all: the ones that matter, once they are known.
+
+    No function of ``input``: Snakemake runs nothing again for a parameter that is made from it.
+    """
+    if wildcards.design in ALL_FACTORS:
+        return []
+    return chosen_factors(checkpoints.sensitivity_factors.get().output[0])

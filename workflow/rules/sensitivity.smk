@@ -28,16 +28,6 @@ DESIGNS = functools.cache(
 )
 
 
-def varied(wildcards):
-    """Factors that a design varies beside those that vary all: the ones that matter, once they are known.
-
-    No function of ``input``: Snakemake runs nothing again for a parameter that is made from it.
-    """
-    if wildcards.design in ALL_FACTORS:
-        return []
-    return chosen_factors(checkpoints.sensitivity_factors.get().output[0])
-
-
 wildcard_constraints:
     design="morris|tornado|sobol|confirm",
 
