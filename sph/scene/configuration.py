@@ -227,9 +227,13 @@ def without_files(scene: Any) -> Any:
     return [without_files(item) for item in scene] if isinstance(scene, (list, tuple)) else scene
 
 
+ORDERED = ("layers", "probes")
+"""Sections in which the order of names counts: of two layers that overlap the later one does, and stored series go by the order of probes."""
+
+
 def differences(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Dotted keys whose values differ in the mappings of two scenes, with both; None for a key that one lacks.  Names of files do not
-    count: a scene holds their content.  The order of layers does (key ``layers``): of two that overlap the later one counts."""
+    count: a scene holds their content.  The order of names does in the sections ``ORDERED``."""
     left, right = _flat(without_files(one)), _flat(without_files(other))
     pairs = {name: (left.get(name), right.get(name)) for name in sorted(left.keys() | right.keys())}
     return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
@@ -239,16 +243,16 @@ def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
     flat: dict[str, Any] = {}
     for name, value in data.items():
         flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
-        if name == "layers" and isinstance(value, Mapping):
+        if name in ORDERED and isinstance(value, Mapping):
             flat[prefix + name] = list(value)
     return flat
 
 
 def in_order(data: Any) -> Any:
-    """Plain data of a scene whose layers are a list, since their order counts; that of other keys means nothing."""
+    """Plain data of a scene whose sections ``ORDERED`` are lists, since their order counts; that of other keys means nothing."""
     if isinstance(data, Mapping):
         named = {name: in_order(value) for name, value in data.items()}
-        return {name: list(value.items()) if name == "layers" and isinstance(value, Mapping) else value for name, value in named.items()}
+        return {name: list(value.items()) if name in ORDERED and isinstance(value, Mapping) else value for name, value in named.items()}
     return [in_order(item) for item in data] if isinstance(data, (list, tuple)) else data
 
 

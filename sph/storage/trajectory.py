@@ -127,7 +127,7 @@ def scene_digest(scene: Scene) -> str:
 
 
 def text_digest(data: Any) -> str:
-    """Digest of plain data, whatever the order of its keys, but for that of layers."""
+    """Digest of plain data, whatever the order of its keys where it does not count."""
     return hashlib.sha256(to_json(in_order(data), sort_keys=True).encode()).hexdigest()[:16]
 
 

@@ -21,7 +21,9 @@ def test_the_documentation_builds_without_a_warning(tmp_path: Path) -> None:
     assert not [name for name in sph.__all__ if f'id="{name}"' not in start]
     modules = {path.relative_to(ROOT).with_suffix("") for path in (ROOT / "sph").rglob("*.py") if path.name != "__init__.py"}
     assert not [module for module in modules if not (docs / "api" / module).with_suffix(".html").exists()]
-    assert "simulated time" in start and "Wendland" in (docs / "api" / "sph" / "solver" / "physics" / "kernels.html").read_text(encoding="utf-8")
+    assert "simulated time" in start and "Wendland" in (docs / "api" / "sph" / "solver" / "physics" / "kernels.html").read_text(
+        encoding="utf-8"
+    )
     pages = {path.relative_to(ROOT / "docs").with_suffix(".html") for path in (ROOT / "docs").rglob("*.md")}
     assert not [page for page in pages if not (docs / page).exists()]
     fetched = re.compile(r"<(?:script|img|link)\b[^>]*\b(?:src|href)=\"https?://[^\"]*")
