@@ -228,7 +228,7 @@ def without_files(scene: Any) -> Any:
 
 
 ORDERED = ("layers", "probes")
-"""Sections in which the order of names counts: of two layers that overlap the later one does, and stored series go by the order of probes."""
+"""Sections in which the order of names counts: of two layers that overlap the later one does, and series are stored in that of probes."""
 
 
 def differences(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
