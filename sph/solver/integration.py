@@ -16,7 +16,7 @@ import math
 from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
 from sph.solver.boundaries.contact import add_contact
 from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.neighbours import allocate_pairs, find_candidates, update_pairs
 from sph.solver.physics.coupling import update_stress
@@ -150,16 +150,17 @@ def _add_up(sums, work):  # type: ignore[no-untyped-def]
     return int(failed)
 
 
-@jit
+@entry
 def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
     """Candidates at the present positions, and room for their pairs."""
-    state.x_candidates[:] = state.x
-    state.y_candidates[:] = state.y
+    for i in rows(0, state.x.size):
+        state.x_candidates[i] = state.x[i]
+        state.y_candidates[i] = state.y[i]
     candidates = find_candidates(state.x, state.y, terms.reach, terms.period)
     return candidates, allocate_pairs(candidates, terms.zero, terms.tension)
 
 
-@jit
+@entry
 def make_lists(state, terms):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.period)
@@ -224,7 +225,7 @@ def active_terms(terms):  # type: ignore[no-untyped-def]
     )
 
 
-@jit
+@entry
 def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicked, team):  # type: ignore[no-untyped-def]
     """Advance ``state`` in place from step ``step`` by ``n_steps``, as one of a team's threads.
 

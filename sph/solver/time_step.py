@@ -27,7 +27,7 @@ import numpy as np
 
 from sph.scene.schema import MOST_STEPS, Scene
 from sph.scene.soil import CappedViscosity
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import entry
 from sph.solver.physics.coupling import correct_gradient, store_stress
 from sph.solver.physics.elasticity import elastic_increment
 from sph.solver.physics.kernels import evaluate, make_kernel
@@ -116,7 +116,7 @@ class PresentLimit:
         return min(self.lattice, _damped(self.viscous_rate / frequency, frequency))
 
 
-@jit
+@entry
 def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no-untyped-def]
     """Largest angular frequency (rad/s) of elastic waves among the particles as they lie; a lower bound that turns improve.
 

@@ -20,12 +20,14 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from functools import update_wrapper
 from pathlib import Path
 from typing import Any
 
 import llvmlite.binding
 import numba
 import numpy as np
+from numba.core.registry import CPUDispatcher
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
@@ -93,19 +95,41 @@ def cache_folder() -> Path:
 llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")
 # One vector a turn: rows of neighbours are short, and what does not fill a turn is done one by one (a fifth at 19 neighbours).
 llvmlite.binding.set_option("sph", "-force-vector-interleave=1")
+OPTIONS = {"nopython": True, "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
+"""Sums may be reordered, division by zero gives infinity; everything is inlined.
+
+Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in rounding from the first
+step (a test compares them), probably because a function called from the cached object is optimised apart from the one compiled
+here, with sums in another order.
+"""
 _uncached: list[Any] = []
-"""Jitted functions whose compiled code is not kept yet."""
+"""Entries whose compiled code is not kept yet."""
+
+
+class _Part(CPUDispatcher):
+    """A function compiled into those that call it.
+
+    A wrapper for calls from Python would take more time to compile than the function itself (measured: a variant of ``advance``
+    takes 26 s, with wrappers 63 s).  A call from Python makes one then.
+    """
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.__dict__.setdefault("_outer", numba.jit(**OPTIONS)(lambda *given: self(*given)))(*arguments)
 
 
 def jit(function: Callable[..., Any]) -> Any:
-    """Compile for the solver: inlined, sums may be reordered, division by zero gives infinity.
+    """Compile for the solver, into the functions that call this one; from Python it can be called too, but is compiled in each process."""
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return function
+    return update_wrapper(_Part(function, targetoptions=OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}), function)
 
-    What is compiled under ``compile_lock`` is cached; importing this package needs no folder that can be written.
-    Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in
-    rounding from the first step (a test compares them), probably because a function called from the cached object
-    is optimised apart from the one compiled here, with sums in another order.
+
+def entry(function: Callable[..., Any]) -> Any:
+    """Compile for calls from Python; what is compiled under ``compile_lock`` is cached.
+
+    Importing this package needs no folder that can be written.
     """
-    compiled = numba.njit(fastmath=FASTMATH, error_model="numpy", forceinline=True, nogil=True)(function)
+    compiled = numba.jit(**OPTIONS)(function)
     if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         _uncached.append(compiled)
     return compiled
@@ -149,7 +173,7 @@ def _cache() -> Iterator[None]:
 
 
 def _keep_in(folder: Path) -> None:
-    """Have numba cache every function there; where it could not write, it would choose another place without a word: OSError."""
+    """Have numba cache every entry there; where it could not write, it would choose another place without a word: OSError."""
     for place in (folder, *folder.glob("*/")):
         tempfile.TemporaryFile(dir=place).close()
     earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]

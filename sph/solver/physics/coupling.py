@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.physics.bingham import fluid_deviator
 from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
 from sph.solver.physics.material import material_of
@@ -250,7 +250,7 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
     return failed, internal
 
 
-@jit
+@entry
 def elastic_energy(state, terms):  # type: ignore[no-untyped-def]
     """Energy stored in the blended stress, J/m: sum of V (p^2 / 2K + s:s / 4G)."""
     total = 0.0
@@ -262,7 +262,7 @@ def elastic_energy(state, terms):  # type: ignore[no-untyped-def]
     return total
 
 
-@jit
+@entry
 def cauchy_stress(state, terms, out):  # type: ignore[no-untyped-def]
     """Fill ``out`` (n, 4) with the stress xx, yy, zz, xy of Eq. 8 (Pa, tension positive)."""
     for i in range(state.x.size):

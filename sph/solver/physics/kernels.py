@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import entry, jit
 
 
 class WendlandTerm(NamedTuple):
@@ -63,7 +63,7 @@ def _evaluate(wendland_c2, h, r):  # type: ignore[no-untyped-def]
         return _wendland_c2(wendland_c2, h, r)
 
 
-@jit
+@entry
 def evaluate(kernel, r):  # type: ignore[no-untyped-def]
     """Value W(r) (1/m2) and derivative over distance W'(r)/r (1/m4) at distance r (m)."""
     return _evaluate(kernel.wendland_c2, kernel.h, r)
