@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import json
 import os
 import tracemalloc
 from pathlib import Path
@@ -18,6 +19,7 @@ from sph.measures.metrics import MetricSettings
 from sph.storage import trajectory
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import CASE
+from sph.study.planned import planned
 from sph.study.tables import VALUES, Layout, join_study, read_study, read_table, study_dataset, study_rows, study_table, write_csv
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "workflow" / "scripts"
@@ -103,6 +105,7 @@ def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
     run = tmp_path / "run.nc"
     few = {"numerics": {"spacing": 5.0}, "outputs": {"frame_interval": 0.5, "series_interval": 0.1}}
     trajectory.write(run, synthetic(translation(-3.0), overrides=few))
+    scene = planned(json.loads(trajectory.read(run).attrs["scene"]))
     size = 3
     names = [f"case-{number:06d}" for number in range(1, 8 * size + 1)]
     for name in names:
@@ -116,7 +119,8 @@ def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
             own = names[part * size : (part + 1) * size]
             paths.append(str(tmp_path / f"part-{part}.csv"))
             points = {name: {KERNEL.name: "cubic_spline", COHESION.name: "20"} for name in own}
-            measure([str(tmp_path / f"{name}.nc") for name in own], None, points, LIST, MetricSettings().model_dump(), paths[-1])
+            runs = [str(tmp_path / f"{name}.nc") for name in own]
+            measure(runs, [scene] * size, None, None, points, LIST, MetricSettings().model_dump(), paths[-1])
         join_study(paths, LIST, tmp_path / "study.nc", tmp_path / "study.csv")
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()

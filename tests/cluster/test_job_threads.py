@@ -15,6 +15,7 @@ import pytest
 
 from sph.scene.schema import Scene
 from sph.solver.run import Run
+from sph.study.planned import planned
 
 ROOT = Path(__file__).resolve().parents[2]
 NUMBAS = """
@@ -44,6 +45,6 @@ def test_a_jobs_threads_are_the_solvers(
     assert spec and spec.loader
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)
-    scene = json.loads(small_slope({}).model_dump_json())
+    scene = planned(json.loads(small_slope({}).model_dump_json()))
     script.simulate(scene, "gravity", None, str(tmp_path / "gravity.nc"), io.StringIO(), True, 2)
     assert teams == [2]

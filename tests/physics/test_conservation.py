@@ -122,7 +122,7 @@ def collapse(sides: str, corrected: bool, precision: str) -> dict[str, np.ndarra
             "duration": 5.0,
             "geometry": {"shape": "slope"},
             "walls": {"sides": sides, "layers": 4},
-            "soil": {"cohesion": 60.0},
+            "soil": {"cohesion": 120.0},
             "coupling": {"S_R": 0.1, "gamma": 100.0},
             "gravity": {"ramp": 0.5, "duration": 1.0},
             "motion": {"kind": "tapered_sine", "amplitude": 8.0, "start": 1.0, "ramp": 0.5, "decay_start": 3.0, "end": 3.5},
