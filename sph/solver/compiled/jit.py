@@ -95,7 +95,7 @@ def cache_folder() -> Path:
 llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")
 # One vector a turn: rows of neighbours are short, and what does not fill a turn is done one by one (a fifth at 19 neighbours).
 llvmlite.binding.set_option("sph", "-force-vector-interleave=1")
-OPTIONS = {"nopython": True, "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
+OPTIONS: dict[str, Any] = {"nopython": True, "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
 """Sums may be reordered, division by zero gives infinity; everything is inlined.
 
 Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in rounding from the first
