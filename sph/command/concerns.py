@@ -161,7 +161,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Concern]:
 def thin_box(scene: Scene) -> list[Concern]:
     """Whether the box's layers of particles leave the kernel unfilled."""
     walls, needed = scene.walls, scene.layers_filling_support
-    if walls.hold and walls.layers < needed:
+    if any(kind.stands for kind in walls.kinds) and walls.layers < needed:
         return [
             Concern(
                 "the box's particles do not fill the kernel's support, so that stresses beside it alternate from row to row",

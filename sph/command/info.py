@@ -8,27 +8,9 @@ from sph.command.concerns import of_motion, peak_accelerations, thin_box
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
-from sph.solver.run import wanted_terms
+from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import cost, needs
-
-TERM_REASONS = {
-    "wendland_c2": "numerics.kernel",
-    "capped_viscosity": "coupling.fluid.law",
-    "rayleigh_damping": "damping (Sec. 2.5)",
-    "artificial_viscosity": "numerics.artificial_viscosity",
-    "gradient_correction": "numerics.gradient_correction",
-    "short_range_repulsion": "numerics.short_range_repulsion: cures pairing",
-    "free_slip": "walls.base, walls.sides, walls.top",
-    "wall_faces": "walls: no soil passes between their particles",
-    "wall_friction": "walls.friction",
-    "periodic": "walls.sides",
-    "artificial_stress": "numerics.artificial_stress: cures numerical fracture",
-    "prescribed_motion": "prescribed_velocity_gradient",
-    "layers": "layers: tables of materials",
-    "absorbing_walls": "walls.base, walls.sides",
-    "free_field": "walls.sides",
-}
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -67,10 +49,10 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         state = "ok" if step < limit.seconds else "EXCEEDED"
         rows.append((f"limit: {limit.name}", f"{limit.seconds:.2e} s ({limit.reason}): {state}, factor {limit.seconds / step:.1f}"))
     rows.append(("limit: debris", "measured at every frame of a run, since particles out of their lattice are stiffer (time_step_limit)"))
-    on = dict(zip(TERM_REASONS, wanted_terms(scene), strict=True))
-    rows.append(("active terms", "; ".join(f"{name} [{TERM_REASONS[name]}]" for name in on if on[name]) or "none"))
+    on = wanted_terms(scene)
+    rows.append(("active terms", "; ".join(f"{name} [{KEYS[name]}]" for name in on if on[name]) or "none"))
     rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
-    if scene.walls.base == "absorbing":
+    if scene.walls.kinds.base.absorbs:
         depth = scene.walls.layers * numerics.spacing
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
         rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))

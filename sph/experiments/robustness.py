@@ -22,7 +22,6 @@ from sph.measures.metrics import energy_gap, largest_mass, outline_area
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
-from sph.scene.walls import HOLDING
 from sph.solver.particles import SOIL
 from sph.solver.time_step import check_time_step, limits
 from sph.storage.trajectory import Variable, scene_of
@@ -196,10 +195,10 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
     x, y = (run[name].values[:, soil].astype(float) for name in ("x", "y"))
     walls, depth = scene.walls, np.zeros(1)
     width, height = (count * scene.numerics.spacing for count in scene.lattice)
-    inside = (x >= 0.0) & (x <= width) if walls.sides == "none" else np.ones(x.shape, bool)
-    if walls.base in HOLDING:
+    inside = (x >= 0.0) & (x <= width) if walls.kinds.sides.open else np.ones(x.shape, bool)
+    if walls.kinds.base.stands:
         depth = np.append(depth, -y[inside])
-    if walls.sides in HOLDING:
+    if walls.kinds.sides.stands:
         beside = (y >= 0.0) & (y <= height)
         depth = np.append(depth, np.append(-x[beside], x[beside] - width))
     return float(np.nanmax(depth)) / scene.numerics.spacing

@@ -84,16 +84,16 @@ def draw_box(ax: Axes, scene: Scene) -> None:
     thick = scene.walls.layers * scene.numerics.spacing
     width, height = scene.geometry.width, scene.geometry.height
     style: dict[str, Any] = {"facecolor": "white", "edgecolor": GREY, "hatch": "/////", "linewidth": 0.5}
-    if scene.walls.base != "none":
+    base, sides, _ = scene.walls.kinds
+    if not base.open:
         ax.add_patch(Rectangle((-thick, -thick), width + 2 * thick, thick, **style))
-    if scene.walls.sides in ("none", "periodic"):
+    if not sides.label:
         return
-    ground = scene.geometry.surface[1] if scene.walls.sides == "absorbing" else (height, height)
+    ground = scene.geometry.surface[1] if sides.absorbs else (height, height)
     for left, top in ((-thick, ground[0]), (width, ground[-1])):
         ax.add_patch(Rectangle((left, 0.0), thick, top, **style))
-    text = {"sticky": "fixed side wall", "free_slip": "free-slip side wall", "absorbing": "absorbing side"}[scene.walls.sides]
     for x, side in ((-1.6 * thick, "right"), (width + 1.6 * thick, "left")):
-        ax.text(x, 0.5 * height, text, rotation=90, ha=side, va="center", color=GREY)
+        ax.text(x, 0.5 * height, sides.label, rotation=90, ha=side, va="center", color=GREY)
 
 
 def _dimension(ax: Axes, start: tuple[float, float], end: tuple[float, float], text: str) -> None:

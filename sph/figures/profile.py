@@ -45,7 +45,9 @@ def frame_limits(trajectory: xr.Dataset, frame: int) -> tuple[float, float, floa
     spacing, layers = scene.numerics.spacing, scene.walls.layers
     x, y = trajectory["x0"].values, trajectory["y0"].values
     top = max(y.max(), min(float(np.nanmax(trajectory["y"].values[frame])), 1.5 * scene.geometry.height))
-    left, right = (x.min() - spacing, x.max() + spacing) if scene.walls.sides != "none" else _reach(trajectory, frame, layers * spacing)
+    left, right = (
+        (x.min() - spacing, x.max() + spacing) if not scene.walls.kinds.sides.open else _reach(trajectory, frame, layers * spacing)
+    )
     return left, right, y.min() - spacing, top + spacing
 
 

@@ -275,7 +275,8 @@ class Scene(Section):
 
     def _check_walls(self) -> None:
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
-        slip = {"base": "free_slip" in (walls.base, walls.top), "sides": walls.sides == "free_slip"}
+        base, sides, top = walls.kinds
+        slip = {"base": base.slips or top.slips, "sides": sides.slips}
         if any(slip.values()) and walls.layers < needed:
             raise ValueError(
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
@@ -285,32 +286,32 @@ class Scene(Section):
         for name, slips in slip.items():
             if walls.friction is not None and getattr(walls.friction, name) > 0 and not slips:
                 raise ValueError(f"walls.friction.{name}: {getattr(walls.friction, name)} needs a free_slip wall there")
-        if walls.sides == "periodic":
+        if sides.periodic:
             _whole_multiple(self.geometry.width, self.numerics.spacing, "geometry.width", "numerics.spacing", "m")
             least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
             if self.geometry.width < least:
                 raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
 
     def _check_absorbing(self) -> None:
-        walls = self.walls
-        if walls.bedrock is not None and walls.base != "absorbing":
+        walls, (base, sides, top) = self.walls, self.walls.kinds
+        if walls.bedrock is not None and not base.absorbs:
             raise ValueError(f"walls.bedrock: needs walls.base: absorbing, not {walls.base}")
-        where = next((f"walls.{name}: absorbing" for name in ("base", "sides") if getattr(walls, name) == "absorbing"), "")
+        where = next((f"walls.{name}: {getattr(walls, name)}" for name in walls.kinds._fields if getattr(walls.kinds, name).absorbs), "")
         if not where:
             return
         if walls.layers < self.layers_filling_support:
             raise ValueError(
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support; {where} needs {self.layers_filling_support}"
             )
-        if walls.top != "none":
+        if not top.open:
             raise ValueError(f"walls.top: {walls.top} with {where}; set walls.top: none")
         if self.prescribed_velocity_gradient is not None:
             raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
         if isinstance(self.motion, ConstantAcceleration):
             raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
-        if walls.sides == "absorbing" and walls.base not in ("sticky", "absorbing"):
+        if sides.absorbs and not (base.grips or base.absorbs):
             raise ValueError(f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a sticky or absorbing base")
-        if walls.sides == "absorbing" and self.coupling.initial_state == "fluid":
+        if sides.absorbs and self.coupling.initial_state == "fluid":
             raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
 
     def stored(self) -> str:

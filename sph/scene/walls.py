@@ -2,14 +2,57 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from pydantic import model_validator
 
 from sph.scene.configuration import Section, key
 
-HOLDING = ("sticky", "free_slip")
-"""Walls that stand still and that nothing passes."""
+
+class Kind(NamedTuple):
+    """What a kind of wall does; the rest of the program asks this and never the name."""
+
+    label: str = ""
+    """beside a side wall in figures; empty where none is drawn"""
+    open: bool = False
+    """soil may leave there"""
+    grips: bool = False
+    """its particles stand still, and soil hangs on them"""
+    slips: bool = False
+    """its particles stand still, and soil slides along them"""
+    absorbs: bool = False
+    """its particles move, and let waves out"""
+    periodic: bool = False
+    """soil that leaves comes in on the other side"""
+    contact: float = 0.0
+    """distance to its face, over the spacing, below which the face pushes soil back; the lattice begins at 0.5"""
+
+    @property
+    def stands(self) -> bool:
+        """Whether it stands still and nothing passes it."""
+        return self.grips or self.slips
+
+    @property
+    def has_particles(self) -> bool:
+        """Whether it is made of particles."""
+        return self.stands or self.absorbs
+
+
+KINDS = {
+    "sticky": Kind("fixed side wall", grips=True),
+    "free_slip": Kind("free-slip side wall", slips=True, contact=0.4),
+    "absorbing": Kind("absorbing side", absorbs=True),
+    "periodic": Kind(periodic=True),
+    "none": Kind(open=True),
+}
+
+
+class Kinds(NamedTuple):
+    """The kinds of a box's walls."""
+
+    base: Kind
+    sides: Kind
+    top: Kind
 
 
 class WallFriction(Section):
@@ -60,6 +103,6 @@ class Walls(Section):
     )
 
     @property
-    def hold(self) -> bool:
-        """Whether there is a wall that stands still."""
-        return any(how in HOLDING for how in (self.base, self.sides, self.top))
+    def kinds(self) -> Kinds:
+        """What each wall does."""
+        return Kinds(*(KINDS[getattr(self, name)] for name in Kinds._fields))

@@ -55,12 +55,12 @@ def run_to_file(
             tidy(path)
             checkpoint.discard()
             return finished
-        simulation = checkpoint.resumed(Run(scene, threads, enforce_limit))
-        if simulation is None:
-            simulation = Run(scene, threads, enforce_limit)
+        started = checkpoint.resumed(Run(scene, threads, enforce_limit))
+        if started is None:
+            started = Run(scene, threads, enforce_limit)
             if restart is not None:
-                simulation.resume(restart)
-        result = simulation.go(until, report, checkpoint.offer)
+                started.resume(restart)
+        result = started.go(until, report, checkpoint.offer)
         result.trajectory.attrs |= {"run_digest": digest, "solver_digest": solver}
         trajectory.write(path, result.trajectory, result.restart)
         checkpoint.discard()
@@ -98,19 +98,19 @@ class Checkpoint:
         self.path, self.digest, self.seconds, self.say = beside(path, "checkpoint"), digest, seconds, say
         self.last = clock.monotonic()
 
-    def resumed(self, simulation: Run) -> Run | None:
+    def resumed(self, started: Run) -> Run | None:
         """A run at its start as the checkpoint has it; None, and a line why, if there is none of this run."""
         if not self.path.exists():
             return None
         try:
             if trajectory.read(self.path).attrs.get("run_digest") != self.digest:
                 raise ValueError(f"{self.path}: of another scene, stage, restart file or solver")
-            simulation.resume(self.path)
+            started.resume(self.path)
         except ValueError as error:
             self.say(f"{error}: this checkpoint is ignored, the run starts anew")
             return None
-        self.say(f"{self.path}: goes on from this checkpoint, at {simulation.time:g} s")
-        return simulation
+        self.say(f"{self.path}: goes on from this checkpoint, at {started.simulation.time:g} s")
+        return started
 
     def offer(self, result: Callable[[], Result]) -> None:
         """Write a checkpoint if it is time; a run that cannot keep one goes on without."""

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.scene.walls import HOLDING
 from sph.solver.particles import Particles
 from sph.solver.state import State
 
@@ -62,12 +61,12 @@ def _behind_walls(scene: Scene, particles: Particles, state: State) -> np.ndarra
     """Which soil (n,) lies behind the last layer of a wall as it is now (sides are as high as theirs) or below the base past its end."""
     reach = 0.5 * scene.numerics.spacing
     (x, wall_x), (y, wall_y) = (np.split(a, [particles.n_soil]) for a in (state.x, state.y))
-    walls, behind = scene.walls, np.zeros(x.size, bool)
-    if walls.base != "none":
+    (base, sides, top), behind = scene.walls.kinds, np.zeros(x.size, bool)
+    if not base.open:
         behind |= y < wall_y.min() - reach
-    if walls.top != "none":
+    if not top.open:
         behind |= y > wall_y.max() + reach
-    if walls.sides in (*HOLDING, "absorbing"):
+    if sides.has_particles:
         low = y < wall_y.max() + reach
         behind |= low & ((x < wall_x.min() - reach) | (x > wall_x.max() + reach))
     return behind

@@ -11,55 +11,19 @@ an error of the size of one step's change of velocity.
 
 from __future__ import annotations
 
-import math
-
 from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
-from sph.solver.boundaries.contact import add_contact
-from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, set_friction, wall_work
+from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
+from sph.solver.boundaries.friction import rub, set_friction
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.neighbours import allocate_pairs, find_candidates, update_pairs
+from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
-from sph.solver.physics.momentum import (
-    add_artificial_stress,
-    add_repulsion,
-    set_artificial_stress,
-    stress_accelerations,
-    velocity_gradients,
-)
+from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
+from sph.solver.physics.prescribed_motion import drive
+from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
-
-
-@jit
-def _mass_damping(term):  # type: ignore[no-untyped-def]
-    if term is None:
-        return 0.0
-    else:
-        return term.mass
-
-
-@jit
-def _held(limit, v, dt):  # type: ignore[no-untyped-def]
-    """Velocity (m/s) after friction of at most ``limit`` (m/s2) has opposed it for a step."""
-    return math.copysign(max(abs(v) - limit * dt, 0.0), v)
-
-
-@jit
-def _rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
-    """Velocity of particle i after the friction of the walls."""
-    if term is None:
-        return vx, vy
-    else:
-        return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
-
-
-@jit
-def _drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
-    """Velocity of a particle in a prescribed motion; without one as it is."""
-    if term is None:
-        return vx, vy
-    else:
-        return term.xx * x + term.xy * y, term.yx * x + term.yy * y
+from sph.solver.terms import active_terms, add_forces
 
 
 @jit
@@ -79,7 +43,7 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
     viscosity and stress, and by friction on walls (J/m).
     """
     dt = terms.dt
-    alpha = _mass_damping(terms.rayleigh)
+    alpha = mass_damping(terms.rayleigh_damping)
     shaking = falling = damped = viscous = rubbed = 0.0
     gravity_x, gravity_y = gravity * terms.down_x, gravity * terms.down_y
     fall_y = gravity_y - vertical
@@ -91,8 +55,8 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
         vy_old = state.vy[i]
         free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
         free_y = (vy_old * keep + (state.ay[i] + fall_y) * dt) * lose
-        held_x, held_y = _rub(terms.friction, state, i, free_x, free_y, dt)
-        vx, vy = _drive(terms.driven, state.x[i], state.y[i], held_x, held_y)
+        held_x, held_y = rub(terms.wall_friction, state, i, free_x, free_y, dt)
+        vx, vy = drive(terms.prescribed_motion, state.x[i], state.y[i], held_x, held_y)
         state.vx[i] = vx
         state.vy[i] = vy
         state.x[i] += vx * dt
@@ -100,10 +64,12 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
         mean_x = 0.5 * (vx + vx_old)
         mean_y = 0.5 * (vy + vy_old)
         # What a prescribed motion does counts as work of the shaking, what friction takes as energy taken by the walls.
-        forced_x, forced_y = _rate(terms.driven, vx, held_x, dt), _rate(terms.driven, vy, held_y, dt)
+        forced_x, forced_y = _rate(terms.prescribed_motion, vx, held_x, dt), _rate(terms.prescribed_motion, vy, held_y, dt)
         shaking += mass[i] * ((forced_x - ground) * mean_x + (forced_y - vertical) * mean_y)
         falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
-        rubbed += mass[i] * (_rate(terms.friction, free_x, held_x, dt) * mean_x + _rate(terms.friction, free_y, held_y, dt) * mean_y)
+        rubbed += mass[i] * (
+            _rate(terms.wall_friction, free_x, held_x, dt) * mean_x + _rate(terms.wall_friction, free_y, held_y, dt) * mean_y
+        )
         # Damping acts on the velocity that friction or a prescribed motion has not changed yet.
         damped += mass[i] * rate * 0.5 * ((free_x + vx_old) * mean_x + (free_y + vy_old) * mean_y)
         viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
@@ -156,15 +122,15 @@ def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
     for i in rows(0, state.x.size):
         state.x_candidates[i] = state.x[i]
         state.y_candidates[i] = state.y[i]
-    candidates = find_candidates(state.x, state.y, terms.reach, terms.period)
-    return candidates, allocate_pairs(candidates, terms.zero, terms.tension)
+    candidates = find_candidates(state.x, state.y, terms.reach, terms.periodic)
+    return candidates, allocate_pairs(candidates, terms.zero, terms.artificial_stress)
 
 
 @entry
 def make_lists(state, terms):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
-    candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.period)
-    pairs = allocate_pairs(candidates, terms.zero, terms.tension)
+    candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.periodic)
+    pairs = allocate_pairs(candidates, terms.zero, terms.artificial_stress)
     update_pairs(pairs, candidates, terms, state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
     return candidates, pairs
 
@@ -177,52 +143,6 @@ def renew_pairs(state, candidates, pairs, terms, first, last):  # type: ignore[n
         state.y_pairs[i] = state.y[i]
         state.density_pairs[i] = state.density[i]
     update_pairs(pairs, candidates, terms, state.x, state.y, state.density, first, last)
-
-
-TERM_NAMES = (
-    "wendland_c2",
-    "capped_viscosity",
-    "rayleigh_damping",
-    "artificial_viscosity",
-    "gradient_correction",
-    "short_range_repulsion",
-    "free_slip",
-    "wall_faces",
-    "wall_friction",
-    "periodic",
-    "artificial_stress",
-    "prescribed_motion",
-    "layers",
-    "absorbing_walls",
-    "free_field",
-)
-
-
-@jit
-def _present(term):  # type: ignore[no-untyped-def]
-    return term is not None
-
-
-@jit
-def active_terms(terms):  # type: ignore[no-untyped-def]
-    """Which optional terms the compiled variant holds, in the order of ``TERM_NAMES``."""
-    return (
-        _present(terms.kernel.wendland_c2),
-        _present(terms.soil.fluid_law.cap),
-        _present(terms.rayleigh),
-        _present(terms.viscosity),
-        _present(terms.correction),
-        _present(terms.repulsion),
-        _present(terms.slip),
-        _present(terms.faces),
-        _present(terms.friction),
-        _present(terms.period),
-        _present(terms.tension),
-        _present(terms.driven),
-        _present(terms.layers),
-        _present(terms.absorbing),
-        _present(terms.free_field),
-    )
 
 
 @entry
@@ -245,7 +165,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         sums = team.sums[s % 2]
         renew = kicked and s == step
         if not renew:
-            rate, vertical = _mass_damping(terms.rayleigh) + loading.extra_damping[s], loading.vertical[s]
+            rate, vertical = mass_damping(terms.rayleigh_damping) + loading.extra_damping[s], loading.vertical[s]
             kick_free_field(terms.free_field, state, terms.dt, rate, loading.ground[s], vertical, team)
             for block in range(first_block, last_block):
                 (
@@ -266,7 +186,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     (block + 1) * BLOCK,
                 )
                 shaking, held, viscous, taken = kick_boundary(
-                    terms.absorbing,
+                    terms.absorbing_walls,
                     state,
                     terms,
                     mass,
@@ -294,27 +214,29 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     break
         if renew:
             renew_pairs(state, candidates, pairs, terms, first_row, last_row)
-        strain_free_field(terms.free_field, terms.rayleigh, state, terms.dt, team)
-        mirror_velocity(terms.slip, state, pairs, n_soil, first_row, last_row, team)
+        strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
+        mirror_velocity(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            velocity_gradients(state, pairs, terms.viscosity, terms.layers, team.gradient, first, last)
+            velocity_gradients(state, pairs, terms.artificial_viscosity, terms.layers, team.gradient, first, last)
             sums[block, FAILURES], internal = update_stress(
                 state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
             )
             sums[block, INTERNAL] = internal * terms.dt
-            set_artificial_stress(terms.tension, state, first, min(last, terms.n_stressed))
+            set_artificial_stress(terms.artificial_stress, state, first, min(last, terms.n_stressed))
         wait(team)
-        mirror_stress(terms.slip, state, pairs, n_soil, first_row, last_row, team)
+        mirror_stress(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            stress_accelerations(state, pairs, terms.correction, terms.layers, first, min(last, n_moving))
-            rubbed = set_friction(terms.friction, terms.layers, terms.slip, terms.correction, state, pairs, mass, first, min(last, n_soil))
-            taken = wall_work(terms.slip, terms.layers, state, pairs, terms.correction, terms.cell_mass, team.gradient, first, last)
+            stress_accelerations(state, pairs, terms.gradient_correction, terms.layers, first, min(last, n_moving))
+            rubbed = set_friction(
+                terms.wall_friction, terms.layers, terms.free_slip, terms.gradient_correction, state, pairs, mass, first, min(last, n_soil)
+            )
+            taken = wall_work(
+                terms.free_slip, terms.layers, state, pairs, terms.gradient_correction, terms.cell_mass, team.gradient, first, last
+            )
             sums[block, WALLS] += terms.dt * (rubbed + taken)
-            add_artificial_stress(terms.tension, terms.layers, state, pairs, first, min(last, n_moving))
-            sums[block, REPULSION] = add_repulsion(terms.repulsion, terms.period, state, pairs, mass, n_moving, first, min(last, n_moving))
-            sums[block, REPULSION] += add_contact(terms.faces, terms.friction, state, mass, first, min(last, n_soil))
+            sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
         wait(team)
         if team.rank == 0:
             failed += _add_up(sums, state.work)

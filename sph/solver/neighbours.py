@@ -19,8 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sph.solver.boundaries.periodic import column_of, columns_around, columns_of_cells, wrap
 from sph.solver.compiled.jit import jit, rows
-from sph.solver.physics.kernels import evaluate, support
+from sph.solver.physics.artificial_stress import keep_nearness
+from sph.solver.physics.gradient_correction import invert
+from sph.solver.physics.kernels import support, value_and_slope
 
 SMALLEST_NORM = 1e-30
 """kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -51,53 +54,16 @@ class Pairs(NamedTuple):
 
 
 @jit
-def wrap(period, dx):  # type: ignore[no-untyped-def]
-    """Horizontal distance to the nearest image of a neighbour, m."""
-    if period is None:
-        return dx
-    else:
-        return dx - period.length * math.floor(dx / period.length + 0.5)
-
-
-@jit
-def _columns(period, x, reach):  # type: ignore[no-untyped-def]
-    """Left end (m), width (m) and number of the columns of cells; of a period as many as fill it."""
-    if period is None:
-        x_min = x.min()
-        return x_min, reach, np.int64((x.max() - x_min) / reach) + 1
-    else:
-        count = np.int64(period.length / reach)
-        return 0.0, period.length / count, count
-
-
-@jit
-def _column(period, x, x_min, width, columns):  # type: ignore[no-untyped-def]
-    if period is None:
-        return np.int64((x - x_min) / width)
-    else:
-        return min(np.int64((x - period.length * math.floor(x / period.length)) / width), columns - 1)
-
-
-@jit
-def _columns_around(period, column, columns):  # type: ignore[no-untyped-def]
-    """First and last column to look at, each once; on periodic sides to be taken modulo their number."""
-    if period is None:
-        return max(column - 1, 0), min(column + 2, columns)
-    else:
-        return column - 1, column - 1 + min(columns, 3)
-
-
-@jit
 def find_candidates(x, y, reach, period):  # type: ignore[no-untyped-def]
     """All directed pairs nearer than ``reach`` (m), through a grid of cells of that size."""
     n = x.size
-    x_min, width, columns = _columns(period, x, reach)
+    x_min, width, columns = columns_of_cells(period, x, reach)
     y_min = y.min()
     rows_of_cells = np.int64((y.max() - y_min) / reach) + 1
     cell = np.empty(n, np.int64)
     first = np.zeros(columns * rows_of_cells + 1, np.int64)
     for i in range(n):
-        cell[i] = _column(period, x[i], x_min, width, columns) * rows_of_cells + np.int64((y[i] - y_min) / reach)
+        cell[i] = column_of(period, x[i], x_min, width, columns) * rows_of_cells + np.int64((y[i] - y_min) / reach)
         first[cell[i] + 1] += 1
     for c in range(columns * rows_of_cells):
         first[c + 1] += first[c]
@@ -115,7 +81,7 @@ def find_candidates(x, y, reach, period):  # type: ignore[no-untyped-def]
         column, row = cell[i] // rows_of_cells, cell[i] % rows_of_cells
         start[i] = total
         low, high = max(row - 1, 0), min(row + 1, rows_of_cells - 1)
-        left, right = _columns_around(period, column, columns)
+        left, right = columns_around(period, column, columns)
         for c in range(left, right):
             base = (c if period is None else c % columns) * rows_of_cells
             begin, end = first[base + low], first[base + high + 1]
@@ -153,34 +119,13 @@ def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
-    if term is None:
-        return
-    else:
-        nearness[k] = (value * term.inverse_kernel) ** term.exponent
-
-
-@jit
-def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Inverse of the moment matrix over density; the identity where it is off or too singular."""
-    if term is None:
-        return 1.0, 0.0, 1.0
-    else:
-        determinant = m_xx * m_yy - m_xy * m_xy
-        if determinant < term.min_determinant * density * density:
-            return 1.0, 0.0, 1.0
-        s = density / determinant
-        return m_yy * s, -m_xy * s, m_xx * s
-
-
-@jit
 def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type: ignore[no-untyped-def]
-    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).  ``terms``: ``state.Terms``.
+    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).
 
-    The rows follow each other without gaps, since reading them is what a large scene
+    ``terms`` is ``sph.solver.terms.Terms``.  The rows follow each other without gaps, since reading them is what a large scene
     spends its time on.  Pairs nearer than ``terms.close_range`` (m) are listed once more for short-range forces.
     """
-    kernel, period = terms.kernel, terms.period
+    kernel, period = terms.kernel, terms.periodic
     reach = support(kernel)
     reach_square = reach * reach
     close_square = terms.close_range * terms.close_range
@@ -216,9 +161,9 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             dx = row_dx[k]
             dy = row_dy[k]
             r = math.sqrt(dx * dx + dy * dy)
-            value, slope = evaluate(kernel, r)
+            value, slope = value_and_slope(kernel, r)
             factor = terms.cell_mass * slope
-            _keep_nearness(terms.tension, pairs.nearness, begin + k, value)
+            keep_nearness(terms.artificial_stress, pairs.nearness, begin + k, value)
             norm = -factor * r
             gxs[k] = factor * dx
             gys[k] = factor * dy
@@ -237,4 +182,6 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         pairs.end[i] = begin
         pairs.sum_x[i] = sum_x
         pairs.sum_y[i] = sum_y
-        pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = _invert(terms.correction, density[i], m_xx, m_xy, m_yy)
+        pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = invert(
+            terms.gradient_correction, density[i], m_xx, m_xy, m_yy
+        )

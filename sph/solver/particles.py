@@ -9,7 +9,7 @@ import numpy as np
 from sph.scene.geometry import Bodies
 from sph.scene.places import ABOVE, shifted
 from sph.scene.schema import Scene
-from sph.scene.walls import HOLDING
+from sph.scene.walls import Kind
 
 SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
 
@@ -48,30 +48,31 @@ def place_particles(scene: Scene) -> Particles:
 
     walls = scene.walls
     layers = np.arange(walls.layers)
-    overhang = walls.layers if walls.sides in (*HOLDING, "absorbing") else 0
+    base, sides, top = walls.kinds
+    overhang = walls.layers if sides.has_particles else 0
     left, right = (_ground(scene, row[inside & (column == c)]) for c in (0, columns - 1))
     whole_width = np.arange(-overhang, columns + overhang)
-    wanted = [
-        (walls.base, (*_grid(whole_width, -1 - layers), BASE)),
-        (walls.top, (*_grid(whole_width, rows + layers), TOP)),
-        (walls.sides, (*_grid(-1 - layers, left), SIDE)),
-        (walls.sides, (*_grid(columns + layers, right), SIDE)),
+    wanted: list[tuple[Kind, tuple[np.ndarray, np.ndarray, int]]] = [
+        (base, (*_grid(whole_width, -1 - layers), BASE)),
+        (top, (*_grid(whole_width, rows + layers), TOP)),
+        (sides, (*_grid(-1 - layers, left), SIDE)),
+        (sides, (*_grid(columns + layers, right), SIDE)),
     ]
-    absorbing = [block for how, block in wanted if how == "absorbing"]
-    sticky = [block for how, block in wanted if how == "sticky"]
-    slip = [block for how, block in wanted[:2] if how == "free_slip"]
-    slip_sides = [block for how, block in wanted[2:] if how == "free_slip"]
+    absorbing = [block for kind, block in wanted if kind.absorbs]
+    fixed = [block for kind, block in wanted if kind.grips]
+    slip = [block for kind, block in wanted[:2] if kind.slips]
+    slip_sides = [block for kind, block in wanted[2:] if kind.slips]
     first_fixed = sum(len(c) for c, _, _ in soil + absorbing)
-    first_slip = first_fixed + sum(len(c) for c, _, _ in sticky)
+    first_slip = first_fixed + sum(len(c) for c, _, _ in fixed)
     first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
-    blocks = soil + absorbing + sticky + slip + slip_sides
+    blocks = soil + absorbing + fixed + slip + slip_sides
 
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
-    kind = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
+    kinds = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
     layer = layer_index(scene, x, y)
     mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
-    return Particles(x, y, kind, mass, layer, first_slip, first_slip_side, first_fixed)
+    return Particles(x, y, kinds, mass, layer, first_slip, first_slip_side, first_fixed)
 
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -89,7 +90,7 @@ def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 def _ground(scene: Scene, soil: np.ndarray) -> np.ndarray:
     """Rows of a side wall: all of the box, or those of the soil beside an absorbing one; ValueError if that is not one whole column."""
-    if scene.walls.sides != "absorbing":
+    if not scene.walls.kinds.sides.absorbs:
         return np.arange(scene.lattice[1])
     if not soil.size or soil.size <= soil.max():
         raise ValueError("walls.sides: absorbing needs soil at both sides, from the base to the ground without a gap (geometry)")

@@ -21,73 +21,53 @@ a fixed step says when it was exceeded.  Stiffness damping counts in the lattice
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
 from sph.scene.schema import MOST_STEPS, Scene
-from sph.scene.soil import CappedViscosity
 from sph.solver.compiled.jit import entry
-from sph.solver.physics.coupling import correct_gradient, store_stress
+from sph.solver.optional import Limit
+from sph.solver.physics.artificial_viscosity import viscous_rate
 from sph.solver.physics.elasticity import elastic_increment
-from sph.solver.physics.kernels import evaluate, make_kernel
-from sph.solver.physics.material import material_of
+from sph.solver.physics.gradient_correction import correct_gradient, store_stress
+from sph.solver.physics.kernels import Lattice, lattice_of
+from sph.solver.physics.material import FLUID_LAWS, material_of
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.state import State
+from sph.solver.terms import TERMS
 
 
-class Limit(NamedTuple):
-    """One limit of the time step."""
-
-    name: str
-    seconds: float
-    reason: str
-
-
-def lattice_wave_number(scene: Scene) -> float:
+def lattice_wave_number(scene: Scene, lattice: Lattice | None = None) -> float:
     """Largest effective wave number (1/m) of the discrete gradient on the initial lattice."""
-    x, volume, factor = _lattice(scene)
+    x, volume, factor = lattice or lattice_of(scene)
     k = np.linspace(0.0, np.pi / scene.numerics.spacing, 721)
     return float(np.abs(volume * (factor * x) @ np.sin(np.outer(x, k))).max())
 
 
 def wave_speed_ratio(scene: Scene, wavelength: float) -> float:
     """Speed of elastic waves of a length (m) on the initial lattice over that in the soil; 0 for waves that it cannot carry."""
-    x, volume, factor = _lattice(scene)
+    x, volume, factor = lattice_of(scene)
     k = 2.0 * np.pi / wavelength
     if wavelength < 2.0 * scene.numerics.spacing:
         return 0.0
     return max(float(-volume * (factor * x) @ np.sin(k * x)) / k, 0.0)
 
 
-def _lattice(scene: Scene) -> tuple[np.ndarray, float, np.ndarray]:
-    numerics = scene.numerics
-    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
-    reach = int(np.ceil(2 * numerics.smoothing_length / numerics.spacing))
-    offsets = np.arange(-reach, reach + 1) * numerics.spacing
-    x, y = (a.ravel() for a in np.meshgrid(offsets, offsets))
-    r = np.hypot(x, y)
-    x, r = x[r > 0], r[r > 0]
-    return x, numerics.spacing**2, np.array([evaluate(kernel, distance)[1] for distance in r])
-
-
 def limits(scene: Scene) -> list[Limit]:
     """The limits that a scene has, smallest last reason included; seconds."""
-    numerics, speed = scene.numerics, scene.largest_p_wave_speed
-    wave_number = lattice_wave_number(scene)
+    speed, lattice = scene.largest_p_wave_speed, lattice_of(scene)
+    wave_number = lattice_wave_number(scene, lattice)
     omega = speed * wave_number
     found = [Limit("acoustic", 2.0 / omega, f"V_p = {speed:.0f} m/s, largest wave number {wave_number:.2f} 1/m")]
     b = 0.0
-    if scene.damping is not None:
-        b += scene.damping.stiffness_coefficient * omega
-        found.append(Limit("stiffness damping", _damped(b, omega), f"beta_R = {scene.damping.stiffness_coefficient:.3g} s"))
-    if numerics.artificial_viscosity is not None:
-        b += _viscous_rate(scene) / omega
-        found.append(Limit("with artificial viscosity", _damped(b, omega), f"alpha = {numerics.artificial_viscosity.alpha}"))
-    if isinstance(scene.coupling.fluid, CappedViscosity):
-        cap = scene.coupling.fluid.max_viscosity
-        density = min(soil.density for soil in scene.soils)
-        found.append(Limit("capped viscosity", 0.125 * numerics.smoothing_length**2 * density / cap, f"eta_max = {cap:.3g} Pa s"))
+    for term in TERMS:
+        if term.damping is not None and term.wanted(scene):
+            damping = term.damping(scene, lattice, omega)
+            b += damping.ratio
+            found.append(Limit(damping.name, _damped(b, omega), damping.reason))
+    law = FLUID_LAWS[scene.coupling.fluid.law]
+    if law.limit is not None:
+        found.append(law.limit(scene))
     return found
 
 
@@ -95,21 +75,12 @@ def _damped(b: float, omega: float) -> float:
     return 4.0 / (math.sqrt(b * b + 4.0) + b) / omega
 
 
-def _viscous_rate(scene: Scene) -> float:
-    """Rate at which artificial viscosity damps the stiffest mode, 1/s; with layers a bound: the lightest beside the largest impedance."""
-    if scene.numerics.artificial_viscosity is None:
-        return 0.0
-    x, volume, factor = _lattice(scene)
-    speed = max(soil.density * soil.p_wave_speed for soil in scene.soils) / min(soil.density for soil in scene.soils)
-    return scene.numerics.artificial_viscosity.alpha * speed * volume * float(np.abs(factor * x).sum())
-
-
 class PresentLimit:
     """Limit of a scene's time step for particles as they lie."""
 
     def __init__(self, scene: Scene) -> None:
         self.lattice = min(limit.seconds for limit in limits(scene))
-        self.viscous_rate = _viscous_rate(scene)
+        self.viscous_rate = viscous_rate(scene)
 
     def seconds(self, frequency: float) -> float:
         """Limit (s) if the stiffest mode has this angular frequency (rad/s); never above that of the lattice."""
@@ -139,13 +110,21 @@ def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no
         for i in range(terms.n_stressed):
             s = 1.0 / state.density[i]
             l_xx, l_xy, l_yx, l_yy = correct_gradient(
-                terms.correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
+                terms.gradient_correction,
+                pairs.correction,
+                i,
+                gradient[0, i] * s,
+                gradient[1, i] * s,
+                gradient[2, i] * s,
+                gradient[3, i] * s,
             )
             soil = material_of(terms.layers, terms.soil, i)
             rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, 0.5 * (l_xy + l_yx))
             mean = (soil.bulk_modulus * (l_xx + l_yy) - 0.5 * rate_z) * s * s
-            store_stress(terms.correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s)
-        stress_accelerations(state, pairs, terms.correction, terms.layers, 0, terms.n_moving)
+            store_stress(
+                terms.gradient_correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s
+            )
+        stress_accelerations(state, pairs, terms.gradient_correction, terms.layers, 0, terms.n_moving)
         square = 0.0
         for i in range(terms.n_moving):
             square += state.ax[i] ** 2 + state.ay[i] ** 2

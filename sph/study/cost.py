@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.particles import place_particles
-from sph.solver.run import TURNS
+from sph.solver.simulation import TURNS
 from sph.solver.time_step import limits
 from sph.stability.record import SEARCHES
 from sph.stability.standing import FailureRule, static_scene

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-from sph.solver.run import BRANCH_KEYS, FREE_KEYS, is_among
+from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.study.dimensions import point_name, scene_key
 
 LATER = ("motion", "early_stop")

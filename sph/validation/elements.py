@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 from sph.figures.style import GREY, WIDTH, curve_colours, label_panels, styled
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
-from sph.solver.physics.mohr_coulomb import MohrCoulomb, limit_tension, make_mohr_coulomb, return_factor, strength
+from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+from sph.solver.physics.yield_surface import limit_tension, return_factor, strength
 from sph.stability.newmark import sliding_block
 from sph.validation.level import Found, Level, Result
 

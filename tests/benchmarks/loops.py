@@ -21,7 +21,7 @@ from measuring import AT_REST, REPEATS, command_line, hand_out, medians, paper
 
 from sph.solver.compiled.jit import jit
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
-from sph.solver.run import Run
+from sph.solver.simulation import Simulation
 
 SOURCE = Path(__file__).with_suffix(".cpp")
 FLAGS = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]
@@ -66,10 +66,10 @@ def repeat_stress_accelerations(times, state, pairs, term, n):  # type: ignore[n
         stress_accelerations(state, pairs, term, None, 0, n)
 
 
-def stirred(ratio: float, precision: str, spacing: float) -> Run:
+def stirred(ratio: float, precision: str, spacing: float) -> Simulation:
     """The paper's slope with velocities and stresses at random."""
     settings = {"numerics.smoothing_ratio": ratio, "numerics.precision": precision, "numerics.spacing": spacing}
-    run = Run(paper(AT_REST | settings))
+    run = Simulation(paper(AT_REST | settings))
     run.prepare()
     generator = np.random.default_rng(1)
     for name in ("vx", "vy", "sxx", "syy", "sxy"):
@@ -92,11 +92,11 @@ def compare(library: ctypes.CDLL, ratio: float, precision: str, spacing: float, 
     rows = (times, n, pairs.start, pairs.end, pairs.neighbour, pairs.gx, pairs.gy)
     cpp_gradient, viscous_x, viscous_y, ax, ay = np.empty((4, n)), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     calls = {
-        "numba velocity_gradients": lambda: repeat_velocity_gradients(times, state, pairs, terms.viscosity, gradient, n),
+        "numba velocity_gradients": lambda: repeat_velocity_gradients(times, state, pairs, terms.artificial_viscosity, gradient, n),
         "C++ velocity_gradients": in_cpp(
-            LOOPS[0], *rows, pairs.inverse_norm, state.vx, state.vy, terms.viscosity.speed, cpp_gradient, viscous_x, viscous_y
+            LOOPS[0], *rows, pairs.inverse_norm, state.vx, state.vy, terms.artificial_viscosity.speed, cpp_gradient, viscous_x, viscous_y
         ),
-        "numba stress_accelerations": lambda: repeat_stress_accelerations(times, state, pairs, terms.correction, n),
+        "numba stress_accelerations": lambda: repeat_stress_accelerations(times, state, pairs, terms.gradient_correction, n),
         "C++ stress_accelerations": in_cpp(
             LOOPS[1], *rows, pairs.sum_x, pairs.sum_y, state.sxx, state.syy, state.sxy, viscous_x, viscous_y, ax, ay
         ),

@@ -13,7 +13,7 @@ import numpy as np
 
 from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene
-from sph.solver.run import Run
+from sph.solver.simulation import Simulation
 
 PAPER = Path(__file__).parents[2] / "config" / "scenes" / "paper.yaml"
 REPEATS = 20
@@ -35,9 +35,9 @@ def paper(overrides: Mapping[str, Any], settings: list[str] | None = None) -> Sc
     return load_scene(PAPER, dotted({**overrides, **dict(setting.split("=", 1) for setting in settings or [])}))
 
 
-def at_rest(spacing: float, threads: int = 1) -> Run:
+def at_rest(spacing: float, threads: int = 1) -> Simulation:
     """A run of the paper's slope of that spacing (m), ready to be advanced."""
-    run = Run(paper(AT_REST | {"numerics.spacing": spacing}), threads)
+    run = Simulation(paper(AT_REST | {"numerics.spacing": spacing}), threads)
     run.prepare()
     return run
 

@@ -11,7 +11,7 @@ from typing import Any
 from measuring import at_rest, command_line, hand_out, medians
 
 from sph.solver.integration import renew_candidates, renew_pairs
-from sph.solver.run import Run
+from sph.solver.simulation import Simulation
 
 SPACINGS = (1.0, 0.5, 0.25, 0.15, 0.083)
 PARTICLE_STEPS = 400_000
@@ -45,7 +45,7 @@ def measure(spacings: list[float], repeats: int, particle_steps: int) -> list[di
     ]
 
 
-def renewals(run: Run) -> dict[str, float]:
+def renewals(run: Simulation) -> dict[str, float]:
     """Seconds of one renewal of the pairs and of the candidates."""
     n = run.state.x.size
     return medians(

@@ -25,8 +25,10 @@ from sph.scene.schema import Scene
 from sph.solver.integration import kick_and_drift, make_lists
 from sph.solver.neighbours import update_pairs
 from sph.solver.physics.coupling import update_stress
-from sph.solver.physics.momentum import add_repulsion, stress_accelerations, velocity_gradients
-from sph.solver.run import Progress, Run
+from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
+from sph.solver.physics.short_range_repulsion import add_repulsion
+from sph.solver.run import Progress
+from sph.solver.simulation import Simulation
 from sph.solver.state import State
 
 LOOPS = ("velocity_gradients", "stress_accelerations")
@@ -35,7 +37,7 @@ STAGES = ("elastic", "collapse")
 PROBED_STEPS = 50
 
 
-def twin(run: Run) -> Run:
+def twin(run: Simulation) -> Simulation:
     """The same moment of a run, which can go on without the run noticing."""
     other = copy.copy(run)
     other.state = State(*(array.copy() for array in run.state))
@@ -43,7 +45,7 @@ def twin(run: Run) -> Run:
     return other
 
 
-def part_calls(run: Run) -> dict[str, Callable[[int], Any]]:
+def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
     """Each part of a time step, to be called with the number of rows; those that change the state have a copy of their own."""
     terms, mass, loading, team = run.terms, run.particles.mass, run.loading, run.team[0]
     still, strained, moved, pushed = (twin(run) for _ in range(4))
@@ -51,18 +53,20 @@ def part_calls(run: Run) -> dict[str, Callable[[int], Any]]:
     loads = [float(history[now]) for history in (loading.ground, loading.vertical, loading.gravity, loading.extra_damping)]
     state = still.state
     return {
-        "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms.viscosity, terms.layers, team.gradient, 0, n),
-        "stress_accelerations": lambda n: stress_accelerations(state, pairs, terms.correction, terms.layers, 0, min(n, terms.n_soil)),
+        "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms.artificial_viscosity, terms.layers, team.gradient, 0, n),
+        "stress_accelerations": lambda n: stress_accelerations(
+            state, pairs, terms.gradient_correction, terms.layers, 0, min(n, terms.n_soil)
+        ),
         "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
         "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),
         "add_repulsion": lambda n: add_repulsion(
-            terms.repulsion, terms.period, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
+            terms.short_range_repulsion, terms.periodic, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
         "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, terms, state.x, state.y, state.density, 0, n),
     }
 
 
-def renewals(run: Run) -> float:
+def renewals(run: Simulation) -> float:
     """How often in a time step pairs are renewed, over the next ``PROBED_STEPS``."""
     probe = twin(run)
     steps = min(PROBED_STEPS, run.loading.time.size - 1 - run.step)
@@ -74,7 +78,7 @@ def renewals(run: Run) -> float:
     return count / steps if steps else 0.0
 
 
-def time_parts(run: Run) -> dict[str, float]:
+def time_parts(run: Simulation) -> dict[str, float]:
     """Seconds a time step of each part on copies of the run's state, without the cost of a call; neighbours and renewals."""
     calls = part_calls(run)
     n = run.state.x.size
@@ -92,7 +96,7 @@ def time_parts(run: Run) -> dict[str, float]:
 class Watch:
     """Interrupts a run at moments spread evenly over each stage, and keeps apart the time that this takes."""
 
-    def __init__(self, run: Run, moments: int) -> None:
+    def __init__(self, run: Simulation, moments: int) -> None:
         end, last = run.scene.gravity.duration, run.scene.duration
         self.run = run
         self.elastic_end = end + 0.5 * run.terms.dt
@@ -149,11 +153,11 @@ def joined(stages: dict[str, dict[str, Any]]) -> dict[str, Any]:
 def measure(scene: Scene, moments: int) -> dict[str, Any]:
     """Run a scene and return its speed; every number is named with its unit."""
     # Compiles or loads everything, so that the run below does not.
-    first = Run(scene.model_copy(update={"duration": scene.outputs.series_interval}))
+    first = Simulation(scene.model_copy(update={"duration": scene.outputs.series_interval}))
     first.go()
     time_parts(first)
 
-    run = Run(scene)
+    run = Simulation(scene)
     watch = Watch(run, moments)
     result = run.go(report=watch)
     attrs = result.trajectory.attrs

@@ -10,10 +10,10 @@ from typing import Any
 
 from measuring import at_rest, command_line, hand_out, medians
 
-from sph.solver.run import Run
+from sph.solver.simulation import Simulation
 
 
-def bits(run: Run) -> bytes:
+def bits(run: Simulation) -> bytes:
     """The whole state of a run."""
     return b"".join(array.tobytes() for array in run.state)
 

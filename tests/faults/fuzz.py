@@ -61,7 +61,8 @@ from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
 from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
-from sph.solver.run import Run, wanted_terms
+from sph.solver.run import Run
+from sph.solver.terms import wanted_terms
 from sph.stability.search import Trial
 from sph.stability.standing import FailureRule
 from sph.study.plan import Study, load_study
@@ -205,24 +206,24 @@ def scene(data: Any, folder: Path) -> str:
     if not numba.config.DISABLE_JIT and variant(loaded) not in map(variant, map(make_scene, SCENES)):
         return "accepted, not compiled"
     warnings.simplefilter("ignore")
-    with mock.patch("sph.solver.run.FIRST_TURNS", STEPS):
+    with mock.patch("sph.solver.simulation.FIRST_TURNS", STEPS):
         first_steps(loaded)
     return "accepted, run"
 
 
 def variant(loaded: Scene) -> tuple[object, ...]:
     """What decides which code a scene compiles."""
-    return *wanted_terms(loaded), loaded.numerics.precision
+    return *wanted_terms(loaded).values(), loaded.numerics.precision
 
 
 def first_steps(loaded: Scene) -> None:
     """Make the first steps of a run, as ``Run.go`` does."""
     run = Run(loaded)
-    run.prepare()
+    run.simulation.prepare()
     if loaded.gravity.initial_stress != "none":
-        run.balance()
+        run.simulation.balance()
     run._adapt()
-    run.advance_steps(min(STEPS, loaded.steps(loaded.duration)))
+    run.simulation.advance_steps(min(STEPS, loaded.steps(loaded.duration)))
     run._record()
 
 

@@ -10,7 +10,8 @@ import pytest
 
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import Particles
-from sph.solver.run import Run, run
+from sph.solver.run import run
+from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED, REPULSION, VISCOUS, State
 
 
@@ -40,7 +41,7 @@ class Closed:
             }
             | overrides
         )
-        run = Run(scene)
+        run = Simulation(scene)
         generator = np.random.default_rng(11)
         run.particles.x[:] += generator.uniform(-0.15, 0.15, run.particles.x.size)
         run.particles.y[:] += generator.uniform(-0.15, 0.15, run.particles.x.size)

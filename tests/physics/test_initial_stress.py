@@ -13,8 +13,9 @@ import pytest
 from sph.scene.configuration import dotted, merge
 from sph.scene.places import RIGHT
 from sph.scene.schema import Scene, make_scene
-from sph.solver.physics.mohr_coulomb import shear_demand, strength
-from sph.solver.run import Result, Run, run
+from sph.solver.physics.yield_surface import shear_demand, strength
+from sph.solver.run import Result, run
+from sph.solver.simulation import Simulation
 from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
@@ -49,9 +50,9 @@ def gravity_stage(start: str) -> dict[str, np.ndarray]:
     return stresses | {"depth": HEIGHT - ds["y0"].values[soil], "speed": ds["maximum_speed"].values}
 
 
-def balanced(scene: Scene) -> Run:
+def balanced(scene: Scene) -> Simulation:
     """A run that has recorded its first sample and made no step."""
-    simulation = Run(scene)
+    simulation = Simulation(scene)
     simulation.prepare()
     simulation.balance()
     return simulation
@@ -106,10 +107,10 @@ def test_a_column_keeps_its_stress() -> None:
 def test_no_particle_starts_outside_the_surface() -> None:
     # c = 5 kPa, phi = 20 degrees, nu = 0.2: at rest the radius is 0.375 rho g d, the strength 4.7 kPa + 0.214 rho g d.
     weak = column({"soil.cohesion": 5.0, "soil.poisson_ratio": 0.2})
-    outside, inside = Run(weak), balanced(weak)
+    outside, inside = Simulation(weak), balanced(weak)
     surface = inside.terms.soil.solid
 
-    def excess(simulation: Run) -> float:
+    def excess(simulation: Simulation) -> float:
         state, bulk = simulation.state, simulation.terms.soil.bulk_modulus
         deviators = zip(state.solid_d, state.solid_q, state.solid_z, strict=True)
         demand = np.array([shear_demand(surface, *deviator) for deviator in deviators])

@@ -14,6 +14,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.solver.initial_stress import overburden
 from sph.solver.physics.material import lightness, material_of
 from sph.solver.run import Run, run
+from sph.solver.simulation import Simulation
 from sph.stability.standing import divided_strength, weakened
 from sph.storage import trajectory
 from tests.physics.test_conservation import momenta
@@ -59,7 +60,7 @@ def test_a_wave_is_reflected_by_the_ratio_of_impedances() -> None:
     scene = bar({"rock": UPPER_HALF | {"soil": HEAVY}})
     below, above = scene.soil, scene.layers["rock"].soil
     z_below, z_above = (soil.density * soil.s_wave_speed for soil in (below, above))
-    simulation = Run(scene)
+    simulation = Simulation(scene)
     state, y, width = simulation.state, simulation.particles.y, 3.0
     # A pulse in the lower soil that travels upwards: velocity f(y - V t) with the stress that belongs to it.
     pulse = 0.01 * np.exp(-0.5 * ((y - 14.0) / width) ** 2)
@@ -90,7 +91,8 @@ def test_momentum_and_energy_of_layers_that_are_stirred(free_block: Any) -> None
             "numerics.artificial_viscosity": {"alpha": 0.5},
         }
     )
-    simulation = Run(scene)
+    started = Run(scene)
+    simulation = started.simulation
     state, particles, generator = simulation.state, simulation.particles, np.random.default_rng(3)
     assert {round(m) for m in particles.mass} == {1964, 4000}
     state.vx[:] = generator.normal(size=state.x.size)
@@ -100,7 +102,7 @@ def test_momentum_and_energy_of_layers_that_are_stirred(free_block: Any) -> None
     simulation.advance_steps(500)
     # Lightness is rounded, so that forces are equal and opposite to rounding only.
     assert np.abs(momenta(particles, state) - start)[:2].max() < 1e-11 * scale
-    result = simulation.go().trajectory
+    result = started.go().trajectory
     energies = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy")
     total = sum(result[name].values for name in energies)
     assert np.abs(total - total[0]).max() < 0.02 * result["kinetic_energy"].values.max()
@@ -140,7 +142,7 @@ def test_each_layer_has_its_own_strength_and_coupling(small_slope: Any) -> None:
         "stiff": {"region": {"kind": "elevation", "top": 6.0}, "soil": {"youngs_modulus": 3e6}},
     }
     scene = small_slope({"layers": layers, "coupling.S_R": 0.5})
-    simulation = Run(scene)
+    simulation = Simulation(scene)
     simulation.prepare()
     terms, layer = simulation.terms, simulation.particles.layer
     plain = {
@@ -150,10 +152,10 @@ def test_each_layer_has_its_own_strength_and_coupling(small_slope: Any) -> None:
     }
     assert set(layer) == set(plain)
     for i in range(0, layer.size, 7):
-        expected = Run(plain[layer[i]]).terms.soil
-        found = material_of.py_func(terms.layers, terms.soil, i)
+        expected = Simulation(plain[layer[i]]).terms.soil
+        found = material_of(terms.layers, terms.soil, i)
         assert found == expected
-        assert lightness.py_func(terms.layers, i) == 1.0
+        assert lightness(terms.layers, i) == 1.0
     divided, ratio = divided_strength(scene, 2.0), weakened(scene, 0.5)
     assert [soil.cohesion for soil in divided.soils] == [75.0, 10.0, 75.0]
     assert [soil.cohesion for soil in ratio.soils] == pytest.approx([75.0, 2.0, 75.0])

@@ -13,7 +13,8 @@ from sph.scene.schema import make_scene
 from sph.solver.integration import make_lists
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, cauchy_stress, update_stress
-from sph.solver.state import ARMED, FAILED, HELD, YIELDED, State, initial_state, make_terms
+from sph.solver.state import ARMED, FAILED, HELD, YIELDED, State, initial_state
+from sph.solver.terms import make_terms
 
 DT = 1e-3
 PRESSURES = np.array([50e3, 150e3, 300e3, 600e3])

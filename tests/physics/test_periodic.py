@@ -16,7 +16,8 @@ from comparison import same_bits
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.threads import BLOCK
-from sph.solver.run import Run, run
+from sph.solver.run import run
+from sph.solver.simulation import Simulation
 from sph.solver.state import VISCOUS
 from sph.storage import trajectory
 
@@ -80,10 +81,10 @@ def test_uniform_motion_goes_on_forever() -> None:
     assert soil(ds, "x")[-1].min() > WIDTH, "once around"
 
 
-def stirred() -> Run:
+def stirred() -> Simulation:
     """The floating strip with waves along it, pulled apart in places, so that artificial viscosity and stress act."""
     wave = {"along": "x", "position": [0.0, 1.0, 2.0, 3.0, 4.0], "x": [6.0, 7.0, 6.0, 5.0, 6.0], "y": [0.0, 1.0, 0.0, -1.0, 0.0]}
-    simulation = Run(scene(FLOATING | {"initial_velocity": wave}))
+    simulation = Simulation(scene(FLOATING | {"initial_velocity": wave}))
     simulation.prepare()
     return simulation
 
@@ -120,7 +121,7 @@ def test_energy_around_the_box() -> None:
 # ---------------------------------------------------------------- a shift
 
 
-def hill(shift: int) -> Run:
+def hill(shift: int) -> Simulation:
     """Two towers on a frictional incline, moved to the right by some columns and around the end."""
     start = 1.0 + SPACING * shift
     parts = [(start, start + 1.0, 0.5), (start + 1.0, start + 1.6, 0.9)]
@@ -130,7 +131,7 @@ def hill(shift: int) -> Run:
             low, high = max(left - period, 0.0), min(right - period, WIDTH)
             if high - low > 0.5 * SPACING:
                 shapes.append(rectangle(low, high, 0.0, height))
-    simulation = Run(scene(bodies(*shapes) | {"gravity.inclination": 20.0}))
+    simulation = Simulation(scene(bodies(*shapes) | {"gravity.inclination": 20.0}))
     simulation.prepare()
     return simulation
 

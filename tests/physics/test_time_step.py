@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import Scene
-from sph.solver.run import Run, run
+from sph.solver.run import run
+from sph.solver.simulation import Simulation
 from sph.solver.time_step import PresentLimit, lattice_wave_number, limits
 from sph.storage import trajectory
 
@@ -31,7 +32,7 @@ BARE = {"damping": None, "numerics.artificial_viscosity": None}
 def lattice(free_block: Builder, ratio: float, **numerics: Any) -> tuple[float, float]:
     """Measured and theoretical limit of a free lattice without damping, s."""
     extra = {f"numerics.{name}": value for name, value in numerics.items()}
-    simulation = Run(free_block(BARE | {"geometry.width": 30.0, "geometry.height": 30.0, "numerics.smoothing_ratio": ratio} | extra))
+    simulation = Simulation(free_block(BARE | {"geometry.width": 30.0, "geometry.height": 30.0, "numerics.smoothing_ratio": ratio} | extra))
     simulation.prepare()
     simulation.measure_limit(200)
     return simulation.limit, 2.0 / (simulation.scene.soil.p_wave_speed * lattice_wave_number(simulation.scene))

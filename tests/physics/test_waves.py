@@ -10,7 +10,7 @@ import pytest
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import place_particles
 from sph.solver.physics.kernels import evaluate, make_kernel
-from sph.solver.run import Run
+from sph.solver.simulation import Simulation
 from sph.solver.state import State
 
 PULSE_WIDTH = 7.0
@@ -40,7 +40,7 @@ def peak_times(scene: Scene, component: str, source: float, stations: list[float
     The initial velocity is a Gaussian in x of 0.01 m/s; it splits into two pulses of half the height,
     of which the right one is followed.  Peaks are refined by a parabola through three samples.
     """
-    run = Run(scene)
+    run = Simulation(scene)
     state, particles = run.state, run.particles
     velocity = state.vx if component == "x" else state.vy
     velocity[:] = 0.01 * np.exp(-0.5 * ((particles.x - source) / PULSE_WIDTH) ** 2)

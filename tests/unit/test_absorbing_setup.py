@@ -52,7 +52,7 @@ def test_dashpots_add_up_to_the_impedance() -> None:
     scene = slope({"walls.bedrock": ROCK})
     particles, dx = place_particles(scene), 2.0
     impedances = [scene.soil.density * speed for speed in (scene.soil.p_wave_speed, scene.soil.s_wave_speed)]
-    term = make_absorbing(scene, particles, make_kernel("cubic_spline", 2.6))
+    term = make_absorbing(scene, particles, make_kernel("cubic_spline", 2.6), 1e-3)
     assert term is not None
     moving = slice(particles.n_soil, particles.first_fixed)
     x, y, mass, kind = (getattr(particles, name)[moving] for name in ("x", "y", "mass", "kind"))
@@ -69,7 +69,7 @@ def test_dashpots_add_up_to_the_impedance() -> None:
 def test_sides_are_as_high_as_the_ground_and_so_are_their_columns() -> None:
     scene = slope({})
     particles = place_particles(scene)
-    term, boundary = (make(scene, particles, make_kernel("cubic_spline", 2.6)) for make in (make_free_field, make_absorbing))
+    term, boundary = (make(scene, particles, make_kernel("cubic_spline", 2.6), 1e-3) for make in (make_free_field, make_absorbing))
     assert term is not None and boundary is not None
     side = particles.kind == SIDE
     assert particles.y[side & (particles.x < 0)].max() == 5.0 and particles.y[side & (particles.x > 0)].max() == 15.0
@@ -86,7 +86,7 @@ def test_sides_are_as_high_as_the_ground_and_so_are_their_columns() -> None:
 def test_columns_stand_on_the_base_of_the_model(base: str, fixed: int) -> None:
     scene = slope({"walls.base": base})
     particles = place_particles(scene)
-    term = make_free_field(scene, particles, make_kernel("cubic_spline", 2.6))
+    term = make_free_field(scene, particles, make_kernel("cubic_spline", 2.6), 1e-3)
     assert term is not None
     assert np.count_nonzero(term.mobile == 0.0) == 2 * fixed
     assert term.drag.any() == (base == "absorbing")
@@ -100,7 +100,7 @@ def test_layers_count_where_they_meet_the_boundary() -> None:
     strata = {"cover": {"region": {"kind": "elevation", "bottom": 6.0, "top": 10.0}, "soil": stiff}}
     scene = slope({"layers": strata | {"deep": {"region": {"kind": "elevation", "top": 2.0}, "soil": stiff}}})
     particles = place_particles(scene)
-    term, boundary = (make(scene, particles, make_kernel("cubic_spline", 2.6)) for make in (make_free_field, make_absorbing))
+    term, boundary = (make(scene, particles, make_kernel("cubic_spline", 2.6), 1e-3) for make in (make_free_field, make_absorbing))
     assert term is not None and boundary is not None
     own, hard = scene.soil, scene.layers["cover"].soil
     column = np.array([2, 2, 2, 2, 1, 1, 2, 2, 1, 1, 1])  # three rows under the base, the rows at 1, 3, 5, 7, ... m

@@ -14,9 +14,10 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 from sph.solver.integration import make_lists
 from sph.solver.particles import place_particles
+from sph.solver.physics.artificial_stress import add_artificial_stress, set_artificial_stress
 from sph.solver.physics.kernels import evaluate
-from sph.solver.physics.momentum import add_artificial_stress, set_artificial_stress
-from sph.solver.state import State, initial_state, make_terms
+from sph.solver.state import State, initial_state
+from sph.solver.terms import make_terms
 
 BASE: dict[str, Any] = {
     "name": "patch",
@@ -45,11 +46,11 @@ class Patch:
 
     def stress(self, xx: Any, yy: Any, xy: Any) -> None:
         self.state.sxx[:], self.state.syy[:], self.state.sxy[:] = xx, yy, xy
-        set_artificial_stress(self.terms.tension, self.state, 0, self.n)
+        set_artificial_stress(self.terms.artificial_stress, self.state, 0, self.n)
 
     def push(self) -> None:
         _, self.pairs = make_lists(self.state, self.terms)
-        add_artificial_stress(self.terms.tension, None, self.state, self.pairs, 0, self.n)
+        add_artificial_stress(self.terms.artificial_stress, None, self.state, self.pairs, 0, self.n)
 
 
 PATCH = Patch()

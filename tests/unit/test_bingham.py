@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sph.solver.physics.bingham import CapTerm, FluidLaw, fluid_deviator
+from sph.solver.physics.capped_viscosity import CappedViscosity
+from sph.solver.physics.elastic_viscoplastic import ElasticViscoplastic
+from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.mohr_coulomb import make_mohr_coulomb
 
 G = 1e7
@@ -19,7 +21,7 @@ NO_FRICTION = make_mohr_coulomb(TAU_Y, 0.0)
 Deviator = tuple[float, float, float]
 
 
-def shear_steps(law: FluidLaw, rate: float, n: int, start: Deviator = (0.0, 0.0, 0.0)) -> Deviator:
+def shear_steps(law: ElasticViscoplastic | CappedViscosity, rate: float, n: int, start: Deviator = (0.0, 0.0, 0.0)) -> Deviator:
     """n steps of pure shear strain at the engineering shear rate dv_x/dy + dv_y/dx, without spin."""
     deviator = start
     for _ in range(n):
@@ -32,7 +34,7 @@ def shear_steps(law: FluidLaw, rate: float, n: int, start: Deviator = (0.0, 0.0,
 def test_steady_shear_gives_yield_stress_plus_viscous_stress(eta: float, rate: float) -> None:
     # Backward Euler has the exact steady state; the approach has the time constant eta / G <= 5 ms and
     # the elastic range TAU_Y / (G rate) <= 4 ms, so 1000 steps (0.1 s) leave e^-19 of it.
-    d, q, z = shear_steps(FluidLaw(G, eta, None), rate, 1000)
+    d, q, z = shear_steps(ElasticViscoplastic(G, eta), rate, 1000)
     assert q == pytest.approx(TAU_Y + eta * rate, rel=1e-6)
     assert (d, z) == (0.0, 0.0)
 
@@ -44,7 +46,7 @@ def test_viscosity_matters_in_the_case_above() -> None:
 
 def test_elastic_below_yield() -> None:
     # 10 steps of engineering strain 1e-4 each: q = G * 1e-3 = 10 kPa, half the yield stress.
-    _, q, _ = shear_steps(FluidLaw(G, 1e3, None), 1.0, 10)
+    _, q, _ = shear_steps(ElasticViscoplastic(G, 1e3), 1.0, 10)
     assert q == pytest.approx(G * 1e-3, rel=1e-12)
 
 
@@ -52,18 +54,18 @@ def test_elastic_below_yield() -> None:
 @given(radius=st.floats(0, 0.999), angle=st.floats(0, 2 * math.pi), z=st.floats(-1e4, 1e4))
 def test_no_creep_below_yield(radius: float, angle: float, z: float) -> None:
     start = (radius * TAU_Y * math.cos(angle), radius * TAU_Y * math.sin(angle), z)
-    assert shear_steps(FluidLaw(G, 2.0, None), 0.0, 20, start) == start
+    assert shear_steps(ElasticViscoplastic(G, 2.0), 0.0, 20, start) == start
 
 
 def test_relaxes_to_the_yield_stress_and_not_below() -> None:
     # Overstress decays as 1 / (1 + theta)^n with 1/theta = G dt / eta = 1: 60 steps leave 2^-60 of it.
-    _, q, _ = shear_steps(FluidLaw(G, G * DT, None), 0.0, 60, (0.0, 3 * TAU_Y, 0.0))
+    _, q, _ = shear_steps(ElasticViscoplastic(G, G * DT), 0.0, 60, (0.0, 3 * TAU_Y, 0.0))
     assert q == pytest.approx(TAU_Y, rel=1e-12)
 
 
 def test_relaxation_by_hand() -> None:
     # theta = 0.5: (tau_y + 0.5 * 3 tau_y) / 1.5 = 5/3 tau_y.
-    law = FluidLaw(G, 0.5 * G * DT, None)
+    law = ElasticViscoplastic(G, 0.5 * G * DT)
     _, q, _ = shear_steps(law, 0.0, 1, (0.0, 3 * TAU_Y, 0.0))
     assert q == pytest.approx(5 / 3 * TAU_Y, rel=1e-12)
 
@@ -72,14 +74,14 @@ def test_yield_stress_follows_the_pressure() -> None:
     surface = make_mohr_coulomb(10e3, math.radians(30))
     deviator: Deviator = (0.0, 0.0, 0.0)
     for _ in range(200):
-        deviator = fluid_deviator(FluidLaw(G, 0.0, None), surface, 100e3, *deviator, 0.0, 0.0, 5.0, 0.0, DT)
+        deviator = fluid_deviator(ElasticViscoplastic(G, 0.0), surface, 100e3, *deviator, 0.0, 0.0, 5.0, 0.0, DT)
     assert deviator[1] == pytest.approx(10e3 * math.cos(math.radians(30)) + 50e3, rel=1e-12)
 
 
 # ---------------------------------------------------------------- capped viscosity
 
 CAP, ETA = 1e6, 100.0
-CAPPED = FluidLaw(G, ETA, CapTerm(CAP))
+CAPPED = CappedViscosity(ETA, CAP)
 
 
 @pytest.mark.parametrize("rate", [1e-6, 1e-3, 0.019])
@@ -123,7 +125,7 @@ rates = st.floats(-50, 50)
 @settings(max_examples=150, deadline=None)
 @given(xx=rates, yy=rates, xy=rates, turn=st.floats(0, math.pi), capped=st.booleans(), radius=st.floats(0, 2))
 def test_a_rotated_strain_rate_gives_the_rotated_stress(xx: float, yy: float, xy: float, turn: float, capped: bool, radius: float) -> None:
-    law = CAPPED if capped else FluidLaw(G, 1e3, None)
+    law = CAPPED if capped else ElasticViscoplastic(G, 1e3)
     surface = make_mohr_coulomb(TAU_Y, math.radians(15))
 
     def rotated(half_difference: float, shear: float) -> tuple[float, float]:

@@ -17,12 +17,10 @@ from PIL import Image
 from typer.testing import CliRunner, Result
 
 from sph.command.cli import DIVERGED, REFUSED, app, parse_settings
-from sph.command.info import TERM_REASONS
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene, load_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_to_file
-from sph.solver.integration import TERM_NAMES
 from sph.stability.newmark import sliding_block
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
@@ -171,10 +169,6 @@ def test_films_and_files_for_paraview(scene_file: Path, tmp_path: Path, monkeypa
 def test_info_warns_of_a_thin_box(scene_file: Path) -> None:
     assert "walls.layers=4" in call("info", scene_file).stdout
     assert "warning" not in call("info", scene_file, "--set", "walls.layers=4").stdout
-
-
-def test_info_knows_every_term() -> None:
-    assert tuple(TERM_REASONS) == TERM_NAMES
 
 
 def test_info_shows_limits_and_terms(scene_file: Path) -> None:

@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import make_scene
-from sph.solver.boundaries.contact import add_contact
+from sph.solver.boundaries.contact import STIFFNESS, add_contact
 from sph.solver.particles import place_particles
 from sph.solver.physics.kernels import evaluate
-from sph.solver.run import Run, run
-from sph.solver.state import CONTACT_STIFFNESS, initial_state, make_terms
+from sph.solver.run import run
+from sph.solver.simulation import Simulation
+from sph.solver.state import initial_state
+from sph.solver.terms import make_terms
 from tests.conftest import SceneBuilder
 
 SLIP = {"walls.base": "free_slip", "walls.sides": "free_slip", "walls.layers": 4}
@@ -24,10 +26,10 @@ def pushed(scene: Any, place: tuple[float, float]) -> tuple[float, float, float]
     particles = place_particles(scene)
     state, terms = initial_state(particles, scene), make_terms(scene, particles)
     state.x[7], state.y[7] = place
-    energy = add_contact(terms.faces, terms.friction, state, particles.mass, 0, particles.n_soil)
-    if terms.faces is None:
+    energy = add_contact(terms.wall_faces, terms.wall_friction, state, particles.mass, 0, particles.n_soil)
+    if terms.wall_faces is None:
         return 0.0, 0.0, energy
-    unit = CONTACT_STIFFNESS * scene.soil.density * scene.soil.p_wave_speed**2
+    unit = STIFFNESS * scene.soil.density * scene.soil.p_wave_speed**2
     others = np.delete(np.hypot(state.ax, state.ay), 7)
     assert others.max() == 0.0, "the lattice does not feel the faces"
     return state.ax[7] * particles.mass[7] / unit, state.ay[7] * particles.mass[7] / unit, energy / unit
@@ -66,7 +68,7 @@ def test_friction_counts_the_push(free_block: SceneBuilder) -> None:
     particles = place_particles(scene)
     state, terms = initial_state(particles, scene), make_terms(scene, particles)
     state.x[7], state.y[7] = 0.1, 0.2
-    add_contact(terms.faces, terms.friction, state, particles.mass, 0, particles.n_soil)
+    add_contact(terms.wall_faces, terms.wall_friction, state, particles.mass, 0, particles.n_soil)
     assert state.friction_x[7] == pytest.approx(0.5 * state.ay[7]) and state.friction_y[7] == pytest.approx(0.2 * state.ax[7])
 
 
@@ -93,7 +95,7 @@ def test_debris_stays_on_a_slip_floor() -> None:
 
 def test_scattered_soil_is_no_thinner_than_a_particle_alone(free_block: SceneBuilder) -> None:
     # Continuity multiplies the density by 1 - dt div v: in spray that collides it fell below zero.
-    simulation = Run(free_block({}))
+    simulation = Simulation(free_block({}))
     simulation.prepare()
     simulation.state.density[7] = 1e-3
     simulation.advance_steps(1)

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sph.solver.physics.mohr_coulomb import MohrCoulomb, limit_tension, make_mohr_coulomb, return_factor, shear_demand, strength
+from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 
 stresses = st.floats(-2e6, 2e6, allow_nan=False)
 cohesions = st.floats(1.0, 500e3)

@@ -10,9 +10,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sph.solver.boundaries.periodic import Periodic
 from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, update_pairs
+from sph.solver.physics.artificial_stress import ArtificialStress
+from sph.solver.physics.gradient_correction import GradientCorrection
 from sph.solver.physics.kernels import Kernel, evaluate, make_kernel
-from sph.solver.state import CorrectionTerm, PeriodTerm, TensionTerm
 
 Cloud = tuple[np.ndarray, np.ndarray]
 
@@ -21,14 +23,14 @@ seeds = st.integers(0, 2**32 - 1)
 
 
 class PairTerms(NamedTuple):
-    """The terms of ``sph.solver.state.Terms`` that pairs depend on."""
+    """The terms of ``sph.solver.terms.Terms`` that pairs depend on."""
 
     kernel: Kernel
     close_range: float
-    correction: CorrectionTerm | None
+    gradient_correction: GradientCorrection | None
     cell_mass: float
-    period: PeriodTerm | None = None
-    tension: TensionTerm | None = None
+    periodic: Periodic | None = None
+    artificial_stress: ArtificialStress | None = None
 
 
 def random_cloud(seed: int, n: int) -> Cloud:
@@ -104,7 +106,7 @@ def test_candidates_of_any_points(points: list[tuple[float, float]], reach: floa
 def test_periodic_candidates(seed: int, n: int, cloud, reach: float, periods: float) -> None:
     # Nearest images by brute force, with a period of 2 to 9 reaches and particles several periods away from each other.
     x, y = cloud(seed, n)
-    period = PeriodTerm(periods * reach)
+    period = Periodic(periods * reach)
     found = as_pairs(find_candidates(x, y, reach, period))
     assert len(found) == len(set(found)), "a directed pair is listed twice"
     across = x[:, None] - x
@@ -149,7 +151,7 @@ def make_pairs(
     name: str = "cubic_spline",
     skin: float = 0.5,
     close_range: float = 0.0,
-    correction: CorrectionTerm | None = None,
+    correction: GradientCorrection | None = None,
     zero: np.floating = DOUBLE,
 ) -> Pairs:
     kernel = make_kernel(name, h)
@@ -264,7 +266,7 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     candidates = find_candidates(x, y, 2.5, None)
     density = np.random.default_rng(9).uniform(1, 3, 300)
     whole, parts = (allocate_pairs(candidates, SINGLE, None) for _ in range(2))
-    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, CorrectionTerm(1e-3), 2.0), x, y, density
+    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, GradientCorrection(1e-3), 2.0), x, y, density
     update_pairs(whole, *common, 0, 300)
     for first, last in ((200, 300), (0, 7), (7, 7), (7, 200)):
         update_pairs(parts, *common, first, last)
@@ -345,7 +347,7 @@ def test_corrected_gradient_of_a_linear_field_is_exact_everywhere() -> None:
     vx = 4 + slope[0, 0] * x + slope[0, 1] * y
     vy = -1 + slope[1, 0] * x + slope[1, 1] * y
     # A small limit, so that corners (moment determinant of about 0.1) are corrected too.
-    found = gradients(make_pairs(x, y, mass, density, h=1.3, correction=CorrectionTerm(1e-3)), vx, vy, density)
+    found = gradients(make_pairs(x, y, mass, density, h=1.3, correction=GradientCorrection(1e-3)), vx, vy, density)
     side = x.max()
     places = {
         "interior": int(np.argmin(np.hypot(x - side / 2, y - side / 2))),
@@ -363,7 +365,7 @@ def test_corrected_gradient_of_a_linear_field_is_exact_everywhere() -> None:
 def test_too_singular_a_neighbourhood_keeps_the_plain_gradient() -> None:
     # Particles on one line have a moment matrix of determinant zero.
     x, y = np.arange(5) + 0.5, np.zeros(5)
-    pairs = make_pairs(x, y, 1.0, np.ones(5), h=1.3, correction=CorrectionTerm(0.3))
+    pairs = make_pairs(x, y, 1.0, np.ones(5), h=1.3, correction=GradientCorrection(0.3))
     np.testing.assert_array_equal(pairs.correction, np.broadcast_to([1.0, 0.0, 1.0], (5, 3)))
 
 
@@ -371,9 +373,9 @@ def test_correction_threshold_decides() -> None:
     x, y = jittered_lattice()
     density, mass = np.full(x.size, 1000.0), 1000.0
     corner = int(np.argmin(np.hypot(x, y)))
-    loose = make_pairs(x, y, mass, density, h=1.3, correction=CorrectionTerm(1e-3)).correction[corner]
+    loose = make_pairs(x, y, mass, density, h=1.3, correction=GradientCorrection(1e-3)).correction[corner]
     moment = np.linalg.inv([[loose[0], loose[1]], [loose[1], loose[2]]])
     determinant = float(np.linalg.det(moment))
     for limit, corrected in ((0.99 * determinant, True), (1.01 * determinant, False)):
-        b = make_pairs(x, y, mass, density, h=1.3, correction=CorrectionTerm(limit)).correction[corner]
+        b = make_pairs(x, y, mass, density, h=1.3, correction=GradientCorrection(limit)).correction[corner]
         assert (b.tolist() != [1.0, 0.0, 1.0]) == corrected

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
-from sph.solver.integration import TERM_NAMES, active_terms
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import cauchy_stress
-from sph.solver.run import Run, wanted_terms
-from sph.solver.state import FAILED, HELD, UNARMED, initial_state, make_terms
+from sph.solver.simulation import Simulation
+from sph.solver.state import FAILED, HELD, UNARMED, initial_state
+from sph.solver.terms import KEYS, active_terms, make_terms, wanted_terms
 
 Builder = Callable[[dict[str, Any]], Scene]
 
@@ -210,9 +210,9 @@ def test_a_term_is_compiled_only_where_it_is_asked_for(name: str, overrides: dic
     # What the scene wants, what the pack of terms holds and what a function compiled for that pack reports are the same.
     scene = box(overrides)
     terms = make_terms(scene, place_particles(scene))
-    expected = set(name.split()) | ({"wall_faces"} if scene.walls.hold else set())
-    assert {n for n, on in zip(TERM_NAMES, wanted_terms(scene), strict=True) if on} == expected
-    assert {n for n, on in zip(TERM_NAMES, active_terms(terms), strict=True) if on} == expected
+    expected = set(name.split()) | ({"wall_faces"} if any(kind.stands for kind in scene.walls.kinds) else set())
+    assert {n for n, on in wanted_terms(scene).items() if on} == expected
+    assert {n for n, on in zip(KEYS, active_terms(terms), strict=True) if on} == expected
 
 
 # ---------------------------------------------------------------- the start
@@ -237,7 +237,7 @@ def test_initial_velocity_between_and_beyond_the_places() -> None:
 @pytest.mark.parametrize("kPa", [100.0, -20.0, 0.0])
 def test_uniform_stress_is_the_stress_at_the_start(kPa: float, walls: dict[str, Any]) -> None:
     # Through density and back: rounding of the density, 2e-16 of K = 1.8 GPa, is 4e-7 Pa.
-    simulation = Run(box(walls | {"gravity.initial_stress": {"pressure": kPa}}))
+    simulation = Simulation(box(walls | {"gravity.initial_stress": {"pressure": kPa}}))
     stress = np.empty((simulation.state.x.size, 4))
     cauchy_stress(simulation.state, simulation.terms, stress)
     held = simulation.terms.n_stressed
@@ -258,7 +258,7 @@ def test_a_fluid_has_failed_long_before_the_start() -> None:
 def test_geostatic_stress_of_a_fluid() -> None:
     # sigma_yy = -rho g d and sigma_xx = nu / (1 - nu) sigma_yy as for a solid, to the rounding of the density.
     scene = box({"coupling.initial_state": "fluid", "gravity.ramp": 0.0, "gravity.initial_stress": "geostatic"})
-    simulation = Run(scene)
+    simulation = Simulation(scene)
     stress = np.empty((simulation.state.x.size, 4))
     cauchy_stress(simulation.state, simulation.terms, stress)
     n, ratio = simulation.particles.n_soil, scene.soil.poisson_ratio / (1 - scene.soil.poisson_ratio)

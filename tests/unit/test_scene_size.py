@@ -18,7 +18,7 @@ from sph.scene.loading import make_loading
 from sph.scene.motion import linear_ramp
 from sph.scene.schema import MOST_PARTICLES, MOST_STEPS, Scene
 from sph.solver.particles import place_particles
-from sph.solver.run import Run
+from sph.solver.simulation import Simulation
 from sph.solver.time_step import _damped, check_time_step, limits
 from sph.stability.standing import FailureRule, static_scene
 
@@ -138,10 +138,10 @@ def test_a_search_in_next_to_no_gravity_is_refused(small_slope: Builder) -> None
 
 @pytest.mark.parametrize("limit", [0.0, 1e-12])
 def test_a_step_that_adapts_without_end_ends_the_run(small_slope: Builder, limit: float) -> None:
-    simulation = Run(small_slope({"numerics.adaptive_step": {}}))
+    simulation = Simulation(small_slope({"numerics.adaptive_step": {}}))
     simulation.limit = 1e-4
-    simulation._adapt()
-    assert simulation.substeps == 13 and not simulation.ended[0]  # 1e-3 / (0.8 * 1e-4) = 12.5
+    assert not simulation.adapt()
+    assert simulation.substeps == 13  # 1e-3 / (0.8 * 1e-4) = 12.5
     simulation.limit = limit
-    simulation._adapt()
-    assert simulation.substeps == 13 and simulation.ended[0] == "diverged" and "limit of the time step fell" in simulation.ended[1]
+    assert "limit of the time step fell" in simulation.adapt()
+    assert simulation.substeps == 13

@@ -16,7 +16,8 @@ from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.threads import BLOCK, make_team, own_blocks, together, wait
 from sph.solver.integration import advance
-from sph.solver.run import Result, Run, run
+from sph.solver.run import Result, run
+from sph.solver.simulation import Simulation
 from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
@@ -97,7 +98,7 @@ def test_a_run_goes_on_with_another_number_of_threads(tmp_path: Path, small_slop
 
 @pytest.mark.parametrize("row", [0, 2 * BLOCK + 17, 4 * BLOCK + 3], ids=["first thread", "second thread", "third thread"])
 def test_not_a_number_in_one_threads_rows_stops_all(small_slope: Builder, row: int) -> None:
-    simulation = Run(many_blocks(small_slope, {}), threads=3)
+    simulation = Simulation(many_blocks(small_slope, {}), threads=3)
     simulation.prepare()
     assert row < simulation.particles.n_soil
     owner = next(m.rank for m in simulation.team if own_blocks(m)[0] <= row // BLOCK < own_blocks(m)[1])

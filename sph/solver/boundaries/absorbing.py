@@ -44,15 +44,17 @@ import numpy as np
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import compile_lock, jit
 from sph.solver.compiled.threads import wait
+from sph.solver.optional import Term
 from sph.solver.particles import BASE, Particles, layer_index
 from sph.solver.physics.kernels import Kernel, evaluate
+from sph.solver.physics.rayleigh_damping import stiffness_damping
 
 VELOCITY, MEAN_VELOCITY, ELASTIC_STRESS, STRESS, ACCELERATION = range(5)
 """Second index of ``State.free_field``, after the direction of motion (0: x, 1: y): velocity (m/s) half a step behind, its mean over the
 kick, elastic stress on level planes (Pa), that with damping, acceleration (m/s2)."""
 
 
-class AbsorbingTerm(NamedTuple):
+class AbsorbingWalls(NamedTuple):
     """Boundary particles that move, by their number after the soil; directions x and y come first."""
 
     base: np.ndarray  # (2, boundary) rate at which the dashpots below slow them, 1/s
@@ -61,7 +63,7 @@ class AbsorbingTerm(NamedTuple):
     node: np.ndarray  # (boundary,) node of the free field beside
 
 
-class FreeFieldTerm(NamedTuple):
+class FreeField(NamedTuple):
     """Columns of level ground beside the model, the left one's nodes first, each from the bottom up."""
 
     begin: np.ndarray  # (3,) first node of each column, and the end of the last
@@ -118,7 +120,7 @@ def ground_rows(scene: Scene, particles: Particles) -> tuple[int, int]:
 
 def free_field_nodes(scene: Scene, particles: Particles) -> tuple[int, int]:
     """Nodes of the left and the right column, none without absorbing sides."""
-    if scene.walls.sides != "absorbing":
+    if not scene.walls.kinds.sides.absorbs:
         return 0, 0
     left, right = ground_rows(scene, particles)
     return left + scene.walls.layers, right + scene.walls.layers
@@ -148,11 +150,9 @@ def _below(scene: Scene, layer: np.ndarray) -> Ground:
     return _soil(scene, layer) if rock is None else Ground(*(np.full(layer.shape, getattr(rock, name)) for name in Ground._fields))
 
 
-def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel) -> AbsorbingTerm | None:
-    """Dashpots of the boundary particles that move; None where none does."""
-    walls, dx, columns, layers = scene.walls, scene.numerics.spacing, scene.lattice[0], scene.walls.layers
-    if "absorbing" not in (walls.base, walls.sides):
-        return None
+def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> AbsorbingWalls:
+    """Dashpots of the boundary particles that move."""
+    dx, columns, layers = scene.numerics.spacing, scene.lattice[0], scene.walls.layers
     moving = slice(particles.n_soil, particles.first_fixed)
     layer, over_mass = particles.layer[moving], dx / particles.mass[moving]
     column, row = (np.floor(a[moving] / dx).astype(int) for a in (particles.x, particles.y))
@@ -160,9 +160,9 @@ def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel) -> Absorb
     # How many layers lie outside a particle's own, where it belongs to a wall at all; the last weight is for those that do not.
     weights = np.append(layer_weights(kernel, dx, layers), 0.0)
     beside = np.where(right, layers - 1 - (column - columns), layers + column)
-    side = over_mass * weights[np.where((column < 0) | right, beside, layers)] * (walls.sides == "absorbing")
+    side = over_mass * weights[np.where((column < 0) | right, beside, layers)] * scene.walls.kinds.sides.absorbs
     base = over_mass * weights[np.where(particles.kind[moving] == BASE, layers + row, layers)]
-    return AbsorbingTerm(
+    return AbsorbingWalls(
         base=base * _below(scene, layer).impedance,
         side=side * _soil(scene, layer).impedance[::-1],
         outward=np.where(right, side, -side),
@@ -170,21 +170,19 @@ def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel) -> Absorb
     )
 
 
-def make_free_field(scene: Scene, particles: Particles, kernel: Kernel) -> FreeFieldTerm | None:
-    """Columns beside the model; None without absorbing sides."""
+def make_free_field(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> FreeField:
+    """Columns beside the model."""
     nodes = free_field_nodes(scene, particles)
-    if not sum(nodes):
-        return None
     walls, numerics, dx = scene.walls, scene.numerics, scene.numerics.spacing
     rows = lattice_rows(kernel, dx)
     row = np.concatenate([np.arange(count) for count in nodes])
     layer = layer_index(scene, np.repeat([0.0, scene.geometry.width], nodes), (row - walls.layers + 0.5) * dx)
     soil, wall = _soil(scene, layer), row < walls.layers
     weights = np.append(layer_weights(kernel, dx, walls.layers), 0.0)[np.minimum(row, walls.layers)]
-    yields = walls.base == "absorbing"
+    yields = walls.kinds.base.absorbs
     shear_modulus = soil.density * soil.s_wave_speed**2
     modulus = soil.density * soil.p_wave_speed**2
-    return FreeFieldTerm(
+    return FreeField(
         begin=np.cumsum((0, *nodes)),
         gradient=dx * dx * rows.gradient,
         viscosity=dx * dx * rows.viscosity,
@@ -245,7 +243,7 @@ def strain_free_field(term, rayleigh, state, dt, team):  # type: ignore[no-untyp
     else:
         if team.rank == 0:
             reach = term.gradient.size // 2
-            damping = _stiffness_damping(rayleigh)
+            damping = stiffness_damping(rayleigh)
             for direction in range(2):
                 column = state.free_field[direction]
                 for side in range(2):
@@ -268,14 +266,6 @@ def strain_free_field(term, rayleigh, state, dt, team):  # type: ignore[no-untyp
                             stress = column[STRESS, k] * term.correction[k] + column[STRESS, j] * term.correction[j]
                             force += stress * term.gradient[j - k + reach]
                         column[ACCELERATION, k] += force / term.density[k]
-
-
-@jit
-def _stiffness_damping(term):  # type: ignore[no-untyped-def]
-    if term is None:
-        return 0.0
-    else:
-        return term.stiffness
 
 
 @jit
@@ -342,3 +332,9 @@ def kick_boundary(term, state, terms, mass, rate, ground, vertical, gravity, tim
                 viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
                 taken += mass[i] * ((ax - (vx - vx_old) / dt) * mean_x + (ay - (vy - vy_old) / dt) * mean_y)
         return shaking * dt, held * dt, viscous * dt, taken * dt
+
+
+ABSORBING_WALLS = Term(
+    "absorbing_walls", "walls.base, walls.sides", lambda scene: any(kind.absorbs for kind in scene.walls.kinds), make_absorbing
+)
+FREE_FIELD = Term("free_field", "walls.sides", lambda scene: scene.walls.kinds.sides.absorbs, make_free_field)

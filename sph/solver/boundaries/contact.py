@@ -3,13 +3,48 @@
 Walls are particles, and their forces alone do not keep loose soil in the box: nothing stops a particle half-way between two of the
 wall's, so that debris sinks through a slip floor and a slamming soft soil enters a fixed wall.  The face, half a spacing before the wall's
 first particles, therefore pushes with a linear, conservative spring: at a free-slip wall what comes nearer than 0.4 spacings, at a
-fixed one, which the soil sticks to, only what is behind the face (``CONTACT``).  The initial lattice lies half a spacing away
+fixed one, which the soil sticks to, only what is behind the face (``sph.scene.walls.KINDS``).  The initial lattice lies half a spacing away
 and feels nothing; in the paper's scene no soil ever reaches a face.  Friction counts the push of a slip wall as it counts its stress.
 """
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.boundaries.friction import add_push
 from sph.solver.compiled.jit import jit, rows
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+
+STIFFNESS = 0.2
+"""Stiffness of a face's push over the soil's constrained modulus: it adds a fortieth to the square of the stiffest mode's frequency."""
+
+
+class WallFaces(NamedTuple):
+    """Faces of the walls, which push soil back that comes too near."""
+
+    bottom: float
+    """y of the faces, m; infinite where there is no wall"""
+    top: float
+    left: float
+    """x of the faces, m"""
+    right: float
+    begin: float
+    """base and top reach from this x, m"""
+    end: float
+    height: float
+    """sides reach up to this y, m"""
+    bottom_contact: float
+    """distance to the face below which it pushes, m"""
+    top_contact: float
+    side_contact: float
+    thickness: float
+    """distance behind a face from which on it no longer pushes, m: what is further has come from outside"""
+    stiffness: float
+    """N/m for a metre of thickness"""
 
 
 @jit
@@ -30,7 +65,7 @@ def add_contact(term, friction, state, mass, first, last):  # type: ignore[no-un
                 energy += 0.5 * term.stiffness * (across * across + up * up)
                 state.ax[i] += term.stiffness * across / mass[i]
                 state.ay[i] += term.stiffness * up / mass[i]
-                _rub(friction, state, i, term.stiffness * abs(across) / mass[i], term.stiffness * abs(up) / mass[i])
+                add_push(friction, state, i, term.stiffness * abs(across) / mass[i], term.stiffness * abs(up) / mass[i])
         return energy
 
 
@@ -44,10 +79,27 @@ def _overlap(term, low, high, low_contact, high_contact):  # type: ignore[no-unt
     return 0.0
 
 
-@jit
-def _rub(term, state, i, push_x, push_y):  # type: ignore[no-untyped-def]
-    if term is None:
-        return
-    else:
-        state.friction_x[i] += term.base * push_y
-        state.friction_y[i] += term.sides * push_x
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> WallFaces:
+    walls, dx = scene.walls, scene.numerics.spacing
+    base, sides, top = walls.kinds
+    columns, rows = scene.lattice
+    overhang = math.inf if sides.periodic else walls.layers * dx if sides.stands else 0.0
+    return WallFaces(
+        bottom=0.0 if base.stands else -math.inf,
+        top=rows * dx if top.stands else math.inf,
+        left=0.0 if sides.stands else -math.inf,
+        right=columns * dx if sides.stands else math.inf,
+        begin=-overhang,
+        end=columns * dx + overhang,
+        height=rows * dx,
+        bottom_contact=base.contact * dx,
+        top_contact=top.contact * dx,
+        side_contact=sides.contact * dx,
+        thickness=dx,
+        stiffness=STIFFNESS * max(soil.density * soil.p_wave_speed**2 for soil in scene.soils),
+    )
+
+
+TERM = Term(
+    "wall_faces", "walls: no soil passes between their particles", lambda scene: any(kind.stands for kind in scene.walls.kinds), _make
+)

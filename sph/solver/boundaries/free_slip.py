@@ -1,30 +1,34 @@
-"""Free-slip walls, and Coulomb friction on them.
+"""Free-slip walls.
 
 The paper's fixed boundary particles hold the soil: it hangs on the back wall and yields early.  A
 free-slip wall particle mirrors the soil beside it instead of having a state of its own: it takes
 the soil's mean velocity along the wall and stands still across, so that no shear strain arises, and it
 takes the soil's mean normal stresses without shear.  Means are weighted with the norm of the kernel
 gradient; any positive weight would do.
-
-Friction acts on the soil within the kernel's reach of a wall, each particle with as much of it as it has of the wall's
-normal force: the wall's particles press on particle i with sum_j (sigma_i + sigma_j) . g_ij over them, and friction
-opposes its velocity along the wall with the coefficient times that, or stops it (``sph.solver.integration``).  A wall that
-pulls gives none.  The soil's own shear stress, which is there once friction acts, would pull at the wall as well
-(sigma_i . g_ij has a part along the wall); that part is taken away, so that friction is all there is along the wall.
-Steady sliding of an elastic body under constant friction is unstable in itself (Adams 1995): without damping a block of
-stiff soil begins to hum after some tenths of a second, lifts off and slides wrongly.  Stiffness-proportional damping
-(``damping`` with one of its frequencies near zero, so that no mass damping brakes the sliding) keeps it down.
 """
 
 from __future__ import annotations
 
-import math
+from typing import NamedTuple
 
+from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.threads import wait
-from sph.solver.physics.coupling import power
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.gradient_correction import power
+from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import lightness
-from sph.solver.physics.momentum import stress_accelerations, transposed_shear
+from sph.solver.physics.momentum import stress_accelerations
+
+
+class FreeSlip(NamedTuple):
+    """Coefficients of the term."""
+
+    first: int
+    """first wall particle that slips; all after it slip too"""
+    first_side: int
+    """first of those that belong to a side wall; they come last"""
 
 
 @jit
@@ -85,37 +89,8 @@ def wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first
         return taken
 
 
-@jit
-def set_friction(term, layers, slip, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
-    """Largest acceleration that the walls' friction can give soil particles first to last (m/s2), in place of the walls' shear.
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> FreeSlip:
+    return FreeSlip(particles.first_slip, particles.first_slip_side)
 
-    Returns the energy over dt that goes with the shear taken away, W/m.
-    """
-    if term is None or slip is None:
-        return 0.0
-    else:
-        taken = 0.0
-        sxx, syy, sxy = state.sxx, state.syy, state.sxy
-        syx = transposed_shear(correction, state)
-        for i in range(first, last):
-            base = side = base_shear = side_shear = 0.0
-            for k in range(pairs.start[i], pairs.end[i]):
-                j = pairs.neighbour[k]
-                gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
-                if j >= slip.first:
-                    ax = (sxx[i] + sxx[j]) * gx + (sxy[i] + sxy[j]) * gy
-                    ay = (syx[i] + syx[j]) * gx + (syy[i] + syy[j]) * gy
-                    if j >= slip.first_side:
-                        side -= math.copysign(1.0, gx) * ax
-                        side_shear += ay
-                    else:
-                        base -= math.copysign(1.0, gy) * ay
-                        base_shear += ax
-            base_shear *= lightness(layers, i)
-            side_shear *= lightness(layers, i)
-            state.friction_x[i] = term.base * max(base, 0.0) * lightness(layers, i)
-            state.friction_y[i] = term.sides * max(side, 0.0) * lightness(layers, i)
-            state.ax[i] -= base_shear
-            state.ay[i] -= side_shear
-            taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])
-        return taken
+
+TERM = Term("free_slip", "walls.base, walls.sides, walls.top", lambda scene: any(kind.slips for kind in scene.walls.kinds), _make)

@@ -5,7 +5,7 @@ processes compile different variants of one function at the same time a third ca
 wrong one.  Three measures answer them: the cache folder is named after a digest of the compiled
 sources and numba's version; compiling and loading happen under a lock between processes
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
-(``sph.solver.integration.active_terms``).
+(``sph.solver.terms.active_terms``).
 
 Nor does numba notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
 files with their digests, and under the lock, before anything is loaded, what is not as listed is deleted and compiled again.
@@ -13,6 +13,7 @@ files with their digests, and under the lock, before anything is loaded, what is
 
 from __future__ import annotations
 
+import ast
 import fcntl
 import hashlib
 import json
@@ -20,7 +21,7 @@ import os
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
-from functools import update_wrapper
+from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any
 
@@ -40,42 +41,50 @@ state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
 PACKAGE = Path(__file__).resolve().parents[2]
 SOURCES = ("scene", "solver", "storage")
 """Folders of the package in which everything lies that decides the results of a run."""
-COMPILED = (
-    "boundaries/absorbing.py",
-    "boundaries/contact.py",
-    "boundaries/free_slip.py",
-    "compiled/jit.py",
-    "compiled/threads.py",
-    "integration.py",
-    "neighbours.py",
-    "physics/bingham.py",
-    "physics/coupling.py",
-    "physics/elasticity.py",
-    "physics/kernels.py",
-    "physics/material.py",
-    "physics/mohr_coulomb.py",
-    "physics/momentum.py",
-    "state.py",
-    "time_step.py",
+COMPILED = tuple(
+    f"solver/{name}"
+    for name in ("boundaries", "compiled", "integration.py", "neighbours.py", "physics", "state.py", "terms.py", "time_step.py")
 )
-"""Files of the solver whose text becomes machine code: those with jitted functions, and those whose names they use (a test holds the
-list against the sources).  An edit in any other file compiles nothing again."""
+"""Where the text is that becomes machine code: jitted functions, and names that they use (a test holds the list against the sources)."""
 
 
+def _drop_words(block: list[ast.stmt]) -> list[ast.stmt]:
+    """Statements without what only people read: docstrings, the messages of errors, the descriptions and sources of a scene's keys."""
+    kept = [each for each in block if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
+    for statement in kept:
+        if isinstance(statement, ast.Raise) and isinstance(statement.exc, ast.Call):
+            statement.exc = statement.exc.func
+        value = getattr(statement, "value", None)
+        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == "key":
+            value.args, value.keywords = value.args[1:], [each for each in value.keywords if each.arg != "source"]
+        for name in ("body", "orelse", "finalbody"):
+            if inner := getattr(statement, name, None):
+                setattr(statement, name, _drop_words(inner))
+        for handler in getattr(statement, "handlers", ()):
+            handler.body = _drop_words(handler.body)
+    return kept
+
+
+@cache
 def compiled_digest() -> str:
-    """Digest of the files that are compiled and of numba's version."""
-    return _digest(PACKAGE / "solver" / name for name in COMPILED)
+    """Digest of what the files that are compiled say to the machine, and of numba's version."""
+    return _digest(COMPILED)
 
 
+@cache
 def solver_digest() -> str:
-    """Digest of all sources that decide a run (``SOURCES``) and of numba's version."""
-    return _digest(sorted(path for folder in SOURCES for path in (PACKAGE / folder).rglob("*.py")))
+    """Digest of what all sources that decide a run (``SOURCES``) say to the machine, and of numba's version."""
+    return _digest(SOURCES)
 
 
-def _digest(paths: Iterable[Path]) -> str:
+def _digest(names: Iterable[str]) -> str:
+    """Of the syntax of files and folders without the words for people: a better comment, docstring or message changes nothing."""
     digest = hashlib.sha256(numba.__version__.encode())
-    for path in paths:
-        digest.update(path.relative_to(PACKAGE).as_posix().encode() + path.read_bytes())
+    for place in (PACKAGE / name for name in names):
+        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+            tree = ast.parse(path.read_bytes())
+            tree.body = _drop_words(tree.body)
+            digest.update(f"{path.relative_to(PACKAGE).as_posix()}\n{ast.dump(tree)}\n".encode())
     return digest.hexdigest()[:16]
 
 

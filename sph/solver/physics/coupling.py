@@ -18,10 +18,12 @@ from __future__ import annotations
 import numpy as np
 
 from sph.solver.compiled.jit import entry, jit, rows
-from sph.solver.physics.bingham import fluid_deviator
 from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
+from sph.solver.physics.fluid_law import fluid_deviator
+from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
 from sph.solver.physics.material import material_of
-from sph.solver.physics.mohr_coulomb import limit_tension, return_factor, shear_demand, strength
+from sph.solver.physics.rayleigh_damping import damping_stress
+from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
 
 BETA_ZERO = 1e-16
@@ -32,52 +34,6 @@ OFF_THE_SURFACE = 0.95
 
 CHUNK = 64
 """Particles treated together: the states that none of them needs are left out, and the loops over them vectorise."""
-
-
-@jit
-def correct_gradient(term, b, i, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
-    """Velocity gradient exact for linear fields: L times the correction matrix."""
-    if term is None:
-        return l_xx, l_xy, l_yx, l_yy
-    else:
-        return (
-            l_xx * b[i, 0] + l_xy * b[i, 1],
-            l_xx * b[i, 1] + l_xy * b[i, 2],
-            l_yx * b[i, 0] + l_yy * b[i, 1],
-            l_yx * b[i, 1] + l_yy * b[i, 2],
-        )
-
-
-@jit
-def store_stress(term, b, i, state, sxx, syy, sxy):  # type: ignore[no-untyped-def]
-    """Stress for the momentum equation, times the correction matrix where that is on."""
-    if term is None:
-        state.sxx[i] = sxx
-        state.syy[i] = syy
-        state.sxy[i] = sxy
-    else:
-        state.sxx[i] = sxx * b[i, 0] + sxy * b[i, 1]
-        state.sxy[i] = sxx * b[i, 1] + sxy * b[i, 2]
-        state.syx[i] = sxy * b[i, 0] + syy * b[i, 1]
-        state.syy[i] = sxy * b[i, 1] + syy * b[i, 2]
-
-
-@jit
-def power(term, state, gradient, i):  # type: ignore[no-untyped-def]
-    """Power of the momentum equation's stress on the plain gradient sums, W/kg: conjugate to the forces."""
-    syx = state.sxy[i] if term is None else state.syx[i]
-    return state.sxx[i] * gradient[0, i] + state.sxy[i] * gradient[1, i] + syx * gradient[2, i] + state.syy[i] * gradient[3, i]
-
-
-@jit
-def damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
-    """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa."""
-    if term is None:
-        return 0.0, 0.0, 0.0
-    else:
-        scale = beta * term.stiffness
-        mean = bulk_modulus * trace - 0.5 * rate_z
-        return scale * (mean + rate_d), scale * (mean - rate_d), scale * rate_q
 
 
 @jit
@@ -167,7 +123,7 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         density = state.density[i]
         s = 1.0 / density
         l_xx, l_xy, l_yx, l_yy = correct_gradient(
-            terms.correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
+            terms.gradient_correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
         )
         trace = l_xx + l_yy
         d_xy = 0.5 * (l_xy + l_yx)
@@ -181,11 +137,13 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         p_s, d_s, q_s, z_s = _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first))
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
         mean = -blend(beta, p_s, p_f) - 0.5 * z
-        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh, beta, bulk, rate_d, rate_q, rate_z, trace)
+        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rate_z, trace)
         s = 1.0 / (new_density * new_density)
-        internal += half * power(terms.correction, state, gradient, i)
-        store_stress(terms.correction, pairs.correction, i, state, (mean + d + damp_xx) * s, (mean - d + damp_yy) * s, (q + damp_xy) * s)
-        internal += half * power(terms.correction, state, gradient, i)
+        internal += half * power(terms.gradient_correction, state, gradient, i)
+        store_stress(
+            terms.gradient_correction, pairs.correction, i, state, (mean + d + damp_xx) * s, (mean - d + damp_yy) * s, (q + damp_xy) * s
+        )
+        internal += half * power(terms.gradient_correction, state, gradient, i)
     return internal
 
 
@@ -202,7 +160,7 @@ def _last_that_fails(absorbing, n_soil, last):  # type: ignore[no-untyped-def]
 def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
     """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
     newly_failed = 0
-    for i in range(first, _last_that_fails(terms.absorbing, terms.n_soil, last)):
+    for i in range(first, _last_that_fails(terms.absorbing_walls, terms.n_soil, last)):
         if state.phase[i] == UNARMED:
             state.phase[i] = YIELDED if reached[i - first] > 0.0 else ARMED
         elif state.phase[i] == HELD:

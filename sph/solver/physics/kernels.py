@@ -1,42 +1,58 @@
-"""Smoothing kernels in two dimensions (Sec. 2.1).  Both end at r = 2 h."""
+"""Smoothing kernels in two dimensions (Sec. 2.1).  All end at r = 2 h."""
 
 from __future__ import annotations
 
 import math
 from typing import NamedTuple
 
+import numpy as np
+
+from sph.scene.schema import Scene
 from sph.solver.compiled.jit import entry, jit
+from sph.solver.compiled.slots import slot
 
 
-class WendlandTerm(NamedTuple):
-    """Wendland C2 in place of the cubic spline (Dehnen and Aly 2012)."""
-
-    constant: float
-    """7 / (4 pi), the kernel's normalisation times h squared"""
-
-
-class Kernel(NamedTuple):
-    """A smoothing kernel: the cubic B-spline (Monaghan and Lattanzio 1985) unless told otherwise."""
+class CubicSpline(NamedTuple):
+    """The cubic B-spline (Monaghan and Lattanzio 1985)."""
 
     h: float
     """smoothing length, m"""
-    wendland_c2: WendlandTerm | None
+    constant: float = 10.0 / (7.0 * math.pi)
+    """W(0) h^2"""
+
+
+class WendlandC2(NamedTuple):
+    """Wendland C2 (Dehnen and Aly 2012)."""
+
+    h: float
+    """smoothing length, m"""
+    constant: float = 7.0 / (4.0 * math.pi)
+    """W(0) h^2"""
+
+
+Kernel = CubicSpline | WendlandC2
+KERNELS: dict[str, type[CubicSpline] | type[WendlandC2]] = {"cubic_spline": CubicSpline, "wendland_c2": WendlandC2}
+"""Kernels by the name used in scenes; the first is that of the paper."""
 
 
 def make_kernel(name: str, h: float) -> Kernel:
     """Kernel by the name used in scenes, with smoothing length h (m)."""
-    return Kernel(float(h), WendlandTerm(7.0 / (4.0 * math.pi)) if name == "wendland_c2" else None)
+    return KERNELS[name](float(h))
 
 
 def central_value(kernel: Kernel) -> float:
     """W(0), 1/m2, without compiling anything."""
-    constant = 10.0 / (7.0 * math.pi) if kernel.wendland_c2 is None else kernel.wendland_c2.constant
-    return constant / (kernel.h * kernel.h)
+    return kernel.constant / (kernel.h * kernel.h)
 
 
-@jit
-def _cubic_spline(h, r):  # type: ignore[no-untyped-def]
-    """W (1/m2) and W'/r (1/m4); without branches, so that loops over pairs vectorise."""
+@slot
+def value_and_slope(kernel, r):  # type: ignore[no-untyped-def]
+    """W(r) (1/m2) and W'(r)/r (1/m4) at distance r (m); without branches, so that loops over pairs vectorise."""
+
+
+@value_and_slope.of(CubicSpline)
+def _cubic_spline(kernel, r):  # type: ignore[no-untyped-def]
+    h = kernel.h
     q = r / h
     far = 2.0 - q if q < 2.0 else 0.0
     near = 1.0 - q if q < 1.0 else 0.0
@@ -45,31 +61,43 @@ def _cubic_spline(h, r):  # type: ignore[no-untyped-def]
     return scale * (far * far * far - 4.0 * near * near * near), scale / (h * h) * slope
 
 
-@jit
-def _wendland_c2(term, h, r):  # type: ignore[no-untyped-def]
-    """W (1/m2) and W'/r (1/m4)."""
+@value_and_slope.of(WendlandC2)
+def _wendland_c2(kernel, r):  # type: ignore[no-untyped-def]
+    h = kernel.h
     q = r / h
     rest = 1.0 - 0.5 * q if q < 2.0 else 0.0
-    scale = term.constant / (h * h)
+    scale = kernel.constant / (h * h)
     cube = rest * rest * rest
     return scale * cube * rest * (1.0 + 2.0 * q), -5.0 * scale / (h * h) * cube
-
-
-@jit
-def _evaluate(wendland_c2, h, r):  # type: ignore[no-untyped-def]
-    if wendland_c2 is None:
-        return _cubic_spline(h, r)
-    else:
-        return _wendland_c2(wendland_c2, h, r)
 
 
 @entry
 def evaluate(kernel, r):  # type: ignore[no-untyped-def]
     """Value W(r) (1/m2) and derivative over distance W'(r)/r (1/m4) at distance r (m)."""
-    return _evaluate(kernel.wendland_c2, kernel.h, r)
+    return value_and_slope(kernel, r)
 
 
 @jit
 def support(kernel):  # type: ignore[no-untyped-def]
     """Distance at which the kernel ends, m."""
     return 2.0 * kernel.h
+
+
+class Lattice(NamedTuple):
+    """Neighbours of a particle on the initial lattice, m apart, and what the kernel gives them."""
+
+    x: np.ndarray  # (neighbours,) horizontal distance, m
+    volume: float  # m2
+    factor: np.ndarray  # (neighbours,) W'(r)/r, 1/m4
+
+
+def lattice_of(scene: Scene) -> Lattice:
+    """The initial lattice of a scene."""
+    numerics = scene.numerics
+    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
+    reach = int(np.ceil(2 * numerics.smoothing_length / numerics.spacing))
+    offsets = np.arange(-reach, reach + 1) * numerics.spacing
+    x, y = (a.ravel() for a in np.meshgrid(offsets, offsets))
+    r = np.hypot(x, y)
+    x, r = x[r > 0], r[r > 0]
+    return Lattice(x, numerics.spacing**2, np.array([evaluate(kernel, distance)[1] for distance in r]))

@@ -18,16 +18,25 @@ Artificial viscosity takes the mean impedance rho V_p of the two particles, so t
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sph.scene.layers import Layer
 from sph.scene.schema import Scene
-from sph.scene.soil import CappedViscosity, Coupling, Soil
+from sph.scene.soil import Coupling, Soil
 from sph.solver.compiled.jit import jit
-from sph.solver.physics.bingham import CapTerm, FluidLaw
+from sph.solver.compiled.slots import with_numbers
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics import capped_viscosity, elastic_viscoplastic
+from sph.solver.physics.fluid_law import FluidLaw
+from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+
+YieldSurface = MohrCoulomb
+FLUID_LAWS: dict[str, FluidLaw] = {"elastic_viscoplastic": elastic_viscoplastic.LAW, "capped_viscosity": capped_viscosity.LAW}
+"""Laws of the fluid state by the name used in scenes (``coupling.fluid.law``); the first is that of the paper."""
 
 
 class Material(NamedTuple):
@@ -37,20 +46,21 @@ class Material(NamedTuple):
     """K, Pa"""
     shear_modulus: float
     """G, Pa"""
-    solid: MohrCoulomb
-    fluid: MohrCoulomb
-    fluid_law: FluidLaw
+    solid: YieldSurface
+    fluid: YieldSurface
+    fluid_law: Any
+    """record of one of ``FLUID_LAWS``"""
     beta_decay: float
     """exp(-gamma dt)"""
 
 
-class LayersTerm(NamedTuple):
+class Layers(NamedTuple):
     """Materials of layers."""
 
     layer: np.ndarray
     """(n,) uint8, 0 for the scene's own soil, k for the k-th layer"""
     table: np.ndarray
-    """(layers + 1, 10): the numbers of ``Material`` in order, without the cap"""
+    """(layers + 1, ...): the numbers of ``Material`` in order"""
     lightness: np.ndarray
     """(n,) density of the scene's own soil over the particle's"""
     impedance: np.ndarray
@@ -62,7 +72,6 @@ def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None
     strength_ratio = coupling.S_R if layer is None or layer.S_R is None else layer.S_R
     gamma = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
     cut = coupling.fluid_tension_limit
-    cap = CapTerm(float(coupling.fluid.max_viscosity)) if isinstance(coupling.fluid, CappedViscosity) else None
     return Material(
         bulk_modulus=float(soil.bulk_modulus_si),
         shear_modulus=float(soil.shear_modulus_si),
@@ -70,21 +79,22 @@ def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None
         fluid=make_mohr_coulomb(
             strength_ratio * soil.cohesion_si, strength_ratio * soil.friction_angle_si, None if cut is None else 1e3 * cut
         ),
-        fluid_law=FluidLaw(float(soil.shear_modulus_si), float(soil.viscosity), cap),
+        fluid_law=FLUID_LAWS[coupling.fluid.law].make(soil, coupling.fluid),
         beta_decay=math.exp(-gamma * dt),
     )
 
 
-def make_layers(scene: Scene, layer: np.ndarray, dt: float) -> LayersTerm | None:
-    """Tables of a scene's layers for particles in these layers (n,), or None without."""
-    if not scene.layers:
-        return None
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Layers:
+    layer = particles.layer
     materials = [make_material(scene.soil, scene.coupling, dt)]
     materials += [make_material(its.soil, scene.coupling, dt, its) for its in scene.layers.values()]
-    table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, m.fluid_law.viscosity, m.beta_decay] for m in materials])
+    table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, *m.fluid_law, m.beta_decay] for m in materials])
     density = np.array([soil.density for soil in scene.soils])
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
-    return LayersTerm(layer.astype(np.uint8), table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
+    return Layers(layer.astype(np.uint8), table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
+
+
+TERM = Term("layers", "layers: tables of materials", lambda scene: bool(scene.layers), _make)
 
 
 @jit
@@ -94,13 +104,15 @@ def material_of(layers, soil, i):  # type: ignore[no-untyped-def]
         return soil
     else:
         t, k = layers.table, layers.layer[i]
+        fluid = 2 + len(soil.solid)
+        law = fluid + len(soil.fluid)
         return Material(
             t[k, 0],
             t[k, 1],
-            MohrCoulomb(t[k, 2], t[k, 3], t[k, 4]),
-            MohrCoulomb(t[k, 5], t[k, 6], t[k, 7]),
-            FluidLaw(t[k, 1], t[k, 8], soil.fluid_law.cap),
-            t[k, 9],
+            with_numbers(soil.solid, t, k, 2),
+            with_numbers(soil.fluid, t, k, fluid),
+            with_numbers(soil.fluid_law, t, k, law),
+            t[k, law + len(soil.fluid_law)],
         )
 
 

@@ -14,7 +14,8 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import with_numbers
+from sph.solver.physics.yield_surface import limit_tension, shear_demand, strength
 
 
 class MohrCoulomb(NamedTuple):
@@ -40,27 +41,23 @@ def make_mohr_coulomb(cohesion: float, friction_angle: float, tension_limit: flo
     return MohrCoulomb(float(cohesion * math.cos(friction_angle)), float(sine), float(limit))
 
 
-@jit
-def limit_tension(surface, p):  # type: ignore[no-untyped-def]
-    """Pressure no lower than the apex or the cut-off, Pa."""
+@limit_tension.of(MohrCoulomb)
+def _limit_tension(surface, p):  # type: ignore[no-untyped-def]
     return max(p, -surface.tension_limit)
 
 
-@jit
-def strength(surface, p):  # type: ignore[no-untyped-def]
-    """Yield shear stress c cos(phi) + p sin(phi) (Pa), never negative."""
+@strength.of(MohrCoulomb)
+def _strength(surface, p):  # type: ignore[no-untyped-def]
+    """c cos(phi) + p sin(phi)."""
     return max(surface.cohesion_term + p * surface.sine, 0.0)
 
 
-@jit
-def shear_demand(surface, d, q, z):  # type: ignore[no-untyped-def]
-    """What a deviator (d, q, z) asks of the strength: radius - z/2 sin(phi), Pa."""
+@shear_demand.of(MohrCoulomb)
+def _shear_demand(surface, d, q, z):  # type: ignore[no-untyped-def]
+    """Radius - z/2 sin(phi)."""
     return math.sqrt(d * d + q * q) - 0.5 * z * surface.sine
 
 
-@jit
-def return_factor(surface, p, d, q, z):  # type: ignore[no-untyped-def]
-    """Factor (<= 1) that brings the deviator to the surface at pressure p; 1 inside or on it."""
-    demand = shear_demand(surface, d, q, z)
-    available = strength(surface, p)
-    return available / demand if demand > available else 1.0
+@with_numbers.of(MohrCoulomb)
+def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+    return MohrCoulomb(table[k, first], table[k, first + 1], table[k, first + 2])

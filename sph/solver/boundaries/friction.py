@@ -1,0 +1,101 @@
+"""Coulomb friction on free-slip walls.
+
+Friction acts on the soil within the kernel's reach of a wall, each particle with as much of it as it has of the wall's
+normal force: the wall's particles press on particle i with sum_j (sigma_i + sigma_j) . g_ij over them, and friction
+opposes its velocity along the wall with the coefficient times that, or stops it (``sph.solver.integration``).  A wall that
+pulls gives none.  The soil's own shear stress, which is there once friction acts, would pull at the wall as well
+(sigma_i . g_ij has a part along the wall); that part is taken away, so that friction is all there is along the wall.
+Steady sliding of an elastic body under constant friction is unstable in itself (Adams 1995): without damping a block of
+stiff soil begins to hum after some tenths of a second, lifts off and slides wrongly.  Stiffness-proportional damping
+(``damping`` with one of its frequencies near zero, so that no mass damping brakes the sliding) keeps it down.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.gradient_correction import transposed_shear
+from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.material import lightness
+
+
+class WallFriction(NamedTuple):
+    """Coefficients of the term."""
+
+    base: float
+    """coefficient at base and top"""
+    sides: float
+
+
+@jit
+def _held(limit, v, dt):  # type: ignore[no-untyped-def]
+    """Velocity (m/s) after friction of at most ``limit`` (m/s2) has opposed it for a step."""
+    return math.copysign(max(abs(v) - limit * dt, 0.0), v)
+
+
+@jit
+def rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+    """Velocity of particle i after the friction of the walls."""
+    if term is None:
+        return vx, vy
+    else:
+        return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
+
+
+@jit
+def add_push(term, state, i, push_x, push_y):  # type: ignore[no-untyped-def]
+    """Add the friction that the push (m/s2) of a wall's face gives particle i."""
+    if term is None:
+        return
+    else:
+        state.friction_x[i] += term.base * push_y
+        state.friction_y[i] += term.sides * push_x
+
+
+@jit
+def set_friction(term, layers, slip, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+    """Largest acceleration that the walls' friction can give soil particles first to last (m/s2), in place of the walls' shear.
+
+    Returns the energy over dt that goes with the shear taken away, W/m.
+    """
+    if term is None or slip is None:
+        return 0.0
+    else:
+        taken = 0.0
+        sxx, syy, sxy = state.sxx, state.syy, state.sxy
+        syx = transposed_shear(correction, state)
+        for i in range(first, last):
+            base = side = base_shear = side_shear = 0.0
+            for k in range(pairs.start[i], pairs.end[i]):
+                j = pairs.neighbour[k]
+                gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
+                if j >= slip.first:
+                    ax = (sxx[i] + sxx[j]) * gx + (sxy[i] + sxy[j]) * gy
+                    ay = (syx[i] + syx[j]) * gx + (syy[i] + syy[j]) * gy
+                    if j >= slip.first_side:
+                        side -= math.copysign(1.0, gx) * ax
+                        side_shear += ay
+                    else:
+                        base -= math.copysign(1.0, gy) * ay
+                        base_shear += ax
+            base_shear *= lightness(layers, i)
+            side_shear *= lightness(layers, i)
+            state.friction_x[i] = term.base * max(base, 0.0) * lightness(layers, i)
+            state.friction_y[i] = term.sides * max(side, 0.0) * lightness(layers, i)
+            state.ax[i] -= base_shear
+            state.ay[i] -= side_shear
+            taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])
+        return taken
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> WallFriction:
+    assert scene.walls.friction is not None
+    return WallFriction(scene.walls.friction.base, scene.walls.friction.sides)
+
+
+TERM = Term("wall_friction", "walls.friction", lambda scene: scene.walls.friction is not None, _make)

@@ -1,0 +1,86 @@
+"""Artificial stress against numerical fracture: a pressure in place of part of each principal tension (Gray, Monaghan and Swift 2001)."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel, evaluate
+from sph.solver.physics.material import lightness
+
+
+class ArtificialStress(NamedTuple):
+    """Coefficients of the term."""
+
+    factor: float
+    exponent: float
+    inverse_kernel: float
+    """1 / W(spacing), m2"""
+
+
+@jit
+def keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
+    """Keep (W(r) / W(spacing)) to the term's exponent of pair k, from its W(r)."""
+    if term is None:
+        return
+    else:
+        nearness[k] = (value * term.inverse_kernel) ** term.exponent
+
+
+@jit
+def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
+    """Artificial stress of particles first to last: minus a share of each principal tension."""
+    if term is None:
+        return
+    else:
+        for i in rows(first, last):
+            mean = 0.5 * (state.sxx[i] + state.syy[i])
+            d = 0.5 * (state.sxx[i] - state.syy[i])
+            q = state.sxy[i]
+            radius = math.sqrt(d * d + q * q)
+            first_principal = -term.factor * max(mean + radius, 0.0)
+            second_principal = -term.factor * max(mean - radius, 0.0)
+            middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
+            cosine, sine = (d / radius, q / radius) if radius > 0.0 else (1.0, 0.0)
+            state.tension_xx[i] = middle + half * cosine
+            state.tension_yy[i] = middle - half * cosine
+            state.tension_xy[i] = half * sine
+
+
+@jit
+def add_artificial_stress(term, layers, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    """Add the artificial stress' acceleration to particles first to last; equal and opposite for a pair."""
+    if term is None:
+        return
+    else:
+        for i in rows(first, last):
+            ax = ay = 0.0
+            for k in range(pairs.start[i], pairs.end[i]):
+                j = pairs.neighbour[k]
+                xy = state.tension_xy[i] + state.tension_xy[j]
+                ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])
+                ay += pairs.nearness[k] * (xy * pairs.gx[k] + (state.tension_yy[i] + state.tension_yy[j]) * pairs.gy[k])
+            ax *= lightness(layers, i)
+            ay *= lightness(layers, i)
+            state.viscous_x[i] += ax
+            state.viscous_y[i] += ay
+            state.ax[i] += ax
+            state.ay[i] += ay
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialStress:
+    tension = scene.numerics.artificial_stress
+    assert tension is not None
+    return ArtificialStress(tension.factor, tension.exponent, 1.0 / evaluate(kernel, scene.numerics.spacing)[0])
+
+
+TERM = Term(
+    "artificial_stress",
+    "numerics.artificial_stress: prevents numerical fracture",
+    lambda scene: scene.numerics.artificial_stress is not None,
+    _make,
+)

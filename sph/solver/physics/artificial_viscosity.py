@@ -1,0 +1,72 @@
+"""Artificial viscosity in the signal-speed form of Monaghan (1997).
+
+It acts along the line between two approaching particles, with alpha V_p times their approach speed.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Damping, Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel, Lattice, lattice_of
+from sph.solver.physics.material import mean_impedance
+
+
+class ArtificialViscosity(NamedTuple):
+    """Coefficients of the term."""
+
+    speed: float
+    """alpha V_p over the reference density, m4/(s kg)"""
+
+
+@jit
+def add_dissipation(term, layers, i, j, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
+    """Add one pair's artificial viscosity; only approaching pairs (opening < 0) dissipate."""
+    if term is None:
+        return sum_x, sum_y
+    else:
+        strength = mean_impedance(layers, i, j, min(opening, 0.0) * inverse_norm)
+        return sum_x + strength * gx, sum_y + strength * gy
+
+
+@jit
+def viscous_acceleration(term, value):  # type: ignore[no-untyped-def]
+    """Acceleration (m/s2) of a sum over pairs."""
+    if term is None:
+        return 0.0
+    else:
+        return term.speed * value
+
+
+def viscous_rate(scene: Scene, lattice: Lattice | None = None) -> float:
+    """Rate at which artificial viscosity damps the stiffest mode, 1/s; with layers a bound: the lightest beside the largest impedance."""
+    if scene.numerics.artificial_viscosity is None:
+        return 0.0
+    x, volume, factor = lattice_of(scene) if lattice is None else lattice
+    speed = max(soil.density * soil.p_wave_speed for soil in scene.soils) / min(soil.density for soil in scene.soils)
+    return scene.numerics.artificial_viscosity.alpha * speed * volume * float(np.abs(factor * x).sum())
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialViscosity:
+    assert scene.numerics.artificial_viscosity is not None
+    return ArtificialViscosity(scene.numerics.artificial_viscosity.alpha * scene.soil.p_wave_speed / scene.soil.density)
+
+
+def _damping(scene: Scene, lattice: Lattice, omega: float) -> Damping:
+    assert scene.numerics.artificial_viscosity is not None
+    rate = viscous_rate(scene, lattice)
+    return Damping(rate / omega, "with artificial viscosity", f"alpha = {scene.numerics.artificial_viscosity.alpha}")
+
+
+TERM = Term(
+    "artificial_viscosity",
+    "numerics.artificial_viscosity",
+    lambda scene: scene.numerics.artificial_viscosity is not None,
+    _make,
+    _damping,
+)

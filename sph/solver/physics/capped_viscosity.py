@@ -1,0 +1,52 @@
+"""Bingham fluid of the fluid state (Eqs. 12 and 13) as a viscous fluid with min(eta + tau_y / rate, cap).
+
+At rest it creeps at tau / cap, for ever; kept so that this difference to the elastic-viscoplastic law can be measured.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.scene.soil import CappedViscosity as Section
+from sph.solver.compiled.slots import with_numbers
+from sph.solver.optional import Limit
+from sph.solver.physics.elasticity import deviator_square, elastic_increment
+from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
+from sph.solver.physics.yield_surface import strength
+
+
+class CappedViscosity(NamedTuple):
+    """Coefficients of the law."""
+
+    viscosity: float
+    """eta, Pa s"""
+    cap: float
+    """largest viscosity, Pa s"""
+
+
+@fluid_deviator.of(CappedViscosity)
+def _deviator(law, surface, p, d, q, z, d_xx, d_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
+    rate_d, rate_q, rate_z = elastic_increment(1.0, d_xx, d_yy, d_xy)
+    shear_rate = math.sqrt(0.5 * deviator_square(rate_d, rate_q, rate_z))
+    viscosity = law.cap
+    if strength(surface, p) < (law.cap - law.viscosity) * shear_rate:
+        viscosity = law.viscosity + strength(surface, p) / shear_rate
+    return rate_d * viscosity, rate_q * viscosity, rate_z * viscosity
+
+
+@with_numbers.of(CappedViscosity)
+def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+    return CappedViscosity(table[k, first], table[k, first + 1])
+
+
+def _limit(scene: Scene) -> Limit:
+    """Of the diffusion of momentum."""
+    assert isinstance(scene.coupling.fluid, Section)
+    cap = scene.coupling.fluid.max_viscosity
+    density = min(soil.density for soil in scene.soils)
+    return Limit("capped viscosity", 0.125 * scene.numerics.smoothing_length**2 * density / cap, f"eta_max = {cap:.3g} Pa s")
+
+
+LAW = FluidLaw(CappedViscosity, lambda soil, section: CappedViscosity(float(soil.viscosity), float(section.max_viscosity)), _limit)

@@ -1,0 +1,30 @@
+"""The law of the fluid state: how its deviator follows the strain rate.
+
+A law is a record of coefficients, which the solver knows by its type, with the functions below.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from sph.scene.schema import Scene
+from sph.scene.soil import Soil
+from sph.solver.compiled.slots import slot
+from sph.solver.optional import Limit
+
+
+class FluidLaw(NamedTuple):
+    """What the solver is told of a law."""
+
+    record: type
+    """of its coefficients"""
+    make: Callable[[Soil, Any], Any]
+    """the record, from a soil and the scene's section ``coupling.fluid``"""
+    limit: Callable[[Scene], Limit] | None = None
+    """of the time step, beside that of elastic waves"""
+
+
+@slot
+def fluid_deviator(law, surface, p, d, q, z, d_xx, d_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
+    """New deviator (d, q, z) (Pa) of the fluid state after a step of strain rates (1/s) and spin ``angle``."""

@@ -1,0 +1,43 @@
+"""A velocity gradient that the soil is made to follow, for tests of the material."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+
+
+class PrescribedMotion(NamedTuple):
+    """Velocity gradient, 1/s."""
+
+    xx: float
+    xy: float
+    yx: float
+    yy: float
+
+
+@jit
+def drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
+    """Velocity of a particle in the prescribed motion; without one as it is."""
+    if term is None:
+        return vx, vy
+    else:
+        return term.xx * x + term.xy * y, term.yx * x + term.yy * y
+
+
+def stopped(term: PrescribedMotion | None) -> PrescribedMotion | None:
+    """The motion with the velocity zero everywhere; None without one."""
+    return None if term is None else PrescribedMotion(0.0, 0.0, 0.0, 0.0)
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> PrescribedMotion:
+    driven, turn = scene.prescribed_velocity_gradient, scene.geometry.direction
+    assert driven is not None
+    return PrescribedMotion(driven.xx, turn * driven.xy, turn * driven.yx, driven.yy)
+
+
+TERM = Term("prescribed_motion", "prescribed_velocity_gradient", lambda scene: scene.prescribed_velocity_gradient is not None, _make)

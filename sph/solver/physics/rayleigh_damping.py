@@ -1,0 +1,63 @@
+"""Rayleigh damping (Sec. 2.5): alpha on the velocity, and beta_R on the rate of the elastic stress while the solid state is there."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Damping, Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel, Lattice
+
+
+class RayleighDamping(NamedTuple):
+    """Coefficients of the term."""
+
+    mass: float
+    """alpha, 1/s"""
+    stiffness: float
+    """beta_R, s"""
+
+
+@jit
+def mass_damping(term):  # type: ignore[no-untyped-def]
+    """Rate of the mass-proportional part, 1/s."""
+    if term is None:
+        return 0.0
+    else:
+        return term.mass
+
+
+@jit
+def stiffness_damping(term):  # type: ignore[no-untyped-def]
+    """Time of the stiffness-proportional part, s."""
+    if term is None:
+        return 0.0
+    else:
+        return term.stiffness
+
+
+@jit
+def damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
+    """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa."""
+    if term is None:
+        return 0.0, 0.0, 0.0
+    else:
+        scale = beta * term.stiffness
+        mean = bulk_modulus * trace - 0.5 * rate_z
+        return scale * (mean + rate_d), scale * (mean - rate_d), scale * rate_q
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> RayleighDamping:
+    assert scene.damping is not None
+    return RayleighDamping(scene.damping.mass_coefficient, scene.damping.stiffness_coefficient)
+
+
+def _damping(scene: Scene, lattice: Lattice, omega: float) -> Damping:
+    assert scene.damping is not None
+    beta = scene.damping.stiffness_coefficient
+    return Damping(beta * omega, "stiffness damping", f"beta_R = {beta:.3g} s")
+
+
+TERM = Term("rayleigh_damping", "damping (Sec. 2.5)", lambda scene: scene.damping is not None, _make, _damping)

@@ -1,0 +1,65 @@
+"""Short-range repulsion: a linear spring that pushes once two particles are nearer than its range.
+
+A lattice at its initial spacing does not feel it.  It is conservative and prevents pairing, where the gradient of
+the cubic spline fades at short distance.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.boundaries.periodic import wrap
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+
+
+class ShortRangeRepulsion(NamedTuple):
+    """Coefficients of the term."""
+
+    range: float
+    """m"""
+    stiffness: float
+    """N/m for a metre of thickness"""
+
+
+@jit
+def add_repulsion(term, period, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
+    """Add the repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
+
+    What moves shares a spring's energy with what moves, and has that with what stands still.
+    """
+    if term is None:
+        return 0.0
+    else:
+        energy = 0.0
+        for i in rows(first, last):
+            for k in range(pairs.start[i], pairs.close_end[i]):
+                j = pairs.close[k]
+                dx = wrap(period, state.x[i] - state.x[j])
+                dy = state.y[i] - state.y[j]
+                r = math.sqrt(dx * dx + dy * dy)
+                if 0.0 < r < term.range:
+                    overlap = term.range - r
+                    force = term.stiffness * overlap / r
+                    energy += (0.25 if j < n_moving else 0.5) * term.stiffness * overlap * overlap
+                    state.ax[i] += force * dx / mass[i]
+                    state.ay[i] += force * dy / mass[i]
+        return energy
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ShortRangeRepulsion:
+    repulsion = scene.numerics.short_range_repulsion
+    assert repulsion is not None
+    return ShortRangeRepulsion(float(repulsion.range * scene.numerics.spacing), float(1e3 * repulsion.pressure / repulsion.range))
+
+
+TERM = Term(
+    "short_range_repulsion",
+    "numerics.short_range_repulsion: prevents pairing",
+    lambda scene: scene.numerics.short_range_repulsion is not None,
+    _make,
+)

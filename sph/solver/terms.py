@@ -1,0 +1,157 @@
+"""The coefficients of a run: everything that does not change, one small immutable pack of numbers.
+
+``TERMS`` lists the optional terms; from it follow the fields of ``Terms``, their limits of the time step, what ``sph info`` tells of them,
+and the check that the compiled variant holds what the scene wants.  ``add_forces`` is where those act that are forces.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import namedtuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+from numba.extending import overload
+
+from sph.scene.schema import Scene
+from sph.solver.boundaries import absorbing, contact, free_slip, friction, periodic
+from sph.solver.boundaries.contact import add_contact
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics import (
+    artificial_stress,
+    artificial_viscosity,
+    gradient_correction,
+    material,
+    prescribed_motion,
+    rayleigh_damping,
+    short_range_repulsion,
+)
+from sph.solver.physics.artificial_stress import add_artificial_stress
+from sph.solver.physics.kernels import KERNELS, Kernel, central_value, make_kernel
+from sph.solver.physics.material import FLUID_LAWS, Material, make_material
+from sph.solver.physics.short_range_repulsion import add_repulsion
+
+TERMS: tuple[Term, ...] = (
+    rayleigh_damping.TERM,
+    artificial_viscosity.TERM,
+    gradient_correction.TERM,
+    short_range_repulsion.TERM,
+    free_slip.TERM,
+    contact.TERM,
+    friction.TERM,
+    periodic.TERM,
+    artificial_stress.TERM,
+    prescribed_motion.TERM,
+    material.TERM,
+    absorbing.ABSORBING_WALLS,
+    absorbing.FREE_FIELD,
+)
+
+
+class Always(NamedTuple):
+    """Coefficients that every run has."""
+
+    zero: np.floating[Any]  # of the type in which kernel gradients are kept
+    dt: float
+    down_x: float  # direction of gravity
+    down_y: float
+    n_soil: int
+    n_moving: int  # the soil and the boundary particles that follow it
+    n_stressed: int  # particles with a stress of their own; free-slip walls have none
+    armed_from: float  # s, half a step before the end of the gravity stage
+    pairs_tolerance: float  # m
+    candidates_tolerance: float  # m
+    reach: float  # support and skin, m
+    close_range: float  # range of short-range forces and the tolerance, m
+    reference_density: float
+    least_density: float  # of a particle without neighbours, m W(0): scattered soil is not thinner
+    cell_mass: float  # of the scene's own soil in the room of a particle, kg for a metre of thickness
+    soil: Material
+    kernel: Kernel
+
+
+_of_names: Any = namedtuple  # type checkers want the names written out
+Terms = _of_names("Terms", (*Always._fields, *(term.name for term in TERMS)))
+"""``Always``, and the record or None of every optional term by its name."""
+
+
+def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
+    """``Terms`` of a scene whose time step is divided by ``substeps``; all floats, so that one scene compiles one variant."""
+    soil, numerics = scene.soil, scene.numerics
+    dt, dx = numerics.time_step / substeps, numerics.spacing
+    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
+    tilt = math.radians(scene.gravity.inclination)
+    skin = numerics.neighbour_skin * dx
+    pairs_tolerance = numerics.gradient_tolerance * dx
+    repulsion = numerics.short_range_repulsion
+    always = Always(
+        zero=np.float32(0) if numerics.precision == "mixed" else np.float64(0),
+        dt=float(dt),
+        down_x=-math.sin(tilt),
+        down_y=-math.cos(tilt),
+        n_soil=particles.n_soil,
+        n_moving=particles.first_fixed,
+        n_stressed=particles.first_slip,
+        armed_from=float(scene.gravity.duration - 0.5 * dt),
+        pairs_tolerance=float(pairs_tolerance),
+        candidates_tolerance=float(0.5 * skin),
+        reach=float(2.0 * numerics.smoothing_length + skin),
+        close_range=0.0 if repulsion is None else float(repulsion.range * dx + 2.0 * pairs_tolerance),
+        reference_density=float(soil.density),
+        least_density=float(soil.density * dx * dx * central_value(kernel)),
+        cell_mass=float(soil.density * dx * dx),
+        soil=make_material(soil, scene.coupling, dt),
+        kernel=kernel,
+    )
+    return Terms(*always, *(term.make(scene, particles, kernel, dt) if term.wanted(scene) else None for term in TERMS))
+
+
+@jit
+def add_forces(terms, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+    """Add the accelerations of optional forces to particles first to last; returns the energy that they store, J/m."""
+    add_artificial_stress(terms.artificial_stress, terms.layers, state, pairs, first, last)
+    energy = add_repulsion(terms.short_range_repulsion, terms.periodic, state, pairs, mass, terms.n_moving, first, last)
+    return energy + add_contact(terms.wall_faces, terms.wall_friction, state, mass, first, min(last, terms.n_soil))
+
+
+# ---------------------------------------------------------------- what a variant holds
+
+_KERNELS = list(KERNELS.items())[1:]
+_LAWS = list(FLUID_LAWS.items())[1:]
+KEYS = (
+    dict.fromkeys((name for name, _ in _KERNELS), "numerics.kernel")
+    | dict.fromkeys((name for name, _ in _LAWS), "coupling.fluid.law")
+    | {term.name: term.keys for term in TERMS}
+)
+"""Optional terms by name, and the keys of a scene that ask for them; first the kernels and laws that can replace the paper's."""
+
+
+def wanted_terms(scene: Scene) -> dict[str, bool]:
+    """Which optional terms a scene asks for, by name."""
+    chosen = scene.numerics.kernel, scene.coupling.fluid.law
+    return {name: name in chosen for name, _ in (*_KERNELS, *_LAWS)} | {term.name: term.wanted(scene) for term in TERMS}
+
+
+def _held(terms):  # type: ignore[no-untyped-def]
+    """Is known to compiled code alone."""
+
+
+@overload(_held)
+def _held_by_type(terms):  # type: ignore[no-untyped-def]
+    of = dict(zip(terms.fields, terms.types, strict=True))
+    law = dict(zip(of["soil"].fields, of["soil"].types, strict=True))["fluid_law"]
+    held = (
+        *(of["kernel"].instance_class is record for _, record in _KERNELS),
+        *(law.instance_class is known.record for _, known in _LAWS),
+        *(of[term.name] is not types.none for term in TERMS),
+    )
+    return lambda terms: held
+
+
+@jit
+def active_terms(terms):  # type: ignore[no-untyped-def]
+    """Which optional terms the compiled code that calls this holds, in the order of ``KEYS``, by the types it was compiled for."""
+    return _held(terms)  # type: ignore[no-untyped-call]
