@@ -11,7 +11,7 @@ import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import NamedTuple, TextIO
+from typing import Any, NamedTuple, Protocol, TextIO
 
 import psutil
 
@@ -19,6 +19,17 @@ from sph.command.cli import REFUSED
 
 FRESH = 120.0
 """A job on another machine is taken for running while its log is younger than this, s; a run writes a line every 30 s."""
+
+
+class Job(Protocol):
+    """What the workflow gives to the script of a job, in which it stands under the name ``snakemake``."""
+
+    input: Any
+    output: Any
+    params: Any
+    wildcards: Any
+    log: list[str]
+    threads: int
 
 
 class Process(NamedTuple):

@@ -69,7 +69,7 @@ rule sensitivity_run:
         ),
         until="end",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule sensitivity_measure:
@@ -95,7 +95,7 @@ rule sensitivity_measure:
         quantities=lambda wildcards: DESIGNS().quantities,
         settings=PLAN.study.metrics.model_dump(),
     script:
-        "../scripts/measure_sample.py"
+        "../scripts/sensitivity/measure_sample.py"
 
 
 rule sensitivity_sample:
@@ -122,7 +122,7 @@ rule sensitivity_sample:
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
     script:
-        "../scripts/join_samples.py"
+        "../scripts/sensitivity/join_samples.py"
 
 
 rule sensitivity_morris:
@@ -146,7 +146,7 @@ rule sensitivity_morris:
         seed=lambda wildcards: DESIGNS().settings.seed,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/screen_factors.py"
+        "../scripts/sensitivity/screen_factors.py"
 
 
 checkpoint sensitivity_factors:
@@ -163,7 +163,7 @@ checkpoint sensitivity_factors:
         factors=lambda wildcards: DESIGNS().settings.sobol.factors,
         share=lambda wildcards: DESIGNS().settings.sobol.share,
     script:
-        "../scripts/choose_factors.py"
+        "../scripts/sensitivity/choose_factors.py"
 
 
 rule sensitivity_tornado:
@@ -185,7 +185,7 @@ rule sensitivity_tornado:
         quantities=lambda wildcards: DESIGNS().quantities,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/measure_tornado.py"
+        "../scripts/sensitivity/measure_tornado.py"
 
 
 rule sensitivity_sobol:
@@ -213,7 +213,7 @@ rule sensitivity_sobol:
         seed=lambda wildcards: DESIGNS().settings.seed,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/fit_surrogate.py"
+        "../scripts/sensitivity/fit_surrogate.py"
 
 
 rule sensitivity_confirm:
@@ -237,7 +237,7 @@ rule sensitivity_confirm:
         fidelities=lambda wildcards: DESIGNS().fidelities,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/confirm_sample.py"
+        "../scripts/sensitivity/confirm_sample.py"
 
 
 rule sensitivity_figure:
@@ -269,4 +269,4 @@ rule sensitivity_figure:
         described=lambda wildcards, input: described(input.sample),
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/draw_sensitivity.py"
+        "../scripts/sensitivity/draw_sensitivity.py"

@@ -18,7 +18,7 @@ rule gravity:
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="gravity",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule trunk:
@@ -42,7 +42,7 @@ rule trunk:
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="first_failure",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule simulate:
@@ -67,4 +67,4 @@ rule simulate:
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="end",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"

@@ -50,7 +50,7 @@ rule validation_run:
         until="end",
         by=lambda wildcards: SUITE().cases[wildcards.case].by,
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule validation_case:
@@ -74,7 +74,7 @@ rule validation_case:
         sources=SEARCHING + VALIDATING,
         suite=lambda wildcards: SUITE().plan(wildcards.case),
     script:
-        "../scripts/measure_case.py"
+        "../scripts/validation/measure_case.py"
 
 
 rule validation_table:
@@ -95,4 +95,4 @@ rule validation_table:
     log:
         f"{VALIDATION}/logs/validation.log",
     script:
-        "../scripts/join_cases.py"
+        "../scripts/validation/join_cases.py"
