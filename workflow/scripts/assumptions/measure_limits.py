@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.assumptions import limits_table
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.study.planned import Planned
 from sph.study.tables import write_csv

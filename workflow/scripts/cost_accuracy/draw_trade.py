@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.cost_accuracy.convergence import CONVERGENCE
 from sph.experiments.cost_accuracy.table import read_trade
 from sph.figures import save
 from sph.figures.trade import figure_convergence, figure_tradeoff
+from sph.jobs.log import Job, job_log
 from sph.study.tables import read_csv
 
 

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.cost_accuracy.convergence import convergence_table
 from sph.experiments.cost_accuracy.design import Rung
 from sph.experiments.cost_accuracy.table import TRADE, ladder_table, measured_run
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.storage import trajectory
 from sph.study.machine import machine_class

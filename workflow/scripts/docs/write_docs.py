@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import IO, Any, get_type_hints
 
 import sph
-from sph.command.job import Job, job_log
+from sph.jobs.log import Job, job_log
 
 
 def write_api(folder: Path) -> None:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.figures import FIGURES, save
+from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
 
 

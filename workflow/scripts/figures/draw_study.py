@@ -2,8 +2,8 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.figures import figure_study, save
+from sph.jobs.log import Job, job_log
 from sph.study.dimensions import Dimension
 from sph.study.tables import Layout, read_table
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from sph.command.job import Job, job_log
+from sph.jobs.log import Job, job_log
 from sph.page.build import StudyFiles, attributes, write_page
 from sph.page.sections import sections_of
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.robustness import read_extremes
 from sph.figures import save
 from sph.figures.extremes import figure_extremes
+from sph.jobs.log import Job, job_log
 
 
 def draw_extremes(path_to_table: str, paths_to_pictures: Sequence[str]) -> None:

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.robustness import Row, extremes_table
+from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
 from sph.study.tables import write_csv
 

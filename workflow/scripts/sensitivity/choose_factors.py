@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.elementary_effects import MORRIS, influential
+from sph.jobs.log import Job, job_log
 from sph.scene.strict_json import to_json
 from sph.storage.files import whole
 from sph.study.tables import read_csv

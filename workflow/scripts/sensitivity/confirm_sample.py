@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, Quantity
 from sph.experiments.sensitivity.tables import confirmation_table, read_sample
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

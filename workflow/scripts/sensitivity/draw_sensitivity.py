@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, chosen_factors
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import TORNADO
 from sph.figures import save
 from sph.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
+from sph.jobs.log import Job, job_log
 from sph.study.tables import read_csv
 
 

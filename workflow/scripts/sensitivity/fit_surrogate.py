@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, Quantity, SobolSettings, chosen_factors
 from sph.experiments.sensitivity.surrogate import sobol_tables
 from sph.experiments.sensitivity.tables import read_sample
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, Quantity
 from sph.experiments.sensitivity.tables import read_sample, sample_columns
+from sph.jobs.log import Job, job_log
 from sph.storage import trajectory
 from sph.study.tables import flat_dataset, write_csv
 

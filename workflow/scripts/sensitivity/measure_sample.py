@@ -5,9 +5,9 @@ from typing import Any
 
 import pandas as pd
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, Point, Quantity
 from sph.experiments.sensitivity.tables import sample_columns, sample_row
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.study.planned import Planned
 from sph.study.tables import write_csv

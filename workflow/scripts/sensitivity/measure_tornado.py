@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, Quantity
 from sph.experiments.sensitivity.tables import read_sample, tornado_table
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

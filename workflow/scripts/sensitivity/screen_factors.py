@@ -2,10 +2,10 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.sensitivity.design import Axis, Quantity
 from sph.experiments.sensitivity.elementary_effects import morris_table
 from sph.experiments.sensitivity.tables import read_sample
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

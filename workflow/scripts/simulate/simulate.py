@@ -2,9 +2,9 @@
 
 from typing import TextIO
 
-from sph.command.concerns import of_motion
-from sph.command.job import Job, job_log
-from sph.command.progress import reporter
+from sph.jobs.concerns import of_motion
+from sph.jobs.log import Job, job_log
+from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Until
 from sph.stability.record import search_to_file

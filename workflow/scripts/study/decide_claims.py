@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sph.command.job import Job, job_log
+from sph.jobs.log import Job, job_log
 from sph.paper.claims import ClaimSettings, write_claims
 from sph.study.tables import read_study
 

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.jobs.log import Job, job_log
 from sph.storage import trajectory
 from sph.study.planned import Planned
 from sph.study.tables import Layout, join_study

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.study_row import run_values
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.study.dimensions import CASE
 from sph.study.planned import Planned

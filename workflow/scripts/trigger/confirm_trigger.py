@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.critical import confirm_table, read_ends
 from sph.experiments.trigger.points import read_points
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings, measure
 from sph.study.planned import Planned
 from sph.study.tables import write_csv

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.critical import read_critical
 from sph.experiments.trigger.maps import read_shares
 from sph.experiments.trigger.points import read_points
 from sph.figures import save
 from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
+from sph.jobs.log import Job, job_log
 
 
 def draw_trigger(figure: str, tables: dict[str, str], note: str, paths_to_pictures: Sequence[str]) -> None:

@@ -1,7 +1,7 @@
 """Keep the points of a search's last round as its table."""
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.points import read_points
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 if __name__ == "__main__":

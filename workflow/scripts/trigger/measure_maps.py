@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.design import Lattice
 from sph.experiments.trigger.maps import class_shares, map_cells
 from sph.experiments.trigger.points import read_points
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

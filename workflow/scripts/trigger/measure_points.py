@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.points import measured_points, no_points, read_points, read_wanted
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings, measure
 from sph.study.planned import Planned
 from sph.study.tables import write_csv

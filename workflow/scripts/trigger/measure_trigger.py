@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.critical import CRITICAL, critical_table
 from sph.experiments.trigger.points import read_points
+from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings, class_displacement
 from sph.paper.claims import decide_trigger
 from sph.scene.schema import make_scene

@@ -3,9 +3,9 @@
 from collections.abc import Mapping
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.critical import bracket_ends, read_critical
 from sph.experiments.trigger.points import read_points
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

@@ -3,9 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.command.job import Job, job_log
 from sph.experiments.trigger.design import Lattice
 from sph.experiments.trigger.points import no_points, read_points, wanted_points
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 
 

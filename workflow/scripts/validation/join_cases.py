@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from sph.command.job import Job, job_log
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 from sph.validation.table import read_validation
 

@@ -6,8 +6,8 @@ from typing import Any
 import pandas as pd
 import xarray as xr
 
-from sph.command.job import Job, job_log
 from sph.figures import save
+from sph.jobs.log import Job, job_log
 from sph.study.tables import write_csv
 from sph.validation import CASES
 from sph.validation.level import Level, Result, read_result

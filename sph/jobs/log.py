@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, Protocol, TextIO
 
 import psutil
 
-from sph.command.cli import REFUSED
+from sph.jobs.exit_codes import REFUSED
 
 FRESH = 120.0
 """A job on another machine is taken for running while its log is younger than this, s; a run writes a line every 30 s."""
