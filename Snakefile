@@ -80,7 +80,6 @@ rule all:
 
 
 include: "workflow/rules/resources.smk"
-include: "workflow/rules/simulate.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
@@ -91,3 +90,4 @@ include: "workflow/rules/robustness.smk"
 include: "workflow/rules/sensitivity.smk"
 include: "workflow/rules/trigger.smk"
 include: "workflow/rules/docs.smk"
+include: "workflow/rules/simulate.smk"  # the last: it runs the experiments that those above have named

@@ -161,8 +161,7 @@ class Project:
         if file.startswith(f"{VALIDATION_FOLDER}/runs/"):
             return self.suite.runs[run].scene
         if file.startswith(f"{self.plan.folder}/sensitivity/runs/"):
-            design, _, point = run.partition("/")
-            return self.sensitivity.scene(design, point, self._factors)
+            return self.sensitivity.run_scene(run, lambda design: self._factors)
         folder, kind = place.rpartition("/")[::2]
         plan = self.plan if folder == self.plan.folder else self.trigger.plans[folder]
         return plan.run_scene(name) if kind == "runs" else plan.slope if name == SEARCH else plan.stage(name)

@@ -8,33 +8,13 @@ from sph.experiments.assumptions import FOLDER as LIMITS, load_limits
 CHANGES = functools.cache(
     functools.partial(load_limits, PLAN.study.limits, FOLDERS, PLAN.study.metrics.probe)
 )
+EXPERIMENTS[LIMITS] = lambda name: Run(CHANGES().runs[name])
 
 
 rule limits:
     """What the answers rest on."""
     input:
         f"{LIMITS}/limits.csv",
-
-
-rule limits_run:
-    """Run the scene with one choice changed, from the start to the end, on one core."""
-    output:
-        f"{LIMITS}/runs/{{run}}.nc",
-    log:
-        f"{LIMITS}/logs/{{run}}.log",
-    benchmark:
-        f"{LIMITS}/benchmarks/{{run}}.tsv"
-    wildcard_constraints:
-        run=".+",
-    threads: 1
-    resources:
-        **asked(lambda wildcards: CHANGES().runs[wildcards.run]),
-    params:
-        sources=SOLVER,
-        scene=lambda wildcards: planned(CHANGES().runs[wildcards.run]),
-        until="end",
-    script:
-        "../scripts/simulate/simulate.py"
 
 
 rule limits_table:

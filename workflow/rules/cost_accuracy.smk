@@ -15,6 +15,7 @@ LADDER = functools.cache(
         PLAN.study.metrics.probe,
     )
 )
+EXPERIMENTS[TRADE] = lambda name: Run(LADDER().runs[name])
 
 
 rule trade:
@@ -29,27 +30,6 @@ rule trade:
             figure=["tradeoff", "convergence"],
             kind=["png", "pdf"],
         ),
-
-
-rule trade_run:
-    """Run a rung of the ladder from the start to the end, on its own, on one core."""
-    output:
-        f"{TRADE}/runs/{{run}}.nc",
-    log:
-        f"{TRADE}/logs/{{run}}.log",
-    benchmark:
-        f"{TRADE}/benchmarks/{{run}}.tsv"
-    wildcard_constraints:
-        run=".+",
-    threads: 1
-    resources:
-        **asked(lambda wildcards: LADDER().runs[wildcards.run]),
-    params:
-        sources=SOLVER,
-        scene=lambda wildcards: planned(LADDER().runs[wildcards.run]),
-        until="end",
-    script:
-        "../scripts/simulate/simulate.py"
 
 
 rule trade_table:

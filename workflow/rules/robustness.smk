@@ -10,6 +10,9 @@ from sph.experiments.robustness import (
 )
 
 SWEEPS = functools.cache(functools.partial(load_extremes, PLAN.study.extremes, FOLDERS))
+EXPERIMENTS[EXTREMES] = lambda name: Run(
+    SWEEPS().runs[name], enforce_limit=not name.startswith(TIME_STEP_FOLDER)
+)
 
 
 rule extremes:
@@ -21,28 +24,6 @@ rule extremes:
             extremes=EXTREMES,
             kind=["png", "pdf"],
         ),
-
-
-rule extremes_run:
-    """Run the scene with one key at one value, from the start to the end, on one core."""
-    output:
-        f"{EXTREMES}/runs/{{run}}.nc",
-    log:
-        f"{EXTREMES}/logs/{{run}}.log",
-    benchmark:
-        f"{EXTREMES}/benchmarks/{{run}}.tsv"
-    wildcard_constraints:
-        run=".+",
-    threads: 1
-    resources:
-        **asked(lambda wildcards: SWEEPS().runs[wildcards.run]),
-    params:
-        sources=SOLVER,
-        scene=lambda wildcards: planned(SWEEPS().runs[wildcards.run]),
-        until="end",
-        enforce_limit=lambda wildcards: not wildcards.run.startswith(TIME_STEP_FOLDER),
-    script:
-        "../scripts/simulate/simulate.py"
 
 
 rule extremes_table:

@@ -26,6 +26,7 @@ DESIGNS = functools.cache(
         check=workflow.is_main_process,
     )
 )
+EXPERIMENTS[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
 
 
 wildcard_constraints:
@@ -47,38 +48,13 @@ rule sensitivity:
         ),
 
 
-rule sensitivity_run:
-    """Run a point of a design from the start to the end, on one core."""
-    input:
-        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
-    output:
-        f"{SENSITIVITY}/runs/{{design}}/{{run}}.nc",
-    log:
-        f"{SENSITIVITY}/logs/{{design}}/{{run}}.log",
-    benchmark:
-        f"{SENSITIVITY}/benchmarks/{{design}}/{{run}}.tsv"
-    wildcard_constraints:
-        run=".+",
-    threads: 1
-    resources:
-        **asked(lambda wildcards: PLAN.scene()),
-    params:
-        sources=SOLVER,
-        scene=lambda wildcards: planned(
-            DESIGNS().scene(wildcards.design, wildcards.run, varied(wildcards))
-        ),
-        until="end",
-    script:
-        "../scripts/simulate/simulate.py"
-
-
 rule sensitivity_measure:
     """Measure every run of a design."""
     input:
         factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
         runs=lambda wildcards: [
             f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
-            for run in DESIGNS().design(wildcards.design, varied(wildcards))
+            for run in DESIGNS().design(wildcards.design, varied(wildcards.design))
         ],
     output:
         f"{SENSITIVITY}/samples/{{design}}.csv",
@@ -86,10 +62,12 @@ rule sensitivity_measure:
         f"{SENSITIVITY}/logs/{{design}}.log",
     params:
         sources=SOLVER + ANALYSIS,
-        points=lambda wildcards: DESIGNS().design(wildcards.design, varied(wildcards)),
+        points=lambda wildcards: DESIGNS().design(
+            wildcards.design, varied(wildcards.design)
+        ),
         scenes=lambda wildcards: [
             planned(scene)
-            for scene in DESIGNS().scenes(wildcards.design, varied(wildcards))
+            for scene in DESIGNS().scenes(wildcards.design, varied(wildcards.design))
         ],
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -224,6 +224,11 @@ class SensitivityPlan:
     def scene(self, design: str, run: str, chosen: Sequence[str] = ()) -> dict[str, Any]:
         """Scene of a run of a design, as a mapping."""
         return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
+
+    def run_scene(self, name: str, chosen: Callable[[str], Sequence[str]]) -> dict[str, Any]:
+        """Scene of a run by its file, ``<design>/<run>``; ``chosen`` gives the factors that a design varies."""
+        design, _, run = name.partition("/")
+        return self.scene(design, run, chosen(design))
 
     def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
         """Scenes of all runs of a design, in their order."""
