@@ -20,8 +20,9 @@ import xarray as xr
 from sph.command.status import located_plan
 from sph.experiments.assumptions import FOLDER as LIMITS_FOLDER
 from sph.experiments.assumptions import LIMITS, LimitRuns, load_limits
+from sph.experiments.base import file_name
 from sph.experiments.cost_accuracy.design import FOLDER as TRADE_FOLDER
-from sph.experiments.cost_accuracy.design import Ladder, file_name, load_trade
+from sph.experiments.cost_accuracy.design import Ladder, load_trade
 from sph.experiments.cost_accuracy.table import TRADE, measured_run
 from sph.experiments.robustness import EXTREMES, ExtremeRuns, load_extremes, measure_extreme
 from sph.experiments.robustness import FOLDER as EXTREMES_FOLDER

@@ -13,7 +13,8 @@ import pytest
 import yaml
 
 from sph.experiments.assumptions import load_limits
-from sph.experiments.cost_accuracy.design import file_name, load_trade
+from sph.experiments.base import file_name
+from sph.experiments.cost_accuracy.design import load_trade
 from sph.scene.configuration import found_file, merge, validated
 from sph.study.plan import MOST_RUNS, Study, load_study
 from sph.validation.suite import load_suite
