@@ -80,14 +80,14 @@ rule all:
 
 
 include: "workflow/rules/resources.smk"
-include: "workflow/rules/simulate.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"
-include: "workflow/rules/trade.smk"
+include: "workflow/rules/cost_accuracy.smk"
 include: "workflow/rules/validation.smk"
-include: "workflow/rules/limits.smk"
-include: "workflow/rules/extremes.smk"
+include: "workflow/rules/assumptions.smk"
+include: "workflow/rules/robustness.smk"
 include: "workflow/rules/sensitivity.smk"
 include: "workflow/rules/trigger.smk"
 include: "workflow/rules/docs.smk"
+include: "workflow/rules/simulate.smk"  # the last: it runs the experiments that those above have named

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -10,6 +12,7 @@ import pytest
 import sph
 
 SPH = Path(__file__).resolve().parents[1] / "sph"
+SCRIPTS = sorted((SPH.parent / "workflow" / "scripts").rglob("*.py"))
 ORDER = (
     ("scene",),
     ("storage",),
@@ -21,6 +24,7 @@ ORDER = (
     ("experiments",),
     ("figures",),
     ("validation",),
+    ("jobs",),
     ("command",),
     ("page",),
 )
@@ -61,3 +65,11 @@ def test_no_upward_imports(path: Path) -> None:
 
 def test_the_check_sees_imports() -> None:
     assert "sph.measures.metrics" in imports(SPH / "command" / "cli.py")
+
+
+def test_jobs_do_not_load_the_command_line() -> None:
+    """A change of the command line, and a fault in it, is nothing to a job."""
+    code = "import runpy, sys\nfor path in sys.argv[1:]: runpy.run_path(path)\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code, *map(str, SCRIPTS)], cwd=SPH.parent, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "sph.jobs.log" in loaded and not loaded & {"sph.command.cli", "typer"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from sph.command.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of, peak_accelerations
+from sph.jobs.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of, peak_accelerations
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles

@@ -22,10 +22,10 @@ import typer
 from rich.console import Console
 from rich.table import Table
 
+from sph.jobs.exit_codes import DIFFERS, DIVERGED, REFUSED
 from sph.scene.strict_json import to_json
 from sph.storage.files import ROLES, beside, same_file
 
-REFUSED, DIVERGED, DIFFERS = 2, 3, 4
 SMALLEST_ACCELERATION = 1e-6
 """Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
@@ -169,9 +169,9 @@ def run(
     A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
     """
     with refusals():
-        from sph.command.concerns import of_motion
-        from sph.command.progress import reporter
         from sph.command.repeat import compare, earlier_run, read_given, stopped_at
+        from sph.jobs.concerns import of_motion
+        from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
 
         if until not in (None, "end", "gravity", "first_failure"):

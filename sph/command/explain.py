@@ -20,8 +20,9 @@ import xarray as xr
 from sph.command.status import located_plan
 from sph.experiments.assumptions import FOLDER as LIMITS_FOLDER
 from sph.experiments.assumptions import LIMITS, LimitRuns, load_limits
+from sph.experiments.base import file_name
 from sph.experiments.cost_accuracy.design import FOLDER as TRADE_FOLDER
-from sph.experiments.cost_accuracy.design import Ladder, file_name, load_trade
+from sph.experiments.cost_accuracy.design import Ladder, load_trade
 from sph.experiments.cost_accuracy.table import TRADE, measured_run
 from sph.experiments.robustness import EXTREMES, ExtremeRuns, load_extremes, measure_extreme
 from sph.experiments.robustness import FOLDER as EXTREMES_FOLDER
@@ -161,8 +162,7 @@ class Project:
         if file.startswith(f"{VALIDATION_FOLDER}/runs/"):
             return self.suite.runs[run].scene
         if file.startswith(f"{self.plan.folder}/sensitivity/runs/"):
-            design, _, point = run.partition("/")
-            return self.sensitivity.scene(design, point, self._factors)
+            return self.sensitivity.run_scene(run, lambda design: self._factors)
         folder, kind = place.rpartition("/")[::2]
         plan = self.plan if folder == self.plan.folder else self.trigger.plans[folder]
         return plan.run_scene(name) if kind == "runs" else plan.slope if name == SEARCH else plan.stage(name)

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.command.concerns import drifting, implausible, in_both, of_motion
 from sph.command.repeat import read_given
+from sph.jobs.concerns import drifting, implausible, in_both, of_motion
 from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import read_even

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.command.concerns import cut_off, drift, drifting, implausible, in_both
+from sph.jobs.concerns import cut_off, drift, drifting, implausible, in_both
 from sph.scene.ground_motion import SCENES, GroundMotion, motion_of, read_motion
 from sph.scene.ground_motion.record import Record
 from sph.scene.motion import ConstantAcceleration

@@ -5,6 +5,7 @@
 * ``sensitivity``: which numbers decide the answer (``snakemake sensitivity``)
 * ``assumptions``: what the choices behind a scene do (``snakemake limits``)
 * ``robustness``: how far the solver can be pushed (``snakemake extremes``)
+* ``base``: what they share: keys, names of files, the check of every scene before any work
 * ``study_row``: the row of a study's table, with the error to expect
 * ``measured``: what they gave for the release
 """

@@ -13,11 +13,9 @@ import pandas as pd
 import xarray as xr
 from pydantic import model_validator
 
-from sph.experiments.cost_accuracy.design import Label, Overrides, check_file_names, file_name
-from sph.measures.fields import check_probe
+from sph.experiments.base import Cases, Label, Overrides, check_file_names, checked, file_name
 from sph.measures.metrics import METRIC_BY_NAME, PROBE, MetricSettings, measure
-from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
-from sph.scene.schema import make_scene
+from sph.scene.configuration import found_file, key, merge, read_scene, read_yaml, validated
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, read_csv
 
@@ -39,17 +37,13 @@ LIMITS: tuple[Variable, ...] = (
 """The columns."""
 
 
-class Limits(Section):
+class Limits(Cases):
     """The configuration."""
 
-    scene: str = key("scene file, relative to the working folder or the workflow's")
-    overrides: Overrides = key("scene keys of every run", default={})
-    cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
     changes: dict[Label, Overrides] = key("scene keys of each change, by label; the first is the reference", min_length=2)
 
     @model_validator(mode="after")
     def _apart(self) -> Limits:
-        check_file_names("cases", self.cases)
         check_file_names("changes", self.changes)
         return self
 
@@ -63,8 +57,7 @@ class LimitRuns:
         for change, settings in limits.changes.items():
             for case, point in limits.cases.items():
                 scene = merge(merge(merge(base, limits.overrides), point), settings)
-                where = f"{origin}: change {change!r}, case {case!r}"
-                check_probe(probe, make_scene(scene, where), where)
+                checked(scene, f"{origin}: change {change!r}, case {case!r}", probe)
                 self.runs[f"{file_name(change)}/{file_name(case)}"] = scene
                 self.rows.append((change, case))
 

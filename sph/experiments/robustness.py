@@ -17,7 +17,7 @@ import xarray as xr
 from pydantic import Field, model_validator
 from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
-from sph.experiments.cost_accuracy.design import Label, Overrides, check_file_names, file_name
+from sph.experiments.base import Cases, Label, Overrides, check_file_names, check_known, file_name
 from sph.measures.metrics import energy_gap, largest_mass, outline_area
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.motion import NoMotion
@@ -83,19 +83,15 @@ class TimeSteps(Section):
     schemes: dict[Label, Overrides] = key("scene keys of each scheme, by label", min_length=1)
 
 
-class Extremes(Section):
+class Extremes(Cases):
     """The configuration."""
 
-    scene: str = key("scene file, relative to the working folder or the workflow's")
-    overrides: Overrides = key("scene keys of every run", default={})
-    cases: dict[Label, Overrides] = key("scene keys of each case, by label; time steps are swept in the first", min_length=1)
     repeats: int = key("runs of every value, whose bits are compared", ge=1, le=10, default=2)
     sweeps: dict[Label, Sweep] = key("the sweeps, by label", min_length=1)
-    time_steps: TimeSteps = key("sweep over fixed time steps")
+    time_steps: TimeSteps = key("sweep over fixed time steps, in the first case")
 
     @model_validator(mode="after")
     def _apart(self) -> Extremes:
-        check_file_names("cases", self.cases)
         check_file_names("sweeps", (*self.sweeps, TIME_STEP))
         check_file_names("time_steps.schemes", self.time_steps.schemes)
         for label, sweep in self.sweeps.items():
@@ -129,9 +125,8 @@ class ExtremeRuns:
         self.runs: dict[str, dict[str, Any]] = {}
         for label, sweep in extremes.sweeps.items():
             base = scenes[sweep.scene] if sweep.scene else merge(scenes[extremes.scene], extremes.overrides)
-            for case in sweep.cases or tuple(extremes.cases):
-                if case not in extremes.cases:
-                    raise ValueError(f"{origin}: sweeps.{label}.cases: {case!r} is not one of {', '.join(extremes.cases)}")
+            check_known(f"{origin}: sweeps.{label}.cases", sweep.cases, extremes.cases)
+            for case in sweep.cases or extremes.cases:
                 start = merge(base, extremes.cases[case])
                 make_scene(start, f"{origin}: sweeps.{label}, case {case!r}")
                 repeats = sweep.repeats or extremes.repeats

@@ -8,22 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from sph.experiments.cost_accuracy.design import Label, Overrides, check_file_names, file_name
+from sph.experiments.base import Label, Name, Overrides, check_file_names, check_known, checked, file_name
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
-from sph.scene.schema import Scene, make_scene
-from sph.solver.time_step import check_time_step
-from sph.study.plan import NAME
 from sph.study.planned import planned
 from sph.validation import CASES, PROBES
 
 FOLDER = "results/validation"
 """Where the results go, relative to the working folder."""
-
-Name = Annotated[str, Field(pattern=NAME)]
 
 
 class Quantity(Section):
@@ -62,9 +57,7 @@ class Validation(Section):
 
     @model_validator(mode="after")
     def _known(self) -> Validation:
-        unknown = [name for name in self.cases if name not in CASES]
-        if unknown:
-            raise ValueError(f"cases: {unknown[0]!r} is not one of {', '.join(CASES)}")
+        check_known("cases", self.cases, CASES)
         return self
 
 
@@ -90,7 +83,7 @@ class Suite:
                 for run, variant in case.runs.items():
                     scene = merge(merge(scenes[name], variant), finer)
                     where = f"{origin}: case {name}, run {run!r}, level {level!r}"
-                    built = _checked(scene, where)
+                    built = checked(scene, where)
                     if len(built.probes) < PROBES.get(name, 0):
                         raise ValueError(f"{where}: probes: {len(built.probes)}, this case measures at the first {PROBES[name]}")
                     self.runs[f"{name}/{run}/{file_name(level)}"] = Planned(name, run, level, scene)
@@ -117,15 +110,6 @@ class Suite:
             "sizes": self.sizes(case),
             "runs": [(each.level, each.run, planned(each.scene)) for each in self.of(case).values()],
         }
-
-
-def _checked(scene: Mapping[str, Any], where: str) -> Scene:
-    built = make_scene(scene, where)
-    try:
-        check_time_step(built)
-    except ValueError as error:
-        raise ValueError(f"{where}: {error}") from error
-    return built
 
 
 def load_suite(path: Path | str = "config/validation.yaml", folders: Sequence[Path] = (Path(),)) -> Suite:

@@ -22,7 +22,7 @@ from sph.study.dimensions import CASE
 from sph.study.planned import planned
 from sph.study.tables import VALUES, Layout, join_study, read_study, read_table, study_dataset, study_rows, study_table, write_csv
 
-SCRIPTS = Path(__file__).resolve().parents[2] / "workflow" / "scripts"
+SCRIPTS = Path(__file__).resolve().parents[2] / "workflow" / "scripts" / "study"
 KERNEL = Variable("numerics.kernel", ("numerics.kernel",), "str", "1", "kernel")
 COHESION = Variable("soil.cohesion", ("soil.cohesion",), "f8", "kPa", "cohesion")
 LIST = Layout(tuple(axis._replace(dims=(CASE,)) for axis in (KERNEL, COHESION)), (), True)

@@ -17,7 +17,7 @@ from comparison import same_files
 from typer.testing import CliRunner, Result
 
 from sph.command.cli import REFUSED, app
-from sph.command.job import job_log
+from sph.jobs.log import job_log
 from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.storage import trajectory

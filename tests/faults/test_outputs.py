@@ -19,7 +19,7 @@ from small_scenes import SLOPE
 from typer.testing import CliRunner, Result
 
 from sph.command.cli import REFUSED, app
-from sph.command.job import job_log
+from sph.jobs.log import job_log
 from sph.scene.schema import Scene, load_scene
 from sph.solver.checkpoint import run_to_file
 from sph.study.plan import load_study

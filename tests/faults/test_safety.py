@@ -13,7 +13,8 @@ import pytest
 import yaml
 
 from sph.experiments.assumptions import load_limits
-from sph.experiments.cost_accuracy.design import file_name, load_trade
+from sph.experiments.base import file_name
+from sph.experiments.cost_accuracy.design import load_trade
 from sph.scene.configuration import found_file, merge, validated
 from sph.study.plan import MOST_RUNS, Study, load_study
 from sph.validation.suite import load_suite
@@ -174,14 +175,14 @@ def test_a_file_that_is_not_found_is_named(tmp_path: Path, name: str) -> None:
 
 # ---------------------------------------------------------------- nothing is run
 
-SOURCES = [*sorted((ROOT / "sph").rglob("*.py")), *sorted((ROOT / "workflow" / "scripts").glob("*.py"))]
+SOURCES = [*sorted((ROOT / "sph").rglob("*.py")), *sorted((ROOT / "workflow" / "scripts").rglob("*.py"))]
 RULES = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
 CALLS = ("eval", "exec", "compile", "__import__", "os.system", "os.popen", "yaml.load", "yaml.unsafe_load", "pd.read_pickle", "pd.eval")
 ALLOWED = {
     "sph/study/machine.py": ["subprocess"],  # a fixed command that asks macOS for the name of its processor
     "sph/figures/film.py": ["subprocess"],  # the error of ffmpeg, which matplotlib starts
     "sph/__init__.py": ["importlib"],  # the public names, from a fixed table
-    "workflow/scripts/write_docs.py": ["subprocess", "importlib", "importlib.util"],  # mkdocs, and every module of the package for pdoc
+    "workflow/scripts/docs/write_docs.py": ["subprocess", "importlib", "importlib.util"],  # mkdocs; all modules for pdoc
 }
 MODULES = ("pickle", "cPickle", "dill", "joblib", "marshal", "shelve", "subprocess", "pty", "ctypes", "importlib")
 

@@ -15,8 +15,8 @@ from typer.testing import CliRunner, Result
 
 from sph.command.check import check, draw, layer_rows, rows
 from sph.command.cli import REFUSED, app
-from sph.command.concerns import FEWEST_IN_WAVE, Concern, highest_frequency, in_wave
 from sph.figures.scene import FEW
+from sph.jobs.concerns import FEWEST_IN_WAVE, Concern, highest_frequency, in_wave
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.time_step import limits, wave_speed_ratio

@@ -17,9 +17,9 @@ import yaml
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
-from sph.command.job import FRESH, Process, job_log, read_log
-from sph.command.progress import LINE, SECONDS, Lines
 from sph.command.status import State, duration, estimate, jobs, located_plan, look, sentence, watch
+from sph.jobs.log import FRESH, Process, job_log, read_log
+from sph.jobs.progress import LINE, SECONDS, Lines
 from sph.scene.schema import Scene
 from sph.solver.run import Progress
 from sph.study.plan import Plan

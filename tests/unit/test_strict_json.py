@@ -43,7 +43,7 @@ def test_what_is_no_json_is_refused(text: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "path", sorted([*(ROOT / "sph").rglob("*.py"), *(ROOT / "workflow" / "scripts").glob("*.py")]), ids=lambda p: p.name
+    "path", sorted([*(ROOT / "sph").rglob("*.py"), *(ROOT / "workflow" / "scripts").rglob("*.py")]), ids=lambda p: p.name
 )
 def test_all_json_is_written_and_read_here(path: Path) -> None:
     if path.name in ("strict_json.py", "jit.py"):  # jit's list of digests holds no numbers

@@ -188,7 +188,7 @@ def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monke
     assert text.count("was made from another scene than the one planned") >= 2
     replace(copied, "strong.csv")
     jobs = planned_jobs(copied, *config, "--", *tables)
-    assert jobs == {"limits_run": 2, "extremes_run": 2, "limits_table": 1, "extremes_table": 1}
+    assert jobs == {"experiment_run": 4, "limits_table": 1, "extremes_table": 1}
 
 
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {}

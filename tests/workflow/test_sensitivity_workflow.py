@@ -53,7 +53,7 @@ def analysed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = written(folder)
-    assert planned_jobs(folder, *config, "--", "sensitivity") == ONCE | {"sensitivity_run": 11}, "before the screening is known"
+    assert planned_jobs(folder, *config, "--", "sensitivity") == ONCE | {"experiment_run": 11}, "before the screening is known"
     result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")
     assert result.returncode == 0, result.stderr
     return folder
@@ -61,7 +61,7 @@ def analysed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_analysis_is_planned() -> None:
     jobs = planned_jobs(ROOT, "--config", "fidelity=draft", "--forceall", "--", "sensitivity")
-    assert jobs["sensitivity_run"] > 100 and jobs["sensitivity_factors"] == 1 and "gravity" not in jobs
+    assert jobs["experiment_run"] > 100 and jobs["sensitivity_factors"] == 1 and "gravity" not in jobs
 
 
 def test_tables_and_figures(analysed: Path) -> None:
@@ -104,11 +104,11 @@ def test_other_ranges_and_another_scene_run_everything_again(analysed: Path, tmp
     name, factor = next(iter(SENSITIVITY["factors"].items()))
     bounds = [value * 1.01 for value in factor["bounds"]]
     jobs = planned_jobs(folder, *written(folder, {"factors": {name: {"bounds": bounds}}}), "--", "sensitivity")
-    assert jobs["sensitivity_run"] >= 8 and jobs["sensitivity_measure"] >= 2
+    assert jobs["experiment_run"] >= 8 and jobs["sensitivity_measure"] >= 2
     path = folder / "slope.yaml"
     path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | {"duration": 2.9}))
     os.utime(path, (1e9, 1e9))
-    assert planned_jobs(folder, *written(folder), "--", "sensitivity")["sensitivity_run"] >= 11
+    assert planned_jobs(folder, *written(folder), "--", "sensitivity")["experiment_run"] >= 11
 
 
 def test_a_finished_analysis_has_nothing_to_do(analysed: Path) -> None:
@@ -119,7 +119,7 @@ def test_a_larger_analysis_runs_only_what_is_new(analysed: Path, tmp_path: Path)
     folder = Path(shutil.copytree(analysed, tmp_path / "larger"))
     samples = written(folder, {"sobol": {"samples": 10}})
     jobs = planned_jobs(folder, *samples, "--", "sensitivity")
-    assert jobs["sensitivity_run"] == 2 and "sensitivity_morris" not in jobs
+    assert jobs["experiment_run"] == 2 and "sensitivity_morris" not in jobs
     config = written(folder, {"morris": {"trajectories": 3}, "sobol": {"samples": 10}})
     before = {path: path.stat().st_mtime_ns for path in folder.glob(f"{FOLDER}/runs/**/*.nc")}
     result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")

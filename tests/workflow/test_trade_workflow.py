@@ -49,7 +49,7 @@ def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dic
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     (folder / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
     config = write_config(folder, trade="trade.yaml")
-    assert planned_jobs(folder, *config, "--", "trade") == {"trade": 1, "trade_run": 7, "trade_table": 1, "trade_figure": 2}
+    assert planned_jobs(folder, *config, "--", "trade") == {"trade": 1, "experiment_run": 7, "trade_table": 1, "trade_figure": 2}
     result = snakemake(folder, "--cores", "2", *config, "--", "trade")
     assert result.returncode == 0, result.stderr
     return folder
@@ -57,7 +57,7 @@ def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dic
 
 def test_the_shipped_ladder_is_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "trade")
-    assert jobs["trade_run"] > 100 and jobs["trade_table"] == 1 and jobs["trade_figure"] == 2 and "gravity" not in jobs
+    assert jobs["experiment_run"] > 100 and jobs["trade_table"] == 1 and jobs["trade_figure"] == 2 and "gravity" not in jobs
 
 
 def test_the_tables_hold_every_rung_and_case(climbed: Path) -> None:
@@ -113,7 +113,7 @@ def test_a_finished_ladder_has_nothing_to_do_and_a_new_rung_runs_alone(climbed: 
     more = TRADE | {"knobs": TRADE["knobs"] | {"skin": skin}}
     (climbed / "more.yaml").write_text(yaml.safe_dump(more, sort_keys=False))
     jobs = planned_jobs(climbed, *write_config(climbed, trade="more.yaml"), "--", "trade")
-    assert jobs == {"trade": 1, "trade_run": 2, "trade_table": 1, "trade_figure": 2}
+    assert jobs == {"trade": 1, "experiment_run": 2, "trade_table": 1, "trade_figure": 2}
 
 
 def test_a_bad_ladder_is_refused_before_any_job(climbed: Path) -> None:

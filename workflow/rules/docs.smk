@@ -17,4 +17,4 @@ rule docs:
     params:
         sources=sources("**/*.py"),
     script:
-        "../scripts/write_docs.py"
+        "../scripts/docs/write_docs.py"

@@ -34,7 +34,7 @@ rule figure:
         ],
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/draw_figure.py"
+        "../scripts/figures/draw_figure.py"
 
 
 rule study_figure:
@@ -58,7 +58,7 @@ rule study_figure:
         probe=PLAN.study.metrics.probe,
         note=lambda wildcards: PLAN.note,
     script:
-        "../scripts/draw_study.py"
+        "../scripts/figures/draw_study.py"
 
 
 rule profiles:
@@ -84,4 +84,4 @@ rule profiles:
         titles=lambda wildcards: [[title] for title in PLAN.profile_titles],
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/draw_figure.py"
+        "../scripts/figures/draw_figure.py"

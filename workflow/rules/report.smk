@@ -50,4 +50,4 @@ rule page:
         },
         of_the_paper=PLAN.study.of_the_paper,
     script:
-        "../scripts/write_page.py"
+        "../scripts/report/write_page.py"

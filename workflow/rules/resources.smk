@@ -1,7 +1,11 @@
-# Purpose: functions of wildcards that rules share: what simulations ask of a cluster by their scenes, and what a design varies.
-# Inputs:  scenes, as the rules have them in their params; the factors chosen by the screening.
-# Outputs: functions for the resources and params of rules
+# Purpose: functions of wildcards that rules share: scenes of stages and runs, what they ask of a cluster, what a design varies.
+# Inputs:  the plans of studies and experiments; the factors chosen by the screening.
+# Outputs: functions for the input, resources and params of rules
+from sph.experiments.base import Run
 from sph.study.cost import Needs, needs
+
+# Run of a name, by the folder of its experiment, whose file of rules puts it here.
+EXPERIMENTS = {}
 
 
 def asked(scene, stage=lambda wildcards: "end"):
@@ -27,11 +31,31 @@ def searched_scene(wildcards):
     return PLANS(wildcards.folder).slope
 
 
-def varied(wildcards):
+def experiment_run(wildcards):
+    """A run of an experiment."""
+    return EXPERIMENTS[wildcards.experiment](wildcards.run)
+
+
+def asking_run(wildcards):
+    """The run by which a job asks for resources: in the sensitivity analysis, where scenes are known late, that of the study's scene."""
+    if wildcards.experiment == SENSITIVITY:
+        return Run(PLAN.scene())
+    return experiment_run(wildcards)
+
+
+def factors_of(wildcards):
+    """The file that must be there before the scene of a run is known: of the factors that matter, where a design varies those."""
+    late = wildcards.experiment == SENSITIVITY and not wildcards.run.startswith(
+        ALL_FACTORS
+    )
+    return FACTORS if late else []
+
+
+def varied(design):
     """Factors that a design varies beside those that vary all: the ones that matter, once they are known.
 
     No function of ``input``: Snakemake runs nothing again for a parameter that is made from it.
     """
-    if wildcards.design in ALL_FACTORS:
+    if design in ALL_FACTORS:
         return []
     return chosen_factors(checkpoints.sensitivity_factors.get().output[0])

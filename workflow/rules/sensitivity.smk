@@ -26,6 +26,7 @@ DESIGNS = functools.cache(
         check=workflow.is_main_process,
     )
 )
+EXPERIMENTS[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
 
 
 wildcard_constraints:
@@ -47,38 +48,13 @@ rule sensitivity:
         ),
 
 
-rule sensitivity_run:
-    """Run a point of a design from the start to the end, on one core."""
-    input:
-        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
-    output:
-        f"{SENSITIVITY}/runs/{{design}}/{{run}}.nc",
-    log:
-        f"{SENSITIVITY}/logs/{{design}}/{{run}}.log",
-    benchmark:
-        f"{SENSITIVITY}/benchmarks/{{design}}/{{run}}.tsv"
-    wildcard_constraints:
-        run=".+",
-    threads: 1
-    resources:
-        **asked(lambda wildcards: PLAN.scene()),
-    params:
-        sources=SOLVER,
-        scene=lambda wildcards: planned(
-            DESIGNS().scene(wildcards.design, wildcards.run, varied(wildcards))
-        ),
-        until="end",
-    script:
-        "../scripts/simulate.py"
-
-
 rule sensitivity_measure:
     """Measure every run of a design."""
     input:
         factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
         runs=lambda wildcards: [
             f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
-            for run in DESIGNS().design(wildcards.design, varied(wildcards))
+            for run in DESIGNS().design(wildcards.design, varied(wildcards.design))
         ],
     output:
         f"{SENSITIVITY}/samples/{{design}}.csv",
@@ -86,16 +62,18 @@ rule sensitivity_measure:
         f"{SENSITIVITY}/logs/{{design}}.log",
     params:
         sources=SOLVER + ANALYSIS,
-        points=lambda wildcards: DESIGNS().design(wildcards.design, varied(wildcards)),
+        points=lambda wildcards: DESIGNS().design(
+            wildcards.design, varied(wildcards.design)
+        ),
         scenes=lambda wildcards: [
             planned(scene)
-            for scene in DESIGNS().scenes(wildcards.design, varied(wildcards))
+            for scene in DESIGNS().scenes(wildcards.design, varied(wildcards.design))
         ],
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
         settings=PLAN.study.metrics.model_dump(),
     script:
-        "../scripts/measure_sample.py"
+        "../scripts/sensitivity/measure_sample.py"
 
 
 rule sensitivity_sample:
@@ -122,7 +100,7 @@ rule sensitivity_sample:
         axes=lambda wildcards: DESIGNS().axes,
         quantities=lambda wildcards: DESIGNS().quantities,
     script:
-        "../scripts/join_samples.py"
+        "../scripts/sensitivity/join_samples.py"
 
 
 rule sensitivity_morris:
@@ -146,7 +124,7 @@ rule sensitivity_morris:
         seed=lambda wildcards: DESIGNS().settings.seed,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/screen_factors.py"
+        "../scripts/sensitivity/screen_factors.py"
 
 
 checkpoint sensitivity_factors:
@@ -163,7 +141,7 @@ checkpoint sensitivity_factors:
         factors=lambda wildcards: DESIGNS().settings.sobol.factors,
         share=lambda wildcards: DESIGNS().settings.sobol.share,
     script:
-        "../scripts/choose_factors.py"
+        "../scripts/sensitivity/choose_factors.py"
 
 
 rule sensitivity_tornado:
@@ -185,7 +163,7 @@ rule sensitivity_tornado:
         quantities=lambda wildcards: DESIGNS().quantities,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/measure_tornado.py"
+        "../scripts/sensitivity/measure_tornado.py"
 
 
 rule sensitivity_sobol:
@@ -213,7 +191,7 @@ rule sensitivity_sobol:
         seed=lambda wildcards: DESIGNS().settings.seed,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/fit_surrogate.py"
+        "../scripts/sensitivity/fit_surrogate.py"
 
 
 rule sensitivity_confirm:
@@ -237,7 +215,7 @@ rule sensitivity_confirm:
         fidelities=lambda wildcards: DESIGNS().fidelities,
         described=lambda wildcards, input: described(input.sample),
     script:
-        "../scripts/confirm_sample.py"
+        "../scripts/sensitivity/confirm_sample.py"
 
 
 rule sensitivity_figure:
@@ -269,4 +247,4 @@ rule sensitivity_figure:
         described=lambda wildcards, input: described(input.sample),
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/draw_sensitivity.py"
+        "../scripts/sensitivity/draw_sensitivity.py"

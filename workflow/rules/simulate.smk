@@ -1,6 +1,7 @@
-# Purpose: simulate every run, work that runs share done once.
+# Purpose: simulate every run; those of a study and of the trigger share work that is done once, of other experiments each stands on its own.
 # Inputs:  the scene, with the files of its ground line and motion, and the solver's sources, by their contents.
-# Outputs: stages/gravity*.nc, stages/amplitude-*.nc or trunk*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger
+# Outputs: stages/gravity*.nc, stages/amplitude-*.nc or trunk*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger;
+#          runs/**/*.nc in the folder of an experiment
 
 
 rule gravity:
@@ -18,7 +19,7 @@ rule gravity:
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="gravity",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule trunk:
@@ -42,7 +43,7 @@ rule trunk:
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="first_failure",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule simulate:
@@ -67,4 +68,35 @@ rule simulate:
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         until="end",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
+
+
+rule experiment_run:
+    """Run a scene of an experiment from the start to the end, or search its limit by many runs, on one core."""
+    input:
+        factors=factors_of,
+    output:
+        "{experiment}/runs/{run}.nc",
+    log:
+        "{experiment}/logs/{run}.log",
+    benchmark:
+        "{experiment}/benchmarks/{run}.tsv"
+    wildcard_constraints:
+        experiment="|".join(map(re.escape, EXPERIMENTS)),
+        run=".+",
+    threads: 1
+    resources:
+        **asked(
+            lambda wildcards: asking_run(wildcards).scene,
+            lambda wildcards: asking_run(wildcards).by,
+        ),
+    params:
+        sources=lambda wildcards: (
+            SOLVER if asking_run(wildcards).by == "simulation" else SEARCHING
+        ),
+        scene=lambda wildcards: planned(experiment_run(wildcards).scene),
+        until="end",
+        by=lambda wildcards: asking_run(wildcards).by,
+        enforce_limit=lambda wildcards: asking_run(wildcards).enforce_limit,
+    script:
+        "../scripts/simulate/simulate.py"

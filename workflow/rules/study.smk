@@ -18,7 +18,7 @@ rule yield_acceleration:
         scene=lambda wildcards: planned(searched_scene(wildcards)),
         by="yield_acceleration",
     script:
-        "../scripts/simulate.py"
+        "../scripts/simulate/simulate.py"
 
 
 rule measure:
@@ -48,7 +48,7 @@ rule measure:
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
         settings=PLAN.study.metrics.model_dump(),
     script:
-        "../scripts/measure_study.py"
+        "../scripts/study/measure_study.py"
 
 
 rule study:
@@ -79,7 +79,7 @@ rule study:
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/join_study.py"
+        "../scripts/study/join_study.py"
 
 
 rule claims:
@@ -100,4 +100,4 @@ rule claims:
         sources=ANALYSIS,
         settings=PLAN.study.claims.model_dump(),
     script:
-        "../scripts/decide_claims.py"
+        "../scripts/study/decide_claims.py"

@@ -65,7 +65,7 @@ checkpoint want_points:
         ],
         classes=lambda wildcards: TRIGGER().classes(wildcards.search),
     script:
-        "../scripts/want_points.py"
+        "../scripts/trigger/want_points.py"
 
 
 rule measure_points:
@@ -92,7 +92,7 @@ rule measure_points:
         ),
         settings=PLAN.study.metrics.model_dump(),
     script:
-        "../scripts/measure_points.py"
+        "../scripts/trigger/measure_points.py"
 
 
 rule searched_points:
@@ -106,7 +106,7 @@ rule searched_points:
     wildcard_constraints:
         table="|".join(SEARCHED),
     script:
-        "../scripts/keep_points.py"
+        "../scripts/trigger/keep_points.py"
 
 
 rule trigger_table:
@@ -143,7 +143,7 @@ rule trigger_table:
         settings=PLAN.study.metrics.model_dump(),
         attrs=lambda wildcards: TRIGGER().facts,
     script:
-        "../scripts/measure_trigger.py"
+        "../scripts/trigger/measure_trigger.py"
 
 
 checkpoint want_confirmation:
@@ -159,7 +159,7 @@ checkpoint want_confirmation:
         sources=ANALYSIS,
         confirm=lambda wildcards: TRIGGER().confirm,
     script:
-        "../scripts/want_confirmation.py"
+        "../scripts/trigger/want_confirmation.py"
 
 
 rule confirm_table:
@@ -189,7 +189,7 @@ rule confirm_table:
         ),
         settings=PLAN.study.metrics.model_dump(),
     script:
-        "../scripts/confirm_trigger.py"
+        "../scripts/trigger/confirm_trigger.py"
 
 
 rule map_tables:
@@ -214,7 +214,7 @@ rule map_tables:
         classes=lambda wildcards: TRIGGER().classes("maps"),
         levels=lambda wildcards: TRIGGER().levels("maps"),
     script:
-        "../scripts/measure_maps.py"
+        "../scripts/trigger/measure_maps.py"
 
 
 rule trigger_figure:
@@ -238,7 +238,7 @@ rule trigger_figure:
             f"{TRIGGER().note} · brackets to {TRIGGER().trigger.tolerance:g} m/s²"
         ),
     script:
-        "../scripts/draw_trigger.py"
+        "../scripts/trigger/draw_trigger.py"
 
 
 rule map_figure:
@@ -263,4 +263,4 @@ rule map_figure:
         figure=lambda wildcards: wildcards.figure,
         note=lambda wildcards: TRIGGER().note,
     script:
-        "../scripts/draw_trigger.py"
+        "../scripts/trigger/draw_trigger.py"

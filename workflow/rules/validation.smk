@@ -7,6 +7,9 @@ from sph.validation.suite import FOLDER as VALIDATION, load_suite
 
 # Read and checked once a rule of the suite is asked for.
 SUITE = functools.cache(functools.partial(load_suite, PLAN.study.validation, FOLDERS))
+EXPERIMENTS[VALIDATION] = lambda name: Run(
+    SUITE().runs[name].scene, SUITE().cases[SUITE().runs[name].case].by
+)
 VALIDATING = DRAWING + sources("validation/*.py")
 
 
@@ -24,33 +27,6 @@ rule validation:
             case=SUITE().cases,
             kind=["png", "pdf"],
         ),
-
-
-rule validation_run:
-    """One run of a case, or one search by many runs, on one core."""
-    output:
-        f"{VALIDATION}/runs/{{case}}/{{run}}.nc",
-    log:
-        f"{VALIDATION}/logs/{{case}}/{{run}}.log",
-    benchmark:
-        f"{VALIDATION}/benchmarks/{{case}}/{{run}}.tsv"
-    wildcard_constraints:
-        run=".+",
-    threads: 1
-    resources:
-        **asked(
-            lambda wildcards: SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene,
-            lambda wildcards: SUITE().cases[wildcards.case].by,
-        ),
-    params:
-        sources=SEARCHING,
-        scene=lambda wildcards: planned(
-            SUITE().runs[f"{wildcards.case}/{wildcards.run}"].scene
-        ),
-        until="end",
-        by=lambda wildcards: SUITE().cases[wildcards.case].by,
-    script:
-        "../scripts/simulate.py"
 
 
 rule validation_case:
@@ -74,7 +50,7 @@ rule validation_case:
         sources=SEARCHING + VALIDATING,
         suite=lambda wildcards: SUITE().plan(wildcards.case),
     script:
-        "../scripts/measure_case.py"
+        "../scripts/validation/measure_case.py"
 
 
 rule validation_table:
@@ -95,4 +71,4 @@ rule validation_table:
     log:
         f"{VALIDATION}/logs/validation.log",
     script:
-        "../scripts/join_cases.py"
+        "../scripts/validation/join_cases.py"

@@ -7,21 +7,17 @@ so that a typo or a time step above its limit is refused before any work.  Equal
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
-from sph.measures.fields import check_probe
+from sph.experiments.base import Cases, Label, Name, Overrides, check_file_names, check_known, checked, file_name
 from sph.measures.metrics import PROBE
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
-from sph.solver.particles import locate_probes, place_particles
-from sph.solver.time_step import check_time_step
-from sph.study.plan import NAME
 
 FOLDER = "results/trade"
 """Where the results go, relative to the working folder."""
@@ -31,11 +27,6 @@ NOT_SCHEME = ("name", "title", "duration", "geometry", "soil", "motion", "probes
 """Sections and keys of a scene that say what is simulated, not how."""
 CASE_KEYS = ("S_R", "gamma")
 """Keys of ``coupling`` that say what is simulated."""
-
-Overrides = dict[str, Any]
-Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
-"""One line without '$', which begins a formula in figures."""
-Name = Annotated[str, Field(pattern=NAME)]
 
 
 class Extent(Section):
@@ -58,9 +49,7 @@ class Knob(Extent):
 
     @model_validator(mode="after")
     def _known(self) -> Knob:
-        unknown = sorted(set(self.exceptions) - set(self.rungs))
-        if unknown:
-            raise ValueError(f"exceptions: {unknown[0]!r} is not one of the rungs {', '.join(self.rungs)}")
+        check_known("exceptions", self.exceptions, self.rungs)
         check_file_names("rungs", self.rungs)
         return self
 
@@ -72,12 +61,9 @@ class Reference(Section):
     rung: str = key("its label")
 
 
-class Trade(Section):
+class Trade(Cases):
     """The configuration of the ladder."""
 
-    scene: str = key("scene file, relative to the working folder or the workflow's")
-    overrides: Overrides = key("scene keys of every run", default={})
-    cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
     timed_case: str = key("case whose runs are repeated and whose computing time is a rung's cost")
     repeats: int = key("runs of the timed case", ge=1, le=100, default=3)
     reference: Reference = key("the rung from which deviations are measured, the finest that runs in every case")
@@ -89,21 +75,15 @@ class Trade(Section):
     def _known(self) -> Trade:
         if PRESETS in self.knobs:
             raise ValueError(f"knobs: {PRESETS!r} is the knob of the study's fidelities, choose another name")
-        if self.convergence not in self.knobs:
-            raise ValueError(f"convergence: {self.convergence!r} is not one of the knobs {', '.join(self.knobs)}")
-        check_file_names("cases", self.cases)
-        self._check_case("timed_case", self.timed_case)
+        check_known("convergence", [self.convergence], self.knobs)
+        check_known("timed_case", [self.timed_case], self.cases)
         for name, knob in self.knobs.items():
             for label in knob.rungs:
-                for case in self.extent(name, label).cases or ():
-                    self._check_case(f"knobs.{name}, rung {label!r}: cases", case)
-                if self.timed_case not in (self.extent(name, label).cases or ()):
+                cases = self.extent(name, label).cases or ()
+                check_known(f"knobs.{name}, rung {label!r}: cases", cases, self.cases)
+                if self.timed_case not in cases:
                     raise ValueError(f"knobs.{name}, rung {label!r}: cases: the timed case {self.timed_case!r} must be among them")
         return self
-
-    def _check_case(self, where: str, case: str) -> None:
-        if case not in self.cases:
-            raise ValueError(f"{where}: {case!r} is not one of the cases {', '.join(self.cases)}")
 
     def extent(self, knob: str, rung: str) -> Extent:
         """Cases and repeats of a rung: its own, else its knob's, else the ladder's."""
@@ -135,10 +115,8 @@ class Ladder:
     """A ladder with its scene file read: every row of its table, and the scene of every run."""
 
     def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
-        if trade.baseline not in fidelities:
-            raise ValueError(f"{origin}: baseline: {trade.baseline!r} is not one of the fidelities {', '.join(fidelities)}")
-        self.trade, self.origin = trade, origin
-        self._base, self._fidelities, self._probe = base, fidelities, probe
+        check_known(f"{origin}: baseline", [trade.baseline], fidelities)
+        self.trade, self._fidelities = trade, fidelities
         self.runs: dict[str, dict[str, Any]] = {}
         stems: dict[str, str] = {}
         repeats: dict[str, int] = {}
@@ -147,7 +125,7 @@ class Ladder:
             extent = trade.extent(knob, label)
             for case in extent.cases or ():
                 scene = merge(merge(base, settings), trade.cases[case])
-                built = self._checked(scene, f"{origin}: knob {knob}, rung {label!r}, case {case!r}")
+                built = checked(scene, f"{origin}: knob {knob}, rung {label!r}, case {case!r}", probe)
                 content = built.model_dump_json(exclude={"name", "title"})
                 stem = stems.setdefault(content, f"{knob}/{file_name(label)}/{file_name(case)}")
                 repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
@@ -183,17 +161,6 @@ class Ladder:
             for label, settings in knob.rungs.items():
                 yield name, label, merge(merge(self.trade.overrides, knob.base), settings)
 
-    def _checked(self, scene: Mapping[str, Any], where: str) -> Scene:
-        """The scene, built as a run would build it; ValueError says where it is refused."""
-        built = make_scene(scene, where)
-        check_probe(self._probe, built, where)
-        try:
-            check_time_step(built)
-            locate_probes(built, place_particles(built))
-        except ValueError as error:
-            raise ValueError(f"{where}: {error}") from error
-        return built
-
 
 def scheme(scene: Scene) -> Overrides:
     """How a scene is simulated, as the keys that differ from their defaults: everything but ``NOT_SCHEME`` and ``CASE_KEYS``.
@@ -205,22 +172,8 @@ def scheme(scene: Scene) -> Overrides:
     return kept | ({"coupling": coupling} if coupling else {})
 
 
-def file_name(label: str) -> str:
-    """A label as part of a path: it cannot lead out of its folder, nor hide the file."""
-    return re.sub(r"^\.+|[^A-Za-z0-9_.-]+", "-", label)
-
-
-def check_file_names(where: str, labels: Iterable[str]) -> None:
-    """Refuse two labels with one file name, whose runs would overwrite each other; ValueError begins with ``where``."""
-    first: dict[str, str] = {}
-    for label in labels:
-        other = first.setdefault(file_name(label), label)
-        if other != label:
-            raise ValueError(f"{where}: {other!r} and {label!r} give the same file name {file_name(label)!r}")
-
-
 def load_trade(
-    config: Mapping[str, Any] | Path | str,
+    path: Path | str,
     fidelities: Mapping[str, Overrides],
     folders: Sequence[Path] = (Path(),),
     probe: str = PROBE,
@@ -230,10 +183,8 @@ def load_trade(
     ``fidelities`` and the ``probe`` that is measured are those of the study; ``folders`` are searched in order for the ladder's and the
     scene's file.
     """
-    origin = "trade" if isinstance(config, Mapping) else str(config)
-    data = config if isinstance(config, Mapping) else read_yaml(found_file(folders, str(config), "trade"))
-    trade = validated(Trade, data, origin)
-    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{origin}: scene")), fidelities, origin, probe)
+    trade = validated(Trade, read_yaml(found_file(folders, str(path), "trade")), str(path))
+    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{path}: scene")), fidelities, str(path), probe)
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

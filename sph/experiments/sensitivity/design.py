@@ -10,21 +10,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from sph.experiments.cost_accuracy.design import Label, Overrides
+from sph.experiments.base import Label, Overrides, check_known, checked
 from sph.measures.fields import check_probe
 from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.scene.strict_json import parse_json
-from sph.solver.particles import locate_probes, place_particles
-from sph.solver.time_step import check_time_step
 from sph.storage.trajectory import Variable
 from sph.study.plan import Plan
 from sph.study.tables import ROW, text_column
@@ -122,13 +120,8 @@ class Sensitivity(Section):
 
     @model_validator(mode="after")
     def _known(self) -> Sensitivity:
-        for where, names, known in (
-            ("metrics", self.metrics, [metric.name for metric in METRIC_BY_NAME.values() if metric.dtype == "f8"]),
-            ("sobol.factors", self.sobol.factors or (), list(self.factors)),
-        ):
-            for name in names:
-                if name not in known:
-                    raise ValueError(f"{where}: {name!r} is not one of {', '.join(known)}")
+        check_known("metrics", self.metrics, [metric.name for metric in METRIC_BY_NAME.values() if metric.dtype == "f8"])
+        check_known("sobol.factors", self.sobol.factors, self.factors)
         taken = {column.name for column in SAMPLE} | set(self.metrics)
         for name in self.factors:
             if name in taken:
@@ -200,10 +193,8 @@ class SensitivityPlan:
     def __init__(self, settings: Sensitivity, plan: Plan, origin: str) -> None:
         self.settings, self.origin = settings, origin
         confirm, own = settings.confirm, plan.study.fidelity
-        if confirm and confirm.fidelity not in plan.study.fidelities:
-            known = ", ".join(plan.study.fidelities)
-            raise ValueError(f"{origin}: confirm.fidelity: {confirm.fidelity!r} is not one of {known}")
         self.fidelities = (own, confirm.fidelity if confirm else own)
+        check_known(f"{origin}: confirm.fidelity", self.fidelities, plan.study.fidelities)
         self.quantities = [Quantity(name, analysed.log_offset) for name, analysed in settings.metrics.items()]
         self._bases = {name: merge(plan.at(name).scene(), settings.overrides) for name in self.fidelities}
         self.axes = self._axes(plan.study.metrics.probe)
@@ -225,6 +216,11 @@ class SensitivityPlan:
         """Scene of a run of a design, as a mapping."""
         return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
 
+    def run_scene(self, name: str, chosen: Callable[[str], Sequence[str]]) -> dict[str, Any]:
+        """Scene of a run by its file, ``<design>/<run>``; ``chosen`` gives the factors that a design varies."""
+        design, _, run = name.partition("/")
+        return self.scene(design, run, chosen(design))
+
     def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
         """Scenes of all runs of a design, in their order."""
         return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]
@@ -237,25 +233,17 @@ class SensitivityPlan:
         """
         for design in (*self._designs, "sobol"):
             for run, point in self.design(design, [axis.name for axis in self.axes]).items():
-                self._check(self._scene(point, self.fidelities[0]), f"{design}/{run}")
+                checked(self._scene(point, self.fidelities[0]), f"{self.origin}: at {design}/{run}")
         for corner in itertools.product(*((axis.low, axis.high) for axis in self.axes)):
             at = ", ".join(f"{axis.name} = {value:g}" for axis, value in zip(self.axes, corner, strict=True))
             for fidelity in self._bases:
-                self._check(self._scene(corner, fidelity), f"{at}, fidelity {fidelity}")
+                checked(self._scene(corner, fidelity), f"{self.origin}: at {at}, fidelity {fidelity}")
 
     def _scene(self, point: Point, fidelity: str) -> dict[str, Any]:
         factors = zip(self.settings.factors.values(), point, strict=True)
         return merge(
             self._bases[fidelity], dotted({name: ratio * value for factor, value in factors for name, ratio in factor.keys.items()})
         )
-
-    def _check(self, scene: Mapping[str, Any], where: str) -> None:
-        built = make_scene(scene, f"{self.origin}: at {where}")
-        try:
-            check_time_step(built)
-            locate_probes(built, place_particles(built))
-        except ValueError as error:
-            raise ValueError(f"{self.origin}: at {where}: {error}") from error
 
     def _axes(self, probe: str) -> list[Axis]:
         scene = make_scene(self._bases[self.fidelities[0]], self.origin)

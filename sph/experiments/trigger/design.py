@@ -16,7 +16,7 @@ from typing import Any, Literal, get_args
 import pandas as pd
 from pydantic import model_validator
 
-from sph.experiments.cost_accuracy.design import Label, Overrides, check_file_names, file_name
+from sph.experiments.base import Label, Overrides, check_file_names, check_known, file_name
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES, GRID
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
@@ -86,20 +86,14 @@ class Trigger(Section):
                 section, last = dotted_key.split(".")
                 if last in (overrides.get(section) or {}):
                     raise ValueError(f"cases.{case}: {dotted_key} is what is searched, see {name}")
-        chosen = {"confirm": self.confirm and self.confirm.cases, "maps": self.maps and self.maps.cases}
-        for where, cases in chosen.items():
-            for case in cases or ():
-                if case not in self.cases:
-                    raise ValueError(f"{where}.cases: {case!r} is not one of {', '.join(self.cases)}")
+        check_known("confirm.cases", self.confirm.cases if self.confirm else (), self.cases)
+        check_known("maps.cases", self.maps.cases if self.maps else (), self.cases)
         for name in ("S_R", "gamma") if self.confirm else ():
             searched = {float(value) for value in getattr(self, name)}
             for value in getattr(self.confirm, name):
                 if float(value) not in searched:
                     raise ValueError(f"confirm.{name}: {value} is not one of those searched, {', '.join(getattr(self, name))}")
-        if self.confirm and self.confirm.collapse_class not in self.classes:
-            raise ValueError(
-                f"confirm.collapse_class: {self.confirm.collapse_class!r} is not one of those searched, {', '.join(self.classes)}"
-            )
+        check_known("confirm.collapse_class", [self.confirm.collapse_class] if self.confirm else (), self.classes)
         if self.levels > MOST_LEVELS:
             raise ValueError(
                 f"tolerance: {self.tolerance:g} m/s2 must be at least {self.amplitude.widest(MOST_LEVELS):.2g} m/s2 with this lattice"
@@ -159,8 +153,7 @@ class TriggerPlan:
         """folder of the stages and runs of a fidelity and case"""
         wanted = {"fidelity": self.fidelity} | ({"confirm.fidelity": trigger.confirm.fidelity} if trigger.confirm else {})
         for where, fidelity in wanted.items():
-            if fidelity not in study.study.fidelities:
-                raise ValueError(f"{origin}: {where}: {fidelity!r} is not one of {', '.join(study.study.fidelities)}")
+            check_known(f"{origin}: {where}", [fidelity], study.study.fidelities)
             for case, overrides in trigger.cases.items():
                 plan = study.at(fidelity, overrides, f"{FOLDER}/{file_name(case)}" if overrides else "", f"{origin}: case {case!r}")
                 self.plans[plan.folder] = plan

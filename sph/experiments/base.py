@@ -1,0 +1,79 @@
+"""What experiments share: the keys of a configuration, names of files, and the check of every scene before any work."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterable, Mapping
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field, model_validator
+
+from sph.measures.fields import check_probe
+from sph.scene.configuration import Section, key
+from sph.scene.schema import Scene, make_scene
+from sph.solver.particles import locate_probes, place_particles
+from sph.solver.time_step import check_time_step
+from sph.study.plan import NAME
+
+Overrides = dict[str, Any]
+Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
+"""One line without '$', which begins a formula in figures."""
+Name = Annotated[str, Field(pattern=NAME)]
+
+
+class Cases(Section):
+    """A scene in some cases: what an experiment runs everything in."""
+
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    overrides: Overrides = key("scene keys of every run", default={})
+    cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
+
+    @model_validator(mode="after")
+    def _cases_apart(self) -> Cases:
+        check_file_names("cases", self.cases)
+        return self
+
+
+class Run(NamedTuple):
+    """A run of an experiment: whole, from the start to the end, on one core."""
+
+    scene: dict[str, Any]
+    """as a mapping"""
+    by: str = "simulation"
+    """or the search that makes many runs of the scene (``sph.stability.record.SEARCHES``)"""
+    enforce_limit: bool = True
+    """whether a time step above its limit is refused"""
+
+
+def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> Scene:
+    """The scene, built as a run would build it, with the ``probe`` that is measured; ValueError says where it is refused."""
+    built = make_scene(scene, where)
+    if probe is not None:
+        check_probe(probe, built, where)
+    try:
+        check_time_step(built)
+        locate_probes(built, place_particles(built))
+    except ValueError as error:
+        raise ValueError(f"{where}: {error}") from error
+    return built
+
+
+def check_known(where: str, names: Iterable[str] | None, known: Collection[str]) -> None:
+    """Refuse a name that is not among those known; ValueError begins with ``where``."""
+    for name in names or ():
+        if name not in known:
+            raise ValueError(f"{where}: {name!r} is not one of {', '.join(known)}")
+
+
+def file_name(label: str) -> str:
+    """A label as part of a path: it cannot lead out of its folder, nor hide the file."""
+    return re.sub(r"^\.+|[^A-Za-z0-9_.-]+", "-", label)
+
+
+def check_file_names(where: str, labels: Iterable[str]) -> None:
+    """Refuse two labels with one file name, whose runs would overwrite each other; ValueError begins with ``where``."""
+    first: dict[str, str] = {}
+    for label in labels:
+        other = first.setdefault(file_name(label), label)
+        if other != label:
+            raise ValueError(f"{where}: {other!r} and {label!r} give the same file name {file_name(label)!r}")

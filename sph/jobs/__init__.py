@@ -1,0 +1,9 @@
+"""What every run has, started by hand or by the workflow: what is said while it runs, what it warns of, how it ends.
+
+No result depends on it: editing it runs nothing again.
+
+* ``log``: what a job is given, and its log
+* ``progress``: a bar on a terminal, lines in a log file
+* ``concerns``: what may spoil the results of a scene
+* ``exit_codes``: of jobs and of the command
+"""

@@ -1,0 +1,63 @@
+"""Write the documentation: the pages of ``docs``, and those of the library, made from its docstrings."""
+
+import pkgutil
+import subprocess
+import sys
+import tempfile
+import warnings
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from typing import IO, Any, get_type_hints
+
+import sph
+from sph.jobs.log import Job, job_log
+
+
+def write_api(folder: Path) -> None:
+    """Write the public interface, then a page a module, into a folder; UserWarning for a docstring or annotation that pdoc cannot read."""
+    import pdoc
+
+    warnings.filterwarnings("error", module="pdoc")
+    names = [module.name for module in pkgutil.walk_packages(sph.__path__, "sph.")]
+    for public in vars(sph)["__all__"]:
+        getattr(sph, public)  # pdoc shows what has been imported
+    for name in names:
+        for value in vars(import_module(name)).values():
+            if isinstance(value, type) and issubclass(value, tuple) and hasattr(value, "_fields"):
+                # pdoc looks for the names of these annotations in the wrong module.
+                value.__new__.__annotations__ = get_type_hints(value)
+    pdoc.render.configure(show_source=False)
+    # pdoc itself leaves out the modules of a package that has __all__.
+    hidden = [name for name in names if hasattr(import_module(name.rpartition(".")[0]), "__all__")]
+    pdoc.pdoc("sph", *hidden, output_directory=folder)
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """MkDocs asks for it: the pages of the library lie in ``api``."""
+    from mkdocs.structure.files import File
+
+    with tempfile.TemporaryDirectory() as folder:
+        write_api(Path(folder))
+        for path in sorted(Path(folder).rglob("*.*")):
+            place = f"api/{path.relative_to(folder).as_posix()}"
+            files.append(File.generated(config, place, content=path.read_text(encoding="utf-8")))
+    return files
+
+
+def write_docs(path_to_settings: str, folder: Path, log: IO[str]) -> None:
+    """Write the site into a folder; ValueError where what it needs is not installed, or for a warning, which the log names."""
+    for needed in ("mkdocs", "pdoc"):
+        if find_spec(needed) is None:
+            raise ValueError(f'{needed} is not installed; pip install -c constraints.txt -e ".[docs]"')
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", path_to_settings, "--site-dir", str(folder.resolve())]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    print(done.stdout + done.stderr, file=log)
+    if done.returncode:
+        raise ValueError(f"the documentation has faults:\n{done.stdout}{done.stderr}")
+
+
+if __name__ == "__main__":
+    snakemake: Job
+    with job_log(snakemake.log[0]) as log:
+        write_docs(snakemake.input.settings, Path(snakemake.output[0]).parent, log)

@@ -1,0 +1,51 @@
+"""Simulate one stage or run of a study, or search the limit of a scene by many runs."""
+
+from typing import TextIO
+
+from sph.jobs.concerns import of_motion
+from sph.jobs.log import Job, job_log
+from sph.jobs.progress import reporter
+from sph.solver.checkpoint import run_to_file
+from sph.solver.run import Until
+from sph.stability.record import search_to_file
+from sph.study.planned import Planned
+
+
+def simulate(
+    planned: Planned,
+    until: Until,
+    path_to_restart: str | None,
+    path_to_trajectory: str,
+    log: TextIO,
+    enforce_limit: bool,
+    threads: int,
+) -> None:
+    """Run a scene, from its checkpoint or a restart if there is one, and write its trajectory; a run that diverges is a result."""
+
+    def say(line: str) -> None:
+        print(line, file=log)
+
+    with reporter(path_to_trajectory, log) as report:
+        built = planned.build()
+        for concern in of_motion(built):
+            say(f"warning: {concern.sentence()}")
+        result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)
+    print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
+
+
+def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO) -> None:
+    """Search the strength at which a scene just stands, from the trials of a search that was killed, and write the trials."""
+    planned.build()  # refuses files that have changed
+    search_to_file(planned.scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True))
+
+
+if __name__ == "__main__":
+    snakemake: Job
+    scene, by = snakemake.params.scene, snakemake.params.get("by", "simulation")
+    with job_log(snakemake.log[0]) as log:
+        if by == "simulation":
+            enforce = snakemake.params.get("enforce_limit", True)
+            earlier, out = snakemake.input.get("restart"), snakemake.output[0]
+            simulate(scene, snakemake.params.until, earlier, out, log, enforce, snakemake.threads)
+        else:
+            find_limit(scene, by, snakemake.output[0], log)

@@ -1,0 +1,40 @@
+"""Put the measured parts of a study together."""
+
+from collections.abc import Mapping, Sequence
+
+from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.jobs.log import Job, job_log
+from sph.storage import trajectory
+from sph.study.planned import Planned
+from sph.study.tables import Layout, join_study
+
+
+def join(
+    paths_to_parts: Sequence[str],
+    layout: Layout,
+    path_to_run: str,
+    planned: Planned,
+    attrs: Mapping[str, str],
+    path_to_nc: str,
+    path_to_csv: str,
+) -> None:
+    """The tables of the study; ``attrs`` and those of a run, whose scene is planned, go into the netCDF."""
+    run = planned.read(path_to_run)
+    facts = {name: run.attrs[name] for name in ("source", "versions", "scene")} | {
+        "expected_error": expected_sentence(trajectory.scene_of(run))
+    }
+    join_study(paths_to_parts, layout, path_to_nc, path_to_csv, dict(attrs) | facts)
+
+
+if __name__ == "__main__":
+    snakemake: Job
+    with job_log(snakemake.log[0]):
+        join(
+            snakemake.input.parts,
+            snakemake.params.layout,
+            snakemake.input.run,
+            snakemake.params.scene,
+            {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},
+            snakemake.output.nc,
+            snakemake.output.csv,
+        )
