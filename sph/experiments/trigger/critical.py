@@ -193,8 +193,3 @@ def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence
 def read_ends(path: Path | str) -> pd.DataFrame:
     """Table of ends to be run again, from its CSV; ValueError names a file that is none."""
     return read_csv(path, ENDS, "ends of brackets")
-
-
-def read_confirm(path: Path | str) -> pd.DataFrame:
-    """Table from its CSV; ValueError names a file that is none."""
-    return read_csv(path, CONFIRM, "confirmed brackets")

@@ -90,11 +90,6 @@ def class_shares(cells: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=names(SHARES))
 
 
-def read_cells(path: Path | str) -> pd.DataFrame:
-    """Table of cells from its CSV; ValueError names a file that is none."""
-    return read_csv(path, CELLS, "the cells of maps")
-
-
 def read_shares(path: Path | str) -> pd.DataFrame:
     """Table of shares from its CSV; ValueError names a file that is none."""
     return read_csv(path, SHARES, "shares of classes")
