@@ -173,6 +173,7 @@ def run(
         from sph.command.progress import reporter
         from sph.command.repeat import compare, earlier_run, read_given, stopped_at
         from sph.solver.checkpoint import run_to_file
+        from sph.storage.trajectory import Status
 
         if until not in (None, "end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
@@ -200,7 +201,7 @@ def run(
         )
     if earlier is not None and repeats:
         say(compare(earlier, result.trajectory, scene))
-    if result.status == "diverged":
+    if result.status == Status.DIVERGED:
         raise typer.Exit(DIVERGED)
 
 

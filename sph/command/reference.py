@@ -38,7 +38,7 @@ from sph.experiments.trigger.points import POINTS
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
-from sph.storage.trajectory import VARIABLES, Variable
+from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import named_sections, sections
 from sph.study.plan import Study
 from sph.study.tables import VALUES
@@ -155,8 +155,10 @@ def _limits_table(table: pd.DataFrame) -> str:
 def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the extremes."""
     for sweep, rows in table[table["sweep"] != TIME_STEP].groupby("sweep", sort=False):
-        sound = rows[~rows["status"].isin(("diverged", REFUSED))]
-        diverged, refused = (", ".join(dict.fromkeys(rows["value"][rows["status"] == status])) or "-" for status in ("diverged", REFUSED))
+        sound = rows[~rows["status"].isin((Status.DIVERGED, REFUSED))]
+        diverged, refused = (
+            ", ".join(dict.fromkeys(rows["value"][rows["status"] == status])) or "-" for status in (Status.DIVERGED, REFUSED)
+        )
         worst = (
             f"{100 * sound['energy_gap'].max():.2g} %",
             f"{100 * sound['area_change'].min():+.2g} to {100 * sound['area_change'].max():+.2g} %",
@@ -170,7 +172,7 @@ def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
 def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (scheme, largest sound step below the first that diverged, that one) of the time steps, over the limit from theory."""
     for scheme, rows in table[table["sweep"] == TIME_STEP].groupby("case", sort=False):
-        factors, diverged = rows["value"].astype(float), rows["status"] == "diverged"
+        factors, diverged = rows["value"].astype(float), rows["status"] == Status.DIVERGED
         first = factors[diverged].min()
         sound = factors[~diverged & ~(factors > first)].max()
         yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"

@@ -19,8 +19,6 @@ from sph.scene.strict_json import parse_json
 from sph.solver.run import Until
 from sph.storage import trajectory
 
-STOPPED: dict[str, Until] = {"at the end of the gravity stage": "gravity", "before the first failure": "first_failure"}
-"""Where a run was told to stop, by the reason of its status."""
 SIGNATURES = (b"\x89HDF", b"CDF")
 """What netCDF files begin with."""
 
@@ -79,8 +77,15 @@ def _at(data: Any, *names: str) -> Any:
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:
-    """The stage up to which a trajectory was to be simulated; ``end`` for a new scene."""
-    return "end" if earlier is None else STOPPED.get(str(earlier.attrs.get("status_reason")), "end")
+    """The stage up to which a trajectory was to be simulated; ``end`` for a new scene.
+
+    A paused run whose last sample is that at the end of the gravity stage has the same bits whichever stage it was told to stop at.
+    """
+    if earlier is None or earlier.attrs.get("status") != trajectory.Status.PAUSED:
+        return "end"
+    scene = trajectory.scene_of(earlier)
+    at_gravity = scene.steps(float(earlier["sample_time"][-1])) == scene.steps(scene.gravity.duration)
+    return "gravity" if at_gravity else "first_failure"
 
 
 def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:

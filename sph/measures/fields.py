@@ -13,12 +13,12 @@ import numpy as np
 import xarray as xr
 
 from sph.scene.schema import Scene
-from sph.storage.trajectory import scene_of
+from sph.storage.trajectory import Status, scene_of
 
 
 def with_end(name: str, trajectory: xr.Dataset) -> str:
     """A name for figures; that of a run which the guard stopped says so and when, that of a slope which does not stand unshaken so."""
-    ends = {"diverged": f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", "failed_unshaken": "fails unshaken"}
+    ends = {Status.DIVERGED: f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", Status.FAILED_UNSHAKEN: "fails unshaken"}
     return ", ".join(filter(None, (name, ends.get(trajectory.attrs["status"]))))
 
 

@@ -124,7 +124,7 @@ def run_data(run: xr.Dataset, probe: str, detail: Detail, shared: Mapping[str, A
     beta = np.nan_to_num(run["beta"].values[np.ix_(frames, shown)], nan=0.0)
     every = slice(None, None, -max(1, (history.time.size - 1) // SAMPLES))
     curve = np.stack([values[every][::-1] for values in (history.time, history.horizontal, history.vertical)])
-    diverged = run.attrs["status"] == "diverged"
+    diverged = run.attrs["status"] == trajectory.Status.DIVERGED
     moved = np.hypot(*(positions - positions[0]).transpose(1, 0, 2))
     return {
         "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),

@@ -13,7 +13,7 @@ import xarray as xr
 
 from sph.experiments.sensitivity.design import ENDS, SAMPLE, Axis, Point, Quantity
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
-from sph.storage.trajectory import Variable
+from sph.storage.trajectory import Status, Variable
 from sph.study.tables import ROW, number_column, read_csv, text_column
 
 CONFIRMED: tuple[Variable, ...] = (
@@ -73,7 +73,7 @@ def described(path: Path | str) -> str:
 
 def diverged_runs(sample: pd.DataFrame) -> int:
     """Number of diverged runs of a sample."""
-    return int((sample["status"] == "diverged").sum())
+    return int((sample["status"] == Status.DIVERGED).sum())
 
 
 def tornado_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequence[Quantity]) -> pd.DataFrame:
@@ -81,7 +81,7 @@ def tornado_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequen
     rows = []
     for quantity in quantities:
         values = sample[quantity.metric].to_numpy()
-        lost = (sample["status"] == "diverged").to_numpy()
+        lost = (sample["status"] == Status.DIVERGED).to_numpy()
         for place, axis in enumerate(axes):
             own = [0, 2 * place + 1, 2 * place + 2]
             at = values[own]
