@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sph.command.status import RUNS, SEARCH, State, duration, jobs, look
+from sph.command.status import Kind, Stand, State, duration, jobs, look
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress, Run
@@ -61,14 +61,14 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
-    waits = [time for time, state in zip(times, states, strict=True) if state.state != "done"]
-    slowest: dict[str, float] = {}
+    waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
+    slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
-        if state.state != "done":
+        if state.state != Stand.DONE:
             slowest[state.job.kind] = max(time, slowest.get(state.job.kind, 0.0))
-    search = slowest.pop(SEARCH, 0.0)
-    longest = max((part for state, part in found if state.job.kind == RUNS), key=lambda part: part.seconds)
-    runs, at_once = sum(state.job.kind == RUNS for state in states), min(cores, len(states))
+    search = slowest.pop(Kind.SEARCH, 0.0)
+    longest = max((part for state, part in found if state.job.kind == Kind.RUN), key=lambda part: part.seconds)
+    runs, at_once = sum(state.job.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
     left = sum(waits) + after * bool(waits)
     return StudyCost(
@@ -93,11 +93,11 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
 def _part(state: State) -> Cost:
     """The part of its scene that a job computes."""
     scene, settled = state.job.scene, state.job.scene.gravity.duration
-    if state.job.kind == SEARCH:
+    if state.job.kind == Kind.SEARCH:
         return search_cost(scene)
-    if state.job.kind == RUNS:
+    if state.job.kind == Kind.RUN:
         return cost(scene, since=settled)
-    return cost(scene, *((0.0, settled) if state.job.group == "gravity" else (settled, settled + scene.outputs.series_interval)))
+    return cost(scene, *((0.0, settled) if state.job.kind == Kind.GRAVITY else (settled, settled + scene.outputs.series_interval)))
 
 
 def measured_speed(states: Sequence[State]) -> Speed:
@@ -105,7 +105,7 @@ def measured_speed(states: Sequence[State]) -> Speed:
     ratios = [
         cost(state.job.scene).seconds / state.computed
         for state in states
-        if state.state == "done" and state.job.kind == RUNS and state.computed > 0
+        if state.state == Stand.DONE and state.job.kind == Kind.RUN and state.computed > 0
     ]
     if ratios:
         return Speed(statistics.median(ratios), f"by {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")

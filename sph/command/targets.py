@@ -14,7 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 import sph
-from sph.command.status import RUNS, Job
+from sph.command.status import Job, Kind
 from sph.experiments.sensitivity.design import chosen_factors, load_sensitivity
 from sph.experiments.trigger.design import SEARCHED, TriggerPlan, load_trigger
 from sph.measures.metrics import GRID
@@ -65,7 +65,7 @@ def _points(plan: Plan, trigger: TriggerPlan, wanted: Path, target: str, fidelit
         point = dict(zip(GRID, values, strict=True))
         name, scene = point_name(point), trigger.plans[at].built(**point)
         group = f"{target} {case} {point['amplitude']}"
-        yield Job(f"{RUNS} of {target}", group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder))
+        yield Job(Kind.RUN, group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder), target)
 
 
 def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]:
@@ -77,4 +77,4 @@ def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]
     for design in ("morris", "tornado", "sobol", "confirm"):
         for run in sensitivity.design(design, factors) if factors or design in ("morris", "tornado") else ():
             scene = make_scene(sensitivity.scene(design, run, factors), f"{sensitivity.origin}: {design}/{run}")
-            yield Job(f"{RUNS} of sensitivity", f"sensitivity {design}", f"{design}/{run}", f"runs/{design}/{run}.nc", scene, "sensitivity")
+            yield Job(Kind.RUN, f"sensitivity {design}", f"{design}/{run}", f"runs/{design}/{run}.nc", scene, "sensitivity", "sensitivity")

@@ -60,14 +60,14 @@ def test_a_search_is_listed_round_by_round_without_the_study_s_own_runs(study: t
     wants(folder, "trigger-0", "as it is,0.10,100,6.0", "as it is,0.10,100,8", "slip: sides,0.10,100,8")
     jobs = target_jobs(plan, folder)
     # The first point is one of the study's grid, and its run is listed there.
-    assert [(job.kind, job.place) for job in jobs] == [("runs of trigger", "."), ("runs of trigger", "trigger/slip-sides")]
+    assert [(job.title, job.place) for job in jobs] == [("runs of trigger", "."), ("runs of trigger", "trigger/slip-sides")]
     assert jobs[1].scene.walls.sides == "free_slip" and jobs[1].scene.motion.amplitude == 8.0  # type: ignore[union-attr]
     finish(folder, jobs[1])
     assert [look(job, folder).state for job in jobs] == ["waiting", "done"]
     wants(folder, "trigger-1", "slip: sides,0.10,100,8", "slip: sides,0.10,100,6")
     wants(folder, "confirm", "slip: sides,0.10,100,6")
     jobs = target_jobs(plan, folder)
-    assert Counter(job.kind for job in jobs) == {"runs of trigger": 3, "runs of confirm": 1}
+    assert Counter(job.title for job in jobs) == {"runs of trigger": 3, "runs of confirm": 1}
     assert jobs[-1].place == "../standard/trigger/slip-sides" and jobs[-1].scene.numerics.smoothing_ratio == 2.3
 
 
