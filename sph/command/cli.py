@@ -583,11 +583,11 @@ def motion(
 def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, presets, ...")]) -> None:
     """Print a table of keys, variables or measured results (Markdown)."""
     with refusals():
-        from sph.command.reference import TABLES
+        from sph.command.reference import TABLES, markdown
 
         if table not in TABLES:
             raise ValueError(f"{table!r}: must be one of {', '.join(TABLES)}")
-    print(TABLES[table]())
+    print(markdown(TABLES[table]()))
 
 
 def main() -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -34,6 +33,7 @@ from sph.study.dimensions import (
     dimension,
     in_order,
     is_number,
+    named_point,
     point_name,
     scene_key,
     title_of,
@@ -295,10 +295,10 @@ class Plan:
         """Point of a run by the name of its file; over the paper's dimensions also of one that the study has not: the trigger's."""
         if name in self.study.runs:
             return self.study.runs[name]
-        found = re.fullmatch("_".join(f"{dimension}-([^_/]+)" for dimension in GRID), name) if self.study.of_the_paper else None
+        found = named_point(name, GRID) if self.study.of_the_paper else None
         if found is None:
             raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
-        return dict(zip(GRID, found.groups(), strict=True))
+        return found
 
     @functools.cached_property
     def _shared(self) -> SharedStages:
@@ -319,14 +319,22 @@ class Plan:
         """Scene of a gravity stage or a trunk by the name of its file; also of a trunk of the trigger's."""
         if name in self._shared.points:
             return self.scene(**self._shared.points[name])
-        if self.study.of_the_paper and name.startswith("amplitude-"):
-            return self.scene(amplitude=name.removeprefix("amplitude-"))
+        found = named_point(name, GRID[2:]) if self.study.of_the_paper else None
+        if found is not None:
+            return self.scene(**found)
         raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
 
     def gravity_of(self, trunk: str) -> str:
         """Name of the gravity stage of a trunk."""
         found = self._shared.gravity_of
         return found[trunk] if trunk in found else self.gravities[0]
+
+    def files(self, others: Mapping[str, Point] | None = None) -> dict[str, Point]:
+        """The dimensions that the scene of every file of a stage or run sets; ``others`` are runs, by name, that the study has not."""
+        runs = self.study.runs | dict(others or {})
+        shared = SharedStages(runs, self.study.numbered, self._stands) if others else self._shared
+        of = {"stages": shared.points, "runs": runs}
+        return {f"{self.folder}/{place}/{name}.nc": point for place, points in of.items() for name, point in points.items()}
 
     @property
     def gravities(self) -> list[str]:

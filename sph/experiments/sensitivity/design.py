@@ -225,6 +225,15 @@ class SensitivityPlan:
         """Scene of a run of a design, as a mapping."""
         return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
 
+    def all_scenes(self, chosen: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """Scene of every run that is known with these factors chosen, by its file below ``runs``, without suffix."""
+        designs = (*self._designs, *(("sobol", CONFIRM) if chosen else ()))
+        return {
+            f"{design}/{run}": scene
+            for design in designs
+            for run, scene in zip(self.design(design, chosen), self.scenes(design, chosen), strict=True)
+        }
+
     def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
         """Scenes of all runs of a design, in their order."""
         return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]

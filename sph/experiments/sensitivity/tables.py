@@ -53,9 +53,10 @@ def sample_columns(axes: Sequence[Axis], quantities: Sequence[Quantity]) -> tupl
 
 
 def sample_row(run: str, point: Point, trajectory: xr.Dataset, columns: Sequence[Variable], metrics: MetricSettings) -> dict[str, Any]:
-    """Row of a sample with the columns of ``sample_columns``."""
+    """Row of a sample with the columns of ``sample_columns``, in which the factors, a value of ``point`` each, follow ``SAMPLE``."""
+    factors = [column.name for column in columns[len(SAMPLE) : len(SAMPLE) + len(point)]]
     values = {"run": run, "reason": trajectory.attrs["status_reason"], **measure(trajectory, metrics)}
-    values |= dict(zip([column.name for column in columns if column.text.startswith("factor: ")], point, strict=True))
+    values |= dict(zip(factors, point, strict=True))
     return {column.name: values[column.name] for column in columns}
 
 

@@ -228,11 +228,19 @@ class TriggerPlan:
         """Scenes of the same runs."""
         return [planned(self.plans[folder].scene(**point)) for folder, point in self._points(path_to_points, fidelity)]
 
+    def asked(self, base: Path) -> Iterator[tuple[str, str, str, Point]]:
+        """Target, case, folder and point of every run that the searches have asked for so far, by the tables below a working folder."""
+        tables = base / self.folder / FOLDER / "rounds"
+        rounds = [(search, path) for search in SEARCHED.values() for path in sorted(tables.glob(f"{search}-*-wanted.csv"))]
+        for target, path in [*rounds, ("confirm", tables / "confirm-wanted.csv")]:
+            if path.is_file():
+                fidelity = self.confirm["fidelity"] if target == "confirm" else self.fidelity
+                yield from ((target, case, self.folders[fidelity, case], point) for case, point in _wanted(path))
+
     def _points(self, path_to_points: str, fidelity: str | None) -> Iterator[tuple[str, Point]]:
         """Folder and point of every run."""
-        points = pd.read_csv(path_to_points, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None)
-        for case, *point in points:
-            yield self.folders[fidelity or self.fidelity, case], dict(zip(GRID, point, strict=True))
+        for case, point in _wanted(path_to_points):
+            yield self.folders[fidelity or self.fidelity, case], point
 
     @property
     def searched(self) -> dict[str, str]:
@@ -256,6 +264,12 @@ class TriggerPlan:
         scene = next(iter(self.plans.values())).built()
         parts = (f"fidelity {self.fidelity}", f"scene {scene.name}", f"spacing {scene.numerics.spacing:.4g} m", f"{scene.duration:g} s")
         return " · ".join(parts)
+
+
+def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
+    """Case and point of every row of a table of points."""
+    for case, *point in pd.read_csv(path, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None):
+        yield case, dict(zip(GRID, point, strict=True))
 
 
 def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
