@@ -1,8 +1,8 @@
-"""The command ``sph`` and what only a person at it needs: progress, scene summary, table of keys.
+"""The command ``sph`` and what only its user needs: progress, scene summary, table of keys.
 
 * ``cli``: the commands and their exit codes
 * ``progress``: a bar on a terminal, lines in a log file
-* ``info``: what a scene amounts to before it is run
+* ``info``: summary of a scene before it is run
 * ``repeat``: a trajectory in place of a scene file
 * ``status``: how far a study is, for a second terminal
 * ``job``: the log of a workflow's job

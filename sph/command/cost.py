@@ -1,7 +1,7 @@
-"""What a study will cost before it is run (``sph cost``), by ``sph.study.cost`` and the speed of the machine at hand.
+"""What a study will cost before it is run (``sph cost``), from ``sph.study.cost`` and the speed of this machine.
 
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
-another machine.  Runs share the gravity stage and go on from it; the shaking up to the first failure is counted with them.
+another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Speed(NamedTuple):
 
 
 class StudyCost(NamedTuple):
-    """What a study asks for, all of it and what of it is left."""
+    """What a study needs in total, and for what is left of it."""
 
     folder: str
     runs: int
@@ -55,7 +55,7 @@ class StudyCost(NamedTuple):
 def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
     """Predict a study on a number of cores; ``speed`` over the reference machine's, measured by default.
 
-    ``start`` is what every job takes beside its computing, s: more on a cluster than on one machine.
+    ``start`` is the time of a job besides its computing, s: more on a cluster than on one machine.
     """
     states = [look(job, folder) for job in jobs(plan)]
     known = Speed(speed, "as given") if speed else measured_speed(states)
@@ -113,9 +113,9 @@ def measured_speed(states: Sequence[State]) -> Speed:
 
 
 def speed_here(scene: Scene) -> float:
-    """Speed of this machine, on a coarse copy of a scene from start to end; compiles if nobody has yet.
+    """Speed of this machine, on a coarse copy of a scene from start to end; compiles if the cache is empty.
 
-    Debris and soil at rest take different times on different machines, so that the beginning of the scene itself would not do.
+    Debris and soil at rest take different times on different machines, so that the beginning of the scene alone is not enough.
     """
     seen: list[Progress] = []
 
@@ -136,7 +136,7 @@ class _Enough(Exception):
 
 
 def coarse(scene: Scene) -> Scene:
-    """A scene with the longest stable step and as coarse as makes it take ``CALIBRATION``, but with ``FEWEST`` particles."""
+    """A scene with the longest stable step, coarsened until it takes ``CALIBRATION`` or has ``FEWEST`` particles."""
     numerics = {"time_step": scene.outputs.series_interval, "adaptive_step": {"courant": 0.8}}
     quick = make_scene(merge(scene.model_dump(), {"numerics": numerics}))
     expected = cost(quick)

@@ -48,7 +48,7 @@ from sph.validation.suite import Suite, load_suite
 SEARCH = "yield_acceleration"
 """File of the search whose result the rows of a study share, without suffix."""
 OF_ALL = {"wall_time", "particle_steps_per_second"}
-"""Columns of the ladder that are medians over repeats."""
+"""Columns of its table that are medians over repeats."""
 
 
 class Content(NamedTuple):
@@ -125,7 +125,7 @@ class Project:
 
     @functools.cached_property
     def ladder(self) -> Ladder:
-        """The ladder."""
+        """The cost-accuracy study."""
         study = self.plan.study
         return load_trade(study.trade, study.fidelities, self._folders, study.metrics.probe)
 
@@ -376,7 +376,7 @@ def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
     agreeing = sum(not row.differs for row in rows)
     what = "the run agrees" if agreeing and not rows[0].point else "agrees" if len(rows) == 1 else f"{agreeing} of {len(rows)} rows agree"
     if agreeing < len(rows) == 1:
-        return [*text, "does not agree with what is planned now; the same snakemake command makes anew what it knows to be outdated, "
+        return [*text, "does not agree with what is planned now; the same snakemake command makes again what it knows to be outdated, "
                 "a file that is deleted in any case"]  # fmt: skip
     return [*text, f"{what} with the configuration, the files on disk and the installed solver"]
 

@@ -1,4 +1,4 @@
-"""What a scene amounts to before it is run: sizes, wave speeds, limits, terms, expected cost."""
+"""Summary of a scene before it is run: sizes, wave speeds, limits, terms, expected cost."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ TERM_REASONS = {
     "rayleigh_damping": "damping (Sec. 2.5)",
     "artificial_viscosity": "numerics.artificial_viscosity",
     "gradient_correction": "numerics.gradient_correction",
-    "short_range_repulsion": "numerics.short_range_repulsion: cures pairing",
+    "short_range_repulsion": "numerics.short_range_repulsion: prevents pairing",
     "free_slip": "walls.base, walls.sides, walls.top",
     "wall_faces": "walls: no soil passes between their particles",
     "wall_friction": "walls.friction",
     "periodic": "walls.sides",
-    "artificial_stress": "numerics.artificial_stress: cures numerical fracture",
+    "artificial_stress": "numerics.artificial_stress: prevents numerical fracture",
     "prescribed_motion": "prescribed_velocity_gradient",
     "layers": "layers: tables of materials",
     "absorbing_walls": "walls.base, walls.sides",

@@ -94,8 +94,8 @@ def _record(line: str) -> dict[str, Any] | None:
 def job_log(path: Path | str) -> Iterator[TextIO]:
     """The log to write to.  An error ends the job with a line, in the log and on stderr, where the workflow shows it.
 
-    What the user can mend (exit code 2) is that line alone; anything else leaves its traceback in the log.  A log that cannot be
-    written stops nobody.
+    An error that the user can correct (exit code 2) leaves that line alone, any other its traceback in the log.  A log that cannot be
+    written does not stop the job.
     """
     path = Path(path)
     try:
@@ -109,14 +109,14 @@ def job_log(path: Path | str) -> Iterator[TextIO]:
     try:
         yield log
     except Exception as error:
-        mendable = isinstance(error, (ValueError, OSError))
-        line = f"{path.stem}: {error if mendable else repr(error)}"
+        correctable = isinstance(error, (ValueError, OSError))
+        line = f"{path.stem}: {error if correctable else repr(error)}"
         with suppress(OSError):
-            print(line if mendable else traceback.format_exc().rstrip(), file=log)
+            print(line if correctable else traceback.format_exc().rstrip(), file=log)
             if isinstance(log, JobLog):
-                log.record(FAILED, reason=next(iter(str(error).splitlines()), "") if mendable else repr(error))
+                log.record(FAILED, reason=next(iter(str(error).splitlines()), "") if correctable else repr(error))
         print(line, file=sys.stderr, flush=True)
-        raise SystemExit(REFUSED if mendable else 1) from error
+        raise SystemExit(REFUSED if correctable else 1) from error
     finally:
         if log is not sys.stderr:
             with suppress(OSError):

@@ -1,7 +1,7 @@
 """Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
 
 ``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
-``python -m sph.command.reference`` fills the marks of all these files anew, and a test keeps them in step.
+``python -m sph.command.reference`` fills the marks of all these files again, and a test fails where one differs.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ def _cell(text: str) -> str:
 
 
 def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (rung, particle-steps/s, time of a run, errors, class) of a ladder."""
+    """Rows (variant, particle-steps/s, time of a run, errors, class) of a cost-accuracy study."""
     for rung in summary(table):
         errors = ("reference", "reference") if rung.reference else _errors(rung)
         speed = f"{rung.particle_steps_per_second / 1e6:.1f} M"
@@ -103,7 +103,7 @@ def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
 
 
 def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a ladder."""
+    """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a cost-accuracy study."""
     presets = table[table["knob"] == PRESETS]
     for rung in summary(presets):
         own = presets[presets["rung"] == rung.rung]
@@ -147,7 +147,7 @@ def _per_cent(error: float) -> str:
 
 
 def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (change, then for every case A's displacement and run-out over those of the scene as it is) of the limits."""
+    """Rows (change, then for every case A's displacement and run-out over those of the scene as it is) of the assumptions."""
     cases = list(dict.fromkeys(table["case"]))
     for change, rows in table.groupby("change", sort=False):
         by_case = rows.set_index("case")
@@ -167,7 +167,7 @@ def _limits_table(table: pd.DataFrame) -> Reference:
 
 
 def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the extremes."""
+    """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the robustness study."""
     for sweep, rows in table[table["sweep"] != TIME_STEP].groupby("sweep", sort=False):
         sound = rows[~rows["status"].isin((Status.DIVERGED, REFUSED))]
         diverged, refused = (
@@ -341,7 +341,7 @@ MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOT
 
 
 def filled(text: str) -> str:
-    """Text with the tables between its marks made anew; ValueError for a mark of no table."""
+    """Text with the tables between its marks made again; ValueError for a mark of no table."""
 
     def table(found: re.Match[str]) -> str:
         if found[2] not in TABLES:

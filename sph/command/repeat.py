@@ -1,7 +1,7 @@
 """A trajectory as the scene of a command: ``sph run FILE.nc`` repeats the run that wrote it.
 
-A run that went on from a stage, as those of a study do, is repeated from the start: what a stage may change (see
-``sph.solver.run.check_restart``) has no effect on the past it goes on from, so that both give the same bits.
+A run that continued from a stage, as those of a study do, is repeated from the start: what may differ between a stage and the run that
+continues it (see ``sph.solver.run.check_restart``) has no effect before the stage ends, so that both give the same bits.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | N
         motion, vertical = _at(overrides, "motion"), _at(overrides, "motion", "vertical")
         third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
         if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit"))):
-            kept["motion"].pop("data", None)  # the samples are to be read anew
+            kept["motion"].pop("data", None)  # the samples are to be read again
     data = merge(kept, overrides)
     return make_scene(data, str(path)), [str(path), *scene_files(data)]
 

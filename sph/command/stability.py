@@ -1,4 +1,4 @@
-"""What ``sph fos`` and ``sph yield-acceleration`` do and print: each trial as it is done, then the answer, the rule and the bracket."""
+"""What ``sph fos`` and ``sph yield-acceleration`` do and print: each trial when it is done, then the answer, the rule and the bracket."""
 
 from __future__ import annotations
 

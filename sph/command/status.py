@@ -2,7 +2,7 @@
 
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
-with a reason, *stopped* when it was killed (it goes on from its checkpoint), else *waiting*.  Whether edited sources ask for a
+with a reason, *stopped* when it was killed (it continues from its checkpoint), else *waiting*.  Whether edited sources ask for a
 rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.command.targets``).
 
 The time left is that which finished jobs of the kind took by their benchmarks (runs: those that share their shaking up to the first
@@ -84,7 +84,7 @@ class Job(NamedTuple):
 
     @property
     def is_run(self) -> bool:
-        """Whether it goes on to the end of its scene, unlike a stage or a search."""
+        """Whether it runs to the end of its scene, unlike a stage or a search."""
         return self.kind == Kind.RUN
 
     @property

@@ -1,6 +1,6 @@
 """The simulations of targets beside the study that have been started: trigger, maps, confirm and sensitivity (``sph status``).
 
-A search decides its next round by the one before, so that its runs are known round by round; those of the sample of indices and of its
+The rounds of a search follow from each other, so that its runs are known round by round; those of the sample of indices and of its
 confirmation are known once the screening has chosen the factors.
 """
 

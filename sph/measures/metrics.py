@@ -213,7 +213,7 @@ METRICS: tuple[Variable, ...] = (
         "1",
         "largest time step over its measured limit, over the frames; above 1 the limit was exceeded and the fastest modes may be wrong",
     ),
-    _number("wall_time", "s", "computing time of the run, its shared trunk included"),
+    _number("wall_time", "s", "computing time of the run, its shared pre-failure run included"),
     _number("particle_steps_per_second", "s-1", "particles times time steps over the computing time"),
 )
 METRIC_BY_NAME = {metric.name: metric for metric in METRICS}

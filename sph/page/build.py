@@ -1,4 +1,4 @@
-"""The page put together: facts, sections and runs in ``page.html``, everything inside one file."""
+"""Builds the page: facts, sections and runs in ``page.html``, all in one file."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class StudyFiles(NamedTuple):
     dimensions: Sequence[Dimension]
     size: int  # number of its runs
     runs: Mapping[str, str]  # files of those that the page shows, by name: all but in a large study
-    stages: Sequence[tuple[str, str]]  # gravity stage and trunk of each run shown, in the same order
+    stages: Sequence[tuple[str, str]]  # gravity stage and pre-failure run of each run shown, in the same order
     files: Sequence[str]  # of the sections
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
     probe: str = "A"
@@ -98,7 +98,7 @@ class Part(NamedTuple):
 
     @property
     def missing(self) -> bool:
-        """Its command has not been run."""
+        """Whether its command has still to be run."""
         return not self.tables and not self.pictures
 
 
@@ -183,7 +183,7 @@ def as_json(data: Any) -> str:
 
 
 def found_part(section: Section, study: StudyFiles) -> Part:
-    """A section with those of the study's files that are its own."""
+    """A section with the tables and figures of the study that belong to it."""
     tables = [csv_table(file, caption, section.variables) for file, caption in of(section.tables, study.files, study.folder)]
     tables += [table for name, caption in section.measured.items() if (table := reference_table(name, caption)).rows]
     pictures = []
@@ -195,7 +195,7 @@ def found_part(section: Section, study: StudyFiles) -> Part:
 
 
 def picture(path: str, drawing: Drawing, runs: Sequence[str] = ()) -> Picture:
-    """A PNG for the page, in 256 colours, which takes a third of the room; ValueError names a file that is none."""
+    """A PNG for the page, in 256 colours, which takes a third of the space; ValueError names a file that is none."""
     try:
         with Image.open(path) as image:
             small = io.BytesIO()
@@ -208,7 +208,10 @@ def picture(path: str, drawing: Drawing, runs: Sequence[str] = ()) -> Picture:
 
 
 def cost_of(table: pd.DataFrame, study: StudyFiles) -> Cost:
-    """Cost of the runs of a study's table; a run's computing time holds that of its trunk, a trunk's that of the gravity stage."""
+    """Cost of the runs of a study's table.
+
+    The computing time of a run includes that of its pre-failure run, which includes that of the gravity stage.
+    """
     apart, speeds = math.fsum(table["wall_time"]), table["particle_steps_per_second"]
     shared = math.nan
     if len(study.runs) == study.size:
@@ -253,7 +256,7 @@ def attributes(path: str) -> dict[str, Any]:
 
 
 def inline(text: str) -> Markup:
-    """Text with ``**strong**`` and ```code``` as in the README, everything else as it is; a cell that is either as a whole likewise."""
+    """Text with ``**strong**`` and ```code``` as in the README, everything else as it is; also a cell that is one of the two as a whole."""
     for kind, tag in ((Strong, "strong"), (Code, "code")):
         if isinstance(text, kind):
             return Markup(f"<{tag}>{{}}</{tag}>").format(str(text))

@@ -123,7 +123,7 @@ SECTIONS: tuple[Section, ...] = (
         "Displacement and run-out depend on the particle spacing and do not converge with it: read the errors against the finest run as "
         "the least that a fidelity leaves open. Measured for this release on the paper's slope.",
         "snakemake --cores 2 trade",
-        measured={"presets": "The fidelities against the finest run of the ladder", "trade": "Every rung of the ladder"},
+        measured={"presets": "The fidelities against the finest run", "trade": "Every variant"},
     ),
     Section(
         "Validation",
@@ -133,7 +133,7 @@ SECTIONS: tuple[Section, ...] = (
         measured={"validation": "Every quantity beside its reference"},
     ),
     Section(
-        "Stability",
+        "Robustness",
         "One key at a time at the ends of its range, in a slope that collapses and in one that moves by metres; fixed time steps around "
         "the limit that theory gives. Measured for this release.",
         "snakemake --cores 2 extremes",

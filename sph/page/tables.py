@@ -44,7 +44,7 @@ class Table(NamedTuple):
 
     @property
     def wordy(self) -> bool:
-        """A cell holds a sentence: on a narrow screen every row becomes a card."""
+        """Whether a cell holds a sentence: on a narrow screen every row then becomes a card."""
         return any(len(cell) > 70 for row in self.rows for cell in row)
 
 

@@ -3,7 +3,7 @@
 A study has one row a run in the CSV; the netCDF has one value a grid point, or one a case where the study is a list.
 
 Values of the dimensions are written as in the configuration ("0.10") in the CSV and become numbers once, here, as coordinates
-of the dataset; the labels travel with them as ``S_R_label`` and so on.  The tables of a study are put together from parts, of which
+of the dataset; the labels are kept beside them as ``S_R_label`` and so on.  The tables of a study are put together from parts, of which
 only the numbers are kept: 0.4 kB a run.
 """
 
@@ -50,12 +50,12 @@ EXPECTED: tuple[Variable, ...] = tuple(
         GRID,
         "f8",
         "1",
-        f"largest relative deviation of {what} from the reference of the ladder, over its cases, measured on the ladder's slope with "
-        "the same numerics, walls, damping, fluid and gravity stage; NaN if no rung of the measured table has these",
+        f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
+        "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these",
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
-"""What the ladder lets one expect of a run; see ``sph.experiments.cost_accuracy.advice``."""
+"""The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.cost_accuracy.advice``."""
 BASELINE: tuple[Variable, ...] = (
     Variable(
         "yield_acceleration",
@@ -170,7 +170,7 @@ def join_study(
 
 
 def write_csv(frame: pd.DataFrame, path: Path | str) -> None:
-    """Write a table, whole or not at all, in full precision, NaN spelt out."""
+    """Write a table, whole or not at all, in full precision, with NaN written out."""
     with whole(path) as temporary:
         frame.to_csv(temporary, index=False, na_rep="NaN", lineterminator="\n")
 

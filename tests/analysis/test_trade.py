@@ -99,10 +99,10 @@ class TestConfiguration:
         [
             (
                 {"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacng": 1}}}}}},
-                ("knob spacing, rung 'x', case 'weak'", "numerics.spacng", "no such"),
+                ("parameter spacing, variant 'x', case 'weak'", "numerics.spacng", "no such"),
             ),
-            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"time_step": 0.01}}}}}}, ("rung 'x'", "numerics.time_step", "limit")),
-            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacing": 60.0}}}}}}, ("rung 'x'", "numerics.spacing", "60")),
+            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"time_step": 0.01}}}}}}, ("variant 'x'", "numerics.time_step", "limit")),
+            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacing": 60.0}}}}}}, ("variant 'x'", "numerics.spacing", "60")),
             ({"knobs": {"spacing": {"rungs": {"2 m": {}, "2/m": {}}}}}, ("same file name", "'2 m'", "'2/m'")),
             ({"knobs": {"spacing": {"exceptions": {"7 m": {}}}}}, ("knobs.spacing", "'7 m'", "5 m, 3 m")),
             ({"knobs": {"skin": {"cases": ["medium"]}}}, ("knobs.skin", "'medium'", "weak, strong")),
@@ -320,7 +320,7 @@ class TestExpectedError:
 
     def test_other_numerics_are_not_measured(self, shipped: Path) -> None:
         other = scene(numerics__smoothing_ratio=1.4)
-        assert expected_error(other) is None and "not measured: no rung" in expected_sentence(other)
+        assert expected_error(other) is None and "not measured: no variant" in expected_sentence(other)
         assert all(math.isnan(value) for value in advice.expected_metrics(other).values())
 
     def test_a_rung_of_some_cases_gives_none(self, shipped: Path) -> None:

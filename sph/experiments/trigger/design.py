@@ -1,8 +1,8 @@
 """The shaking that triggers failure (``config/trigger.yaml``, ``snakemake trigger`` and ``snakemake maps``): what is searched, and where.
 
-A *case* lays scene keys over the study's scene; its runs share gravity stage and trunks with each other and, where the case
+A *case* lays scene keys over the study's scene; its runs share gravity stage and pre-failure runs with each other and, where the case
 changes nothing, with the study.  A *lattice* is what one search refines: amplitudes at one S_R and gamma (``trigger``), or S_R,
-gamma and amplitude together (``maps``).  All have their amplitudes on one dyadic lattice, so that they share trunks and runs.
+gamma and amplitude together (``maps``).  All have their amplitudes on one dyadic lattice, so that they share pre-failure runs and runs.
 """
 
 from __future__ import annotations
@@ -143,7 +143,7 @@ class Lattice(Section):
         return tuple(self.fixed[name] if name in self.fixed else self.label(name, self.spans[name].value(at[name])) for name in GRID)
 
     def label(self, name: str, value: float) -> str:
-        """The writing of a number."""
+        """The label of a number."""
         plain = f"{value:.6g}"
         return next((label for label in self.written[name] if float(label) == float(plain)), plain)
 
