@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from sph.scene.motion import vertical_acceleration
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import SOIL, locate_probes, place_particles
 from sph.storage import trajectory
-from sph.study.tables import VALUES
+from sph.study.tables import AXES, VALUES, Layout, joined_dataset, study_rows
 
 PAPER = {
     "name": "paper",
@@ -100,3 +100,9 @@ def study_row(S_R: str, gamma: str, amplitude: str, **metrics: Any) -> dict[str,
     values = {metric.name: fixed.get(metric.name, np.nan) for metric in VALUES}
     values |= {"shaking_start": 3.0, "shaking_end": 10.0}
     return {"S_R": S_R, "gamma": gamma, "amplitude": amplitude, **values, **metrics}
+
+
+def study_of(rows: Sequence[Mapping[str, Any]]) -> xr.Dataset:
+    """The smallest grid over the paper's dimensions that holds the rows."""
+    labels = tuple(tuple(sorted({str(row[axis.name]) for row in rows}, key=float)) for axis in AXES)
+    return joined_dataset([study_rows(rows)], Layout(labels=labels))

@@ -1,4 +1,4 @@
-"""What ``sph advise`` prints: a rung of the ladder, its cost, and the settings that give it."""
+"""What ``sph advise`` prints: a variant of the cost-accuracy study, its cost, and the settings that give it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.Data
 
 
 def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Dotted keys and their values, fit for ``--set`` in a shell."""
+    """Dotted keys and their values, as ``--set`` takes them in a shell."""
     for name, value in settings.items():
         if isinstance(value, Mapping):
             yield from flat(value, f"{prefix}{name}.")

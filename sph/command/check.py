@@ -1,4 +1,4 @@
-"""A scene before it is run: what it amounts to, and what to know before trusting its numbers (``sph check``)."""
+"""A scene before it is run (``sph check``): its summary and its diagnostics."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Check(NamedTuple):
-    """A scene's particles and what was found."""
+    """A scene's particles and diagnostics."""
 
     scene: Scene
     particles: Particles
@@ -25,7 +25,7 @@ class Check(NamedTuple):
 
 
 def check(scene: Scene) -> Check:
-    """Place the particles and look; ValueError for a probe away from the soil."""
+    """Place the particles and run the diagnostics; ValueError for a probe away from the soil."""
     particles = place_particles(scene)
     return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), concerns(scene, particles))
 
@@ -77,7 +77,7 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
 
 
 def draw(found: Check) -> Figure:
-    """The scene as a figure; without one, no drawing library is needed, nor a folder that it can write."""
+    """The scene as a figure; the drawing library, which needs a folder that it can write, is imported here only."""
     from sph.figures.scene import figure_scene
 
     return figure_scene(found.scene, found.particles, found.probes)

@@ -1,10 +1,10 @@
 """The command ``sph``.
 
-Exit codes: 0 done; 2 refused, with one message that names what and the remedy: the scene, the command line, a file that cannot be
+Exit codes: 0 done; 2 refused, with one message that names the cause and the remedy: the scene, the command line, a file that cannot be
 read or written (earlier files are as they were), or nothing measured is as good as asked; 3 the run was stopped by its guard (status
-``diverged``), and what there is was written; 4 a result is not what is planned now (``explain``).  A static test that diverges after
+``diverged``), and the run so far was written; 4 a result is not what is planned now (``explain``).  A static test that diverges after
 the slope has failed counts as failed: 0.  Anything else is a fault of the program, with a traceback (1), or of its surroundings: 1
-without one where nobody reads what is printed (``| head``), 130 interrupted, 137 killed; ``sph run`` then goes on from its checkpoint.
+without one where nobody reads what is printed (``| head``), 130 interrupted, 137 killed; ``sph run`` then continues from its checkpoint.
 """
 
 from __future__ import annotations
@@ -63,14 +63,14 @@ def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--ou
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
             pass
     except OSError as error:
-        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; mend that or choose another place") from error
+        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; remove the cause or choose another place") from error
 
 
 PICTURES = (".png", ".pdf", ".svg")
 
 
 def check_picture(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
-    """Refuse as ``check_writable``, and an ending that is none of a picture."""
+    """Refuse what ``check_writable`` refuses, and an ending that is not that of a picture."""
     if not path.name.lower().endswith(PICTURES):
         raise ValueError(f"{option} {path}: the name must end in {', '.join(PICTURES)}")
     check_writable(path, inputs, option)
@@ -99,7 +99,7 @@ def refusals() -> Iterator[None]:
 
 
 def say(line: str) -> None:
-    """Tell the user something beside the result."""
+    """Print a message beside the result."""
     print(f"sph: {line}", file=sys.stderr, flush=True)
 
 
@@ -152,7 +152,7 @@ def run(
     scene: SceneFile,
     set_: Settings = None,
     out: Annotated[Path | None, typer.Option(help="trajectory to write; NAME.nc in this folder by default")] = None,
-    restart: Annotated[Path | None, typer.Option(help="go on from this trajectory instead of from the start")] = None,
+    restart: Annotated[Path | None, typer.Option(help="continue from this trajectory instead of from the start")] = None,
     until: Annotated[
         str | None, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure; end, or as the trajectory, by default")
     ] = None,
@@ -164,7 +164,7 @@ def run(
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
     ] = None,
 ) -> None:
-    """Simulate a scene and write its trajectory; after a kill the same command goes on from the last checkpoint.
+    """Simulate a scene and write its trajectory; after a kill the same command continues from the last checkpoint.
 
     A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
     """
@@ -173,6 +173,7 @@ def run(
         from sph.jobs.concerns import of_motion
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
+        from sph.storage.trajectory import Status
 
         if until not in (None, "end", "gravity", "first_failure"):
             raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
@@ -200,13 +201,13 @@ def run(
         )
     if earlier is not None and repeats:
         say(compare(earlier, result.trajectory, scene))
-    if result.status == "diverged":
+    if result.status == Status.DIVERGED:
         raise typer.Exit(DIVERGED)
 
 
 @app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
 def info(scene: SceneFile, set_: Settings = None) -> None:
-    """Show what a scene amounts to: particles, wave speeds, time-step limits, terms, cost."""
+    """Show a summary of a scene: particles, wave speeds, time-step limits, terms, cost."""
     with refusals():
         from sph.command.info import describe
         from sph.command.repeat import given_scene
@@ -285,7 +286,7 @@ def animate(
         Path | None, typer.Option(help="film to write (.gif, or .mp4 with ffmpeg); a GIF beside the trajectory by default")
     ] = None,
     field: Annotated[str, typer.Option(help="colour of the profile: displacement, speed, beta, initial_height, pressure")] = "displacement",
-    every: Annotated[int, typer.Option(min=1, help="take every so manyth stored frame (outputs.frame_interval)")] = 1,
+    every: Annotated[int, typer.Option(min=1, help="draw every n-th stored frame (outputs.frame_interval)")] = 1,
     fps: Annotated[float | None, typer.Option(help="pictures a second, 10 by default")] = None,
     speed: Annotated[float | None, typer.Option(help="instead of --fps: simulated seconds a second, 1 for real time")] = None,
     motion: Annotated[bool, typer.Option("--motion", help="show the acceleration of the ground below the profile")] = False,
@@ -357,7 +358,7 @@ def status(
     watching: Annotated[bool, typer.Option("--watch", help="look again every 2 s until all simulations are done")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
 ) -> None:
-    """Show from a second terminal how far a study is: done, running, failed, waiting, and the time left; it disturbs nothing."""
+    """Show from a second terminal how far a study is: what is done, running, failed and waiting, and the time left; nothing is changed."""
     with refusals():
         from sph.command.status import Job, jobs, lines, located_plan, look, record, watch
         from sph.command.targets import target_jobs
@@ -461,10 +462,10 @@ def yield_acceleration(
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
-    of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the ladder's finest run by default")] = None,
-    table: Annotated[Path | None, typer.Option(help="a ladder's trade.csv; the one measured for this release by default")] = None,
+    of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
+    table: Annotated[Path | None, typer.Option(help="trade.csv to answer from; the one measured for this release by default")] = None,
 ) -> None:
-    """Name the cheapest measured setting within an error; exit code 2 and the best there is if none is."""
+    """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
     with refusals():
         from sph.command.advise import lines
         from sph.experiments.cost_accuracy import advice
@@ -520,7 +521,7 @@ def cost(
     start: Annotated[float, typer.Option(min=0, max=3600, help="what each job takes to start, s; some 10 on a cluster")] = 1.5,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
-    """Predict what a study takes: core-hours, wall time, memory and disk, of all of it and of what is left."""
+    """Predict what a study takes: core-hours, wall time, memory and disk, in total and for what is left."""
     with refusals():
         from sph.command.cost import lines, record, study_cost
         from sph.command.status import located_plan
@@ -582,11 +583,11 @@ def motion(
 def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, presets, ...")]) -> None:
     """Print a table of keys, variables or measured results (Markdown)."""
     with refusals():
-        from sph.command.reference import TABLES
+        from sph.command.reference import TABLES, markdown
 
         if table not in TABLES:
             raise ValueError(f"{table!r}: must be one of {', '.join(TABLES)}")
-    print(TABLES[table]())
+    print(markdown(TABLES[table]()))
 
 
 def main() -> None:

@@ -1,7 +1,7 @@
-"""What a study will cost before it is run (``sph cost``), by ``sph.study.cost`` and the speed of the machine at hand.
+"""What a study will cost before it is run (``sph cost``), from ``sph.study.cost`` and the speed of this machine.
 
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
-another machine.  Runs share the gravity stage and go on from it; the shaking up to the first failure is counted with them.
+another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sph.command.status import RUNS, SEARCH, State, duration, jobs, look
+from sph.command.status import Kind, Stand, State, duration, jobs, look
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress, Run
@@ -34,7 +34,7 @@ class Speed(NamedTuple):
 
 
 class StudyCost(NamedTuple):
-    """What a study asks for, all of it and what of it is left."""
+    """What a study needs in total, and for what is left of it."""
 
     folder: str
     runs: int
@@ -55,20 +55,20 @@ class StudyCost(NamedTuple):
 def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
     """Predict a study on a number of cores; ``speed`` over the reference machine's, measured by default.
 
-    ``start`` is what every job takes beside its computing, s: more on a cluster than on one machine.
+    ``start`` is the time of a job besides its computing, s: more on a cluster than on one machine.
     """
     states = [look(job, folder) for job in jobs(plan)]
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
-    waits = [time for time, state in zip(times, states, strict=True) if state.state != "done"]
-    slowest: dict[str, float] = {}
+    waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
+    slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
-        if state.state != "done":
+        if state.state != Stand.DONE:
             slowest[state.job.kind] = max(time, slowest.get(state.job.kind, 0.0))
-    search = slowest.pop(SEARCH, 0.0)
-    longest = max((part for state, part in found if state.job.kind == RUNS), key=lambda part: part.seconds)
-    runs, at_once = sum(state.job.kind == RUNS for state in states), min(cores, len(states))
+    search = slowest.pop(Kind.SEARCH, 0.0)
+    longest = max((part for state, part in found if state.job.kind == Kind.RUN), key=lambda part: part.seconds)
+    runs, at_once = sum(state.job.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
     left = sum(waits) + after * bool(waits)
     return StudyCost(
@@ -93,11 +93,11 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
 def _part(state: State) -> Cost:
     """The part of its scene that a job computes."""
     scene, settled = state.job.scene, state.job.scene.gravity.duration
-    if state.job.kind == SEARCH:
+    if state.job.kind == Kind.SEARCH:
         return search_cost(scene)
-    if state.job.kind == RUNS:
+    if state.job.kind == Kind.RUN:
         return cost(scene, since=settled)
-    return cost(scene, *((0.0, settled) if state.job.group == "gravity" else (settled, settled + scene.outputs.series_interval)))
+    return cost(scene, *((0.0, settled) if state.job.kind == Kind.GRAVITY else (settled, settled + scene.outputs.series_interval)))
 
 
 def measured_speed(states: Sequence[State]) -> Speed:
@@ -105,7 +105,7 @@ def measured_speed(states: Sequence[State]) -> Speed:
     ratios = [
         cost(state.job.scene).seconds / state.computed
         for state in states
-        if state.state == "done" and state.job.kind == RUNS and state.computed > 0
+        if state.state == Stand.DONE and state.job.kind == Kind.RUN and state.computed > 0
     ]
     if ratios:
         return Speed(statistics.median(ratios), f"by {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
@@ -113,9 +113,9 @@ def measured_speed(states: Sequence[State]) -> Speed:
 
 
 def speed_here(scene: Scene) -> float:
-    """Speed of this machine, on a coarse copy of a scene from start to end; compiles if nobody has yet.
+    """Speed of this machine, on a coarse copy of a scene from start to end; compiles if the cache is empty.
 
-    Debris and soil at rest take different times on different machines, so that the beginning of the scene itself would not do.
+    Debris and soil at rest take different times on different machines, so that the beginning of the scene alone is not enough.
     """
     seen: list[Progress] = []
 
@@ -136,7 +136,7 @@ class _Enough(Exception):
 
 
 def coarse(scene: Scene) -> Scene:
-    """A scene with the longest stable step and as coarse as makes it take ``CALIBRATION``, but with ``FEWEST`` particles."""
+    """A scene with the longest stable step, coarsened until it takes ``CALIBRATION`` or has ``FEWEST`` particles."""
     numerics = {"time_step": scene.outputs.series_interval, "adaptive_step": {"courant": 0.8}}
     quick = make_scene(merge(scene.model_dump(), {"numerics": numerics}))
     expected = cost(quick)

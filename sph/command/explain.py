@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 import xarray as xr
 
+import sph
 from sph.command.status import located_plan
 from sph.experiments.assumptions import FOLDER as LIMITS_FOLDER
 from sph.experiments.assumptions import LIMITS, LimitRuns, load_limits
@@ -39,7 +40,7 @@ from sph.solver.compiled.jit import solver_digest
 from sph.storage import trajectory
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, point_name, value_of
-from sph.study.plan import Plan
+from sph.study.plan import Plan, Point
 from sph.study.planned import differing
 from sph.study.tables import read_csv
 from sph.validation.suite import FOLDER as VALIDATION_FOLDER
@@ -48,7 +49,7 @@ from sph.validation.suite import Suite, load_suite
 SEARCH = "yield_acceleration"
 """File of the search whose result the rows of a study share, without suffix."""
 OF_ALL = {"wall_time", "particle_steps_per_second"}
-"""Columns of the ladder that are medians over repeats."""
+"""Columns of its table that are medians over repeats."""
 
 
 class Content(NamedTuple):
@@ -110,7 +111,8 @@ class Project:
 
     def __init__(self, folder: Path, configfile: Path | None, results: Path | None = None) -> None:
         self.folder, self.plan = folder, located_plan(results, configfile)[0]
-        self._folders = [folder, Path(trajectory.__file__).parents[1]]
+        self._folders = [folder, Path(sph.__file__).parents[1]]
+        self._known: dict[str, dict[str, Mapping[str, Any]]] = {}
 
     @functools.cached_property
     def trigger(self) -> TriggerPlan:
@@ -124,7 +126,7 @@ class Project:
 
     @functools.cached_property
     def ladder(self) -> Ladder:
-        """The ladder."""
+        """The cost-accuracy study."""
         study = self.plan.study
         return load_trade(study.trade, study.fidelities, self._folders, study.metrics.probe)
 
@@ -145,27 +147,45 @@ class Project:
 
     def scene(self, file: str) -> Scene:
         """The scene planned for a file, relative to the working folder; ValueError where none is."""
-        place, name = str(Path(file).parent), Path(file).stem
         try:
-            return make_scene(self._mapping(file, place, name), file)
+            return make_scene(self._mapping(file), file)
         except KeyError as error:
             raise ValueError("no such run is planned now") from error
 
-    def _mapping(self, file: str, place: str, name: str) -> Mapping[str, Any]:
-        run = file.partition("/runs/")[2].removesuffix(".nc")
-        if file.startswith(f"{TRADE_FOLDER}/runs/"):
-            return self.ladder.runs[run]
-        if file.startswith(f"{LIMITS_FOLDER}/runs/"):
-            return self.limits.runs[run]
-        if file.startswith(f"{EXTREMES_FOLDER}/runs/"):
-            return self.extremes.runs[run]
-        if file.startswith(f"{VALIDATION_FOLDER}/runs/"):
-            return self.suite.runs[run].scene
-        if file.startswith(f"{self.plan.folder}/sensitivity/runs/"):
-            return self.sensitivity.run_scene(run, lambda design: self._factors)
-        folder, kind = place.rpartition("/")[::2]
-        plan = self.plan if folder == self.plan.folder else self.trigger.plans[folder]
-        return plan.run_scene(name) if kind == "runs" else plan.slope if name == SEARCH else plan.stage(name)
+    def _mapping(self, file: str) -> Mapping[str, Any]:
+        """The scene planned for a file, looked up among those planned for all; KeyError where there is none."""
+        alone: dict[str, Callable[[], Mapping[str, Mapping[str, Any]]]] = {
+            TRADE_FOLDER: lambda: self.ladder.runs,
+            LIMITS_FOLDER: lambda: self.limits.runs,
+            EXTREMES_FOLDER: lambda: self.extremes.runs,
+            VALIDATION_FOLDER: lambda: {name: run.scene for name, run in self.suite.runs.items()},
+        }
+        alone[f"{self.plan.folder}/sensitivity"] = lambda: self.sensitivity.all_scenes(self._factors)
+        for folder, runs in alone.items():
+            if Path(folder) in Path(file).parents:
+                if folder not in self._known:
+                    self._known[folder] = {f"{folder}/runs/{name}.nc": scene for name, scene in runs().items()}
+                return self._known[folder][file]
+        plan, point = self._own[file] if file in self._own else self._searched[file]
+        return plan.slope if point is None else plan.scene(**point)
+
+    @functools.cached_property
+    def _own(self) -> dict[str, tuple[Plan, Point | None]]:
+        """Plan and point of the stages and runs of the study; None for the search."""
+        return self._files(self.plan, {})
+
+    @functools.cached_property
+    def _searched(self) -> dict[str, tuple[Plan, Point | None]]:
+        """The same of what the search for critical amplitudes has asked for."""
+        if not self.plan.study.of_the_paper:
+            return {}
+        asked: dict[str, dict[str, Point]] = {folder: {} for folder in self.trigger.plans}
+        for _, _, folder, point in self.trigger.asked(self.folder):
+            asked[folder][point_name(point)] = point
+        return {file: at for folder, points in asked.items() for file, at in self._files(self.trigger.plans[folder], points).items()}
+
+    def _files(self, plan: Plan, points: Mapping[str, Point]) -> dict[str, tuple[Plan, Point | None]]:
+        return {f"{plan.folder}/stages/{SEARCH}.nc": (plan, None), **{file: (plan, point) for file, point in plan.files(points).items()}}
 
     @property
     def _factors(self) -> list[str]:
@@ -357,7 +377,7 @@ def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
     agreeing = sum(not row.differs for row in rows)
     what = "the run agrees" if agreeing and not rows[0].point else "agrees" if len(rows) == 1 else f"{agreeing} of {len(rows)} rows agree"
     if agreeing < len(rows) == 1:
-        return [*text, "does not agree with what is planned now; the same snakemake command makes anew what it knows to be outdated, "
+        return [*text, "does not agree with what is planned now; the same snakemake command makes again what it knows to be outdated, "
                 "a file that is deleted in any case"]  # fmt: skip
     return [*text, f"{what} with the configuration, the files on disk and the installed solver"]
 

@@ -1,11 +1,11 @@
-"""What a scene amounts to before it is run: sizes, wave speeds, limits, terms, expected cost."""
+"""Summary of a scene before it is run: sizes, wave speeds, limits, terms, expected cost."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from sph.command.concerns import of_motion, peak_accelerations, thin_box
 from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.jobs.concerns import of_motion, peak_accelerations, thin_box
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms

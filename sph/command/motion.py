@@ -1,4 +1,4 @@
-"""What ``sph motion`` computes and prints: the measures of a ground motion, as recorded or as a scene feels it."""
+"""What ``sph motion`` computes and prints: the measures of a ground motion, as recorded or as processed by a scene."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Shaking(NamedTuple):
 
 
 def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) -> Shaking:
-    """The shaking in a record as it is, or in a scene (YAML or trajectory) over its duration, processed and scaled; by the ending.
+    """The shaking in a record as it is, or in a scene (YAML or trajectory) over its duration, processed and scaled, by the ending.
 
     ValueError for a file that is neither, for overrides of a record and a unit of a scene.
     """

@@ -30,7 +30,7 @@ class Answer(NamedTuple):
 def slide(path: Path, overrides: Mapping[str, Any], down: float, up: float | None, peak: float | None) -> tuple[Answer, list[str]]:
     """Slide a block with the yield accelerations ``down`` and ``up`` (m/s2) on the motion in a file, scaled to a peak (m/s2).
 
-    Also what a user should know of the motion, a sentence each.  Raises ValueError for a file that is no motion, for a load that stays,
+    Also returns the diagnostics of the motion, a sentence each.  Raises ValueError for a file that is no motion, for a load that stays,
     and where the ground stands still.
     """
     motion, heed = _motion(path, overrides)

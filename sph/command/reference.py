@@ -1,7 +1,7 @@
 """Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
 
 ``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
-``python -m sph.command.reference`` fills the marks of all these files anew, and a test keeps them in step.
+``python -m sph.command.reference`` fills the marks of all these files again, and a test fails where one differs.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import sys
 import typing
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pandas as pd
 from pydantic import BaseModel
@@ -38,7 +38,7 @@ from sph.experiments.trigger.points import POINTS
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
-from sph.storage.trajectory import VARIABLES, Variable
+from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import named_sections, sections
 from sph.study.plan import Study
 from sph.study.tables import VALUES
@@ -68,20 +68,34 @@ def variable_rows(variables: Iterable[Variable]) -> Iterator[tuple[str, str, str
         yield variable.name, ", ".join(variable.dims), variable.dtype, variable.units, variable.text
 
 
-def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Markdown table; the first column is set as code."""
-    lines = ["| " + " | ".join(head) + " |", "|" + " --- |" * len(head)]
-    lines += ["| `" + first.replace("|", "\\|") + "` | " + " | ".join(map(_cell, cells)) + " |" for first, *cells in rows]
-    return "\n".join(lines)
+class Reference(NamedTuple):
+    """A table: headings, rows and a note below; the first column holds names, as in the program."""
+
+    head: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    note: str = ""
+
+
+class Strong(str):
+    """A cell that is set in bold."""
+
+
+def markdown(table: Reference) -> str:
+    """A table and its note in Markdown; without rows the note alone."""
+    lines = ["| " + " | ".join(table.head) + " |", "|" + " --- |" * len(table.head)]
+    lines += ["| `" + first.replace("|", "\\|") + "` | " + " | ".join(map(_cell, cells)) + " |" for first, *cells in table.rows]
+    return "\n\n".join(filter(None, ("\n".join(lines) if table.rows else "", table.note)))
 
 
 def _cell(text: str) -> str:
     """Text of a cell: bars, lone asterisks and the beginnings of tags stand for themselves."""
+    if isinstance(text, Strong):
+        return f"**{_cell(str(text))}**"
     return re.sub(r"<(?=[A-Za-z/])", "&lt;", re.sub(r"(?<!\*)\*(?!\*)", r"\\*", text.replace("|", "\\|")))
 
 
 def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (rung, particle-steps/s, time of a run, errors, class) of a ladder."""
+    """Rows (variant, particle-steps/s, time of a run, errors, class) of a cost-accuracy study."""
     for rung in summary(table):
         errors = ("reference", "reference") if rung.reference else _errors(rung)
         speed = f"{rung.particle_steps_per_second / 1e6:.1f} M"
@@ -89,7 +103,7 @@ def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
 
 
 def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a ladder."""
+    """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a cost-accuracy study."""
     presets = table[table["knob"] == PRESETS]
     for rung in summary(presets):
         own = presets[presets["rung"] == rung.rung]
@@ -98,13 +112,13 @@ def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield rung.rung, f"{rung.cost:.3g} s", *values, *_errors(rung), baseline, f"{rung.classes_agree} of {rung.cases}"
 
 
-def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]]) -> str:
-    """Markdown table of the shipped ladder with the machine below it; a sentence while there is none."""
+def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]]) -> Reference:
+    """Table of the shipped cost-accuracy study with the machine as its note; without rows while there is none."""
     table = advice.shipped_table()
     if table is None:
-        return f"*{advice.NOT_MEASURED_YET[0].upper()}{advice.NOT_MEASURED_YET[1:]}.*"
+        return Reference(head, [], f"{advice.NOT_MEASURED_YET[0].upper()}{advice.NOT_MEASURED_YET[1:]}.")
     cases = ", ".join(dict.fromkeys(table["case"]))
-    return markdown(head, rows(table)) + f"\n\nCases {cases}; one core of {table['machine'].iloc[0]}, runs side by side."
+    return Reference(head, list(rows(table)), f"Cases {cases}; one core of {table['machine'].iloc[0]}, runs side by side.")
 
 
 def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
@@ -123,7 +137,7 @@ def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
             " / ".join(f"{error:.1e}" if exact else _per_cent(error) for error in errors),
             f"{row['tolerance']:.2g}" if exact else f"{100 * row['tolerance']:.2g} %",
             "" if math.isnan(row["order"]) else f"{row['order']:.1f}",
-            f"**{row['verdict']}**" if row["verdict"] == MISSES else row["verdict"],
+            Strong(row["verdict"]) if row["verdict"] == MISSES else row["verdict"],
             f"{row['cost']:.3g} s" if first else "",
         )
 
@@ -133,7 +147,7 @@ def _per_cent(error: float) -> str:
 
 
 def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (change, then for every case A's displacement and run-out over those of the scene as it is) of the limits."""
+    """Rows (change, then for every case A's displacement and run-out over those of the scene as it is) of the assumptions."""
     cases = list(dict.fromkeys(table["case"]))
     for change, rows in table.groupby("change", sort=False):
         by_case = rows.set_index("case")
@@ -147,16 +161,18 @@ def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield str(change), *cells
 
 
-def _limits_table(table: pd.DataFrame) -> str:
+def _limits_table(table: pd.DataFrame) -> Reference:
     cases = dict.fromkeys(table["case"])
-    return markdown(("change", *(f"{case}, {what}" for case in cases for what in ("A", "run-out"))), change_lines(table))
+    return Reference(("change", *(f"{case}, {what}" for case in cases for what in ("A", "run-out"))), list(change_lines(table)))
 
 
 def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the extremes."""
+    """Rows (sweep, values, sound runs, diverged, refused, then the worst of the sound runs' checks) of the robustness study."""
     for sweep, rows in table[table["sweep"] != TIME_STEP].groupby("sweep", sort=False):
-        sound = rows[~rows["status"].isin(("diverged", REFUSED))]
-        diverged, refused = (", ".join(dict.fromkeys(rows["value"][rows["status"] == status])) or "-" for status in ("diverged", REFUSED))
+        sound = rows[~rows["status"].isin((Status.DIVERGED, REFUSED))]
+        diverged, refused = (
+            ", ".join(dict.fromkeys(rows["value"][rows["status"] == status])) or "-" for status in (Status.DIVERGED, REFUSED)
+        )
         worst = (
             f"{100 * sound['energy_gap'].max():.2g} %",
             f"{100 * sound['area_change'].min():+.2g} to {100 * sound['area_change'].max():+.2g} %",
@@ -170,7 +186,7 @@ def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
 def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (scheme, largest sound step below the first that diverged, that one) of the time steps, over the limit from theory."""
     for scheme, rows in table[table["sweep"] == TIME_STEP].groupby("case", sort=False):
-        factors, diverged = rows["value"].astype(float), rows["status"] == "diverged"
+        factors, diverged = rows["value"].astype(float), rows["status"] == Status.DIVERGED
         first = factors[diverged].min()
         sound = factors[~diverged & ~(factors > first)].max()
         yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"
@@ -179,14 +195,15 @@ def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
 def claim_lines() -> Iterator[tuple[str, ...]]:
     """Rows (number, claim, verdict, measured) of the paper's claims."""
     for row in read_measured("claims").to_dict("records"):
-        verdict = row["verdict"] if row["verdict"] == HOLDS else f"**{row['verdict']}**"
+        verdict = row["verdict"] if row["verdict"] == HOLDS else Strong(row["verdict"])
         yield str(row["claim"]), row["statement"], verdict, row["measured"]
 
 
 def time_lines() -> Iterator[tuple[str, ...]]:
     """Rows (task, time, conditions, machine) of the README's commands."""
+    studies = _study_tasks()
     for row in read_measured("times").to_dict("records"):
-        if not row["task"].startswith(STUDY_AT):
+        if row["task"] not in studies:
             yield row["task"], duration(row["wall_time"]), row["conditions"], row["machine"]
 
 
@@ -205,12 +222,18 @@ def fidelity_lines() -> Iterator[tuple[str, ...]]:
         yield rung.rung, whole, *against, f"{rung.cost:.3g} s", *_errors(rung)
 
 
-def _fidelities_table() -> str:
+def _study_tasks() -> set[str]:
+    """The timed tasks that are the whole study, one a fidelity."""
+    ladder = advice.shipped_table()
+    return set() if ladder is None else {STUDY_AT + fidelity for fidelity in ladder["rung"][ladder["knob"] == PRESETS]}
+
+
+def _fidelities_table() -> Reference:
     times = read_measured("times")
-    studies = times[times["task"].str.startswith(STUDY_AT)]
+    studies = times[times["task"].isin(_study_tasks())]
     where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions']}" for row in studies.to_dict("records")))
     note = f"Whole study: {where}. Errors: one run against the finest of the cost-accuracy study."
-    return markdown(FIDELITY_HEAD, fidelity_lines()) + f"\n\n{note}"
+    return Reference(FIDELITY_HEAD, list(fidelity_lines()), note)
 
 
 def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
@@ -225,11 +248,11 @@ def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
             yield str(case), rows["title"].iloc[0], f"{len(missed)} of {len(rows)}", errors[0]
 
 
-def _missed_table(table: pd.DataFrame) -> str:
+def _missed_table(table: pd.DataFrame) -> Reference:
     held = table["verdict"] == HOLDS
     whole = held.groupby(table["case"]).all()
     note = f"{held.sum()} of {len(table)} quantities are within their tolerance, in {whole.sum()} of {len(whole)} cases all of them."
-    return markdown(("case", "problem", "missed", "worst error (tolerance)"), missed_lines(table)) + f"\n\n{note}"
+    return Reference(("case", "problem", "missed", "worst error (tolerance)"), list(missed_lines(table)), note)
 
 
 def command_lines() -> Iterator[tuple[str, ...]]:
@@ -272,43 +295,43 @@ FIDELITY_HEAD = (
 CASE_HEAD = ("case", "quantity", "computed", "reference", "error, coarse to fine", "tolerance", "order", "verdict", "cost")
 KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
 VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
-TABLES: dict[str, Callable[[], str]] = {
-    "scene": lambda: markdown(KEY_HEAD, key_rows(Scene)),
-    "study": lambda: markdown(KEY_HEAD, key_rows(Study)),
-    "trade_keys": lambda: markdown(KEY_HEAD, key_rows(Trade)),
-    "validation_keys": lambda: markdown(KEY_HEAD, key_rows(Validation)),
-    "limits_keys": lambda: markdown(KEY_HEAD, key_rows(Limits)),
-    "extremes_keys": lambda: markdown(KEY_HEAD, key_rows(Extremes)),
-    "sensitivity_keys": lambda: markdown(KEY_HEAD, key_rows(Sensitivity)),
-    "failure_rule": lambda: markdown(KEY_HEAD, key_rows(FailureRule)),
-    "validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(VALIDATION)),
-    "extremes_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(EXTREMES)),
-    "sample_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SAMPLE)),
-    "morris_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(MORRIS)),
-    "tornado_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TORNADO)),
-    "sobol_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SOBOL)),
-    "cross_validation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CROSS_VALIDATION)),
-    "confirmation_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CONFIRMED)),
-    "trigger_keys": lambda: markdown(KEY_HEAD, key_rows(Trigger)),
-    "trigger_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CRITICAL)),
-    "points_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(POINTS)),
-    "confirm_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CONFIRM)),
-    "cells_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(CELLS)),
-    "shares_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(SHARES)),
-    "limits_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(LIMITS)),
-    "validation": lambda: markdown(CASE_HEAD, case_lines(read_validation(SHIPPED_VALIDATION))),
+TABLES: dict[str, Callable[[], Reference]] = {
+    "scene": lambda: Reference(KEY_HEAD, list(key_rows(Scene))),
+    "study": lambda: Reference(KEY_HEAD, list(key_rows(Study))),
+    "trade_keys": lambda: Reference(KEY_HEAD, list(key_rows(Trade))),
+    "validation_keys": lambda: Reference(KEY_HEAD, list(key_rows(Validation))),
+    "limits_keys": lambda: Reference(KEY_HEAD, list(key_rows(Limits))),
+    "extremes_keys": lambda: Reference(KEY_HEAD, list(key_rows(Extremes))),
+    "sensitivity_keys": lambda: Reference(KEY_HEAD, list(key_rows(Sensitivity))),
+    "failure_rule": lambda: Reference(KEY_HEAD, list(key_rows(FailureRule))),
+    "validation_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(VALIDATION))),
+    "extremes_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(EXTREMES))),
+    "sample_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(SAMPLE))),
+    "morris_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(MORRIS))),
+    "tornado_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(TORNADO))),
+    "sobol_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(SOBOL))),
+    "cross_validation_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CROSS_VALIDATION))),
+    "confirmation_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CONFIRMED))),
+    "trigger_keys": lambda: Reference(KEY_HEAD, list(key_rows(Trigger))),
+    "trigger_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CRITICAL))),
+    "points_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(POINTS))),
+    "confirm_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CONFIRM))),
+    "cells_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CELLS))),
+    "shares_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(SHARES))),
+    "limits_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(LIMITS))),
+    "validation": lambda: Reference(CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION)))),
     "limits": lambda: _limits_table(read_limits()),
-    "extremes": lambda: markdown(SWEEP_HEAD, sweep_lines(read_extremes())),
-    "time_steps": lambda: markdown(STEP_HEAD, step_lines(read_extremes())),
-    "trajectory": lambda: markdown(VARIABLE_HEAD, variable_rows(VARIABLES)),
-    "metrics": lambda: markdown(VARIABLE_HEAD, variable_rows(VALUES)),
-    "trade_variables": lambda: markdown(VARIABLE_HEAD, variable_rows(TRADE)),
-    "convergence": lambda: markdown(VARIABLE_HEAD, variable_rows(CONVERGENCE)),
-    "claims": lambda: markdown(CLAIM_HEAD, claim_lines()),
-    "times": lambda: markdown(TIME_HEAD, time_lines()),
+    "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),
+    "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_extremes()))),
+    "trajectory": lambda: Reference(VARIABLE_HEAD, list(variable_rows(VARIABLES))),
+    "metrics": lambda: Reference(VARIABLE_HEAD, list(variable_rows(VALUES))),
+    "trade_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(TRADE))),
+    "convergence": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CONVERGENCE))),
+    "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),
+    "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
-    "commands": lambda: markdown(("command", "what it does"), command_lines()),
+    "commands": lambda: Reference(("command", "what it does"), list(command_lines())),
     "presets": lambda: measured(PRESET_HEAD, preset_rows),
     "trade": lambda: measured(RUNG_HEAD, rung_rows),
 }
@@ -318,12 +341,12 @@ MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOT
 
 
 def filled(text: str) -> str:
-    """Text with the tables between its marks made anew; ValueError for a mark of no table."""
+    """Text with the tables between its marks made again; ValueError for a mark of no table."""
 
     def table(found: re.Match[str]) -> str:
         if found[2] not in TABLES:
             raise ValueError(f"{found[1].strip()}: must be one of {', '.join(TABLES)}")
-        return f"{found[1]}\n{TABLES[found[2]]()}\n\n{found[3]}"
+        return f"{found[1]}\n{markdown(TABLES[found[2]]())}\n\n{found[3]}"
 
     return MARKED.sub(table, text)
 

@@ -1,7 +1,7 @@
 """A trajectory as the scene of a command: ``sph run FILE.nc`` repeats the run that wrote it.
 
-A run that went on from a stage, as those of a study do, is repeated from the start: what a stage may change (see
-``sph.solver.run.check_restart``) has no effect on the past it goes on from, so that both give the same bits.
+A run that continued from a stage, as those of a study do, is repeated from the start: what may differ between a stage and the run that
+continues it (see ``sph.solver.run.check_restart``) has no effect before the stage ends, so that both give the same bits.
 """
 
 from __future__ import annotations
@@ -19,8 +19,6 @@ from sph.scene.strict_json import parse_json
 from sph.solver.run import Until
 from sph.storage import trajectory
 
-STOPPED: dict[str, Until] = {"at the end of the gravity stage": "gravity", "before the first failure": "first_failure"}
-"""Where a run was told to stop, by the reason of its status."""
 SIGNATURES = (b"\x89HDF", b"CDF")
 """What netCDF files begin with."""
 
@@ -54,7 +52,7 @@ def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | N
         motion, vertical = _at(overrides, "motion"), _at(overrides, "motion", "vertical")
         third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
         if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit"))):
-            kept["motion"].pop("data", None)  # the samples are to be read anew
+            kept["motion"].pop("data", None)  # the samples are to be read again
     data = merge(kept, overrides)
     return make_scene(data, str(path)), [str(path), *scene_files(data)]
 
@@ -79,8 +77,15 @@ def _at(data: Any, *names: str) -> Any:
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:
-    """The stage up to which a trajectory was to be simulated; ``end`` for a new scene."""
-    return "end" if earlier is None else STOPPED.get(str(earlier.attrs.get("status_reason")), "end")
+    """The stage up to which a trajectory was to be simulated; ``end`` for a new scene.
+
+    A paused run whose last sample is that at the end of the gravity stage has the same bits whichever stage it was told to stop at.
+    """
+    if earlier is None or earlier.attrs.get("status") != trajectory.Status.PAUSED:
+        return "end"
+    scene = trajectory.scene_of(earlier)
+    at_gravity = scene.steps(float(earlier["sample_time"][-1])) == scene.steps(scene.gravity.duration)
+    return "gravity" if at_gravity else "first_failure"
 
 
 def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:

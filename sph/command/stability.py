@@ -1,4 +1,4 @@
-"""What ``sph fos`` and ``sph yield-acceleration`` do and print: each trial as it is done, then the answer, the rule and the bracket."""
+"""What ``sph fos`` and ``sph yield-acceleration`` do and print: each trial when it is done, then the answer, the rule and the bracket."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from sph.stability.safety import critical_strength_ratio, factor_of_safety, yiel
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
 from sph.storage.files import whole
+from sph.storage.trajectory import Status
 
 
 class Question(NamedTuple):
@@ -54,7 +55,7 @@ def answer(asked: str, scene: Scene, tolerance: float, rule: dict[str, Any], as_
 
 def trial_line(question: Question, trial: Trial) -> str:
     """One trial in words."""
-    verdict = "stands" if trial.stands else "diverged" if trial.status == "diverged" else "fails"
+    verdict = "stands" if trial.stands else "diverged" if trial.status == Status.DIVERGED else "fails"
     return (
         f"{question.symbol} = {question.text(trial.value)}  {verdict}: {trial.displaced_area:.3g} m2 displaced, "
         f"{trial.largest_displacement:.3g} m at most, {trial.wall_time:.1f} s"

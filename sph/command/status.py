@@ -2,7 +2,7 @@
 
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
-with a reason, *stopped* when it was killed (it goes on from its checkpoint), else *waiting*.  Whether edited sources ask for a
+with a reason, *stopped* when it was killed (it continues from its checkpoint), else *waiting*.  Whether edited sources ask for a
 rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.command.targets``).
 
 The time left is that which finished jobs of the kind took by their benchmarks (runs: those that share their shaking up to the first
@@ -11,12 +11,14 @@ failure, else all, else the gravity stage's time a simulated second), and what r
 
 from __future__ import annotations
 
+import csv
 import functools
 import math
 import statistics
 import time as clock
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -26,8 +28,7 @@ from rich.live import Live
 from rich.text import Text
 
 import sph
-from sph.command.job import read_log
-from sph.command.progress import LINE
+from sph.jobs.log import read_log
 from sph.scene.configuration import merge, read_yaml, without_files
 from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import finite, parse_json
@@ -35,35 +36,68 @@ from sph.storage.files import beside
 from sph.study.plan import Plan, load_study
 from sph.study.sampling import chosen_runs
 
-STATES = ("done", "running", "failed", "stopped", "outdated", "waiting")
 REFRESH = 2.0
 """Wall time between looks of ``--watch``, s."""
-RUNS, SEARCH = "runs", "yield acceleration"
 LISTED = 10
 """Most jobs of a state that are named."""
+
+
+class Kind(StrEnum):
+    """What a simulation is for."""
+
+    GRAVITY = "gravity"
+    TRUNK = "trunk"
+    RUN = "run"
+    SEARCH = "search"
+
+
+TITLES = {
+    Kind.GRAVITY: "gravity stage",
+    Kind.TRUNK: "shaking to the first failure",
+    Kind.RUN: "runs",
+    Kind.SEARCH: "yield acceleration",
+}
+"""The kinds in words."""
+
+
+class Stand(StrEnum):
+    """How a job stands; see above."""
+
+    DONE = "done"
+    RUNNING = "running"
+    FAILED = "failed"
+    STOPPED = "stopped"
+    OUTDATED = "outdated"
+    WAITING = "waiting"
 
 
 class Job(NamedTuple):
     """A simulation of a study."""
 
-    kind: str  # what it is, in words; its row of the overview
+    kind: Kind
     group: str  # jobs of one group take about as long
     name: str  # of its log and benchmark
     file: str  # relative to its place
     scene: Scene
     place: str = ""  # folder of its logs and benchmarks, relative to that of the study
+    target: str = ""  # to which it belongs, where that is not the study itself
 
     @property
     def is_run(self) -> bool:
-        """Whether it goes on to the end of its scene, unlike a stage or a search."""
-        return self.kind.startswith(RUNS)
+        """Whether it runs to the end of its scene, unlike a stage or a search."""
+        return self.kind == Kind.RUN
+
+    @property
+    def title(self) -> str:
+        """What it is, in words: its row of the overview."""
+        return f"{TITLES[self.kind]} of {self.target}" if self.target else TITLES[self.kind]
 
 
 class State(NamedTuple):
     """How a job stands."""
 
     job: Job
-    state: str  # one of STATES
+    state: Stand
     note: str = ""  # the run's own status, or why it failed
     time: float = 0.0  # simulated, s
     left: float = math.nan  # wall time by its own account, s
@@ -97,13 +131,13 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
 
 def jobs(plan: Plan) -> list[Job]:
     """All simulations of a study, as the rules of ``workflow/rules`` make them."""
-    found = [Job("gravity stage", "gravity", name, f"stages/{name}.nc", make_scene(plan.stage(name))) for name in plan.gravities]
+    found = [Job(Kind.GRAVITY, "gravity", name, f"stages/{name}.nc", make_scene(plan.stage(name))) for name in plan.gravities]
     for name in plan.trunks:
-        found.append(Job("shaking to the first failure", "trunk", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
+        found.append(Job(Kind.TRUNK, "trunk", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
     for name, point in plan.study.runs.items():
-        found.append(Job(RUNS, plan.stages(name).trunk, name, f"runs/{name}.nc", plan.built(**point)))
+        found.append(Job(Kind.RUN, plan.stages(name).trunk, name, f"runs/{name}.nc", plan.built(**point)))
     if plan.one_slope:
-        found.append(Job(SEARCH, SEARCH, "yield_acceleration", "stages/yield_acceleration.nc", make_scene(plan.slope)))
+        found.append(Job(Kind.SEARCH, "search", "yield_acceleration", "stages/yield_acceleration.nc", make_scene(plan.slope)))
     return found
 
 
@@ -115,25 +149,37 @@ def look(job: Job, folder: Path) -> State:
         scene, note, computed = _facts(path, path.stat().st_mtime_ns)
     except OSError as error:
         if not isinstance(error, FileNotFoundError):
-            return State(job, "outdated", f"cannot be read: {error.strerror or error}")
+            return State(job, Stand.OUTDATED, f"cannot be read: {error.strerror or error}")
     else:
         same = scene == job.scene.stored() or _content(_scene(scene)) == _content(job.scene)
         return State(
-            job, "done" if same else "outdated", note if same else "of another scene", took=_benchmark(folder, job), computed=computed
+            job,
+            Stand.DONE if same else Stand.OUTDATED,
+            note if same else "of another scene",
+            took=_benchmark(folder, job),
+            computed=computed,
         )
     log = read_log(folder / "logs" / f"{job.name}.log")
     if log is not None:
-        lines = [found for found in map(LINE.fullmatch, log.lines) if found]
-        time = float(lines[-1][1]) if lines else 0.0
-        left = max(float(lines[-1][3]) - log.age, 0.0) if lines and lines[-1][3] else math.nan
-        if log.process is not None and not log.reason and log.process.alive(log.age):
-            note = f"{len(log.lines)} trials so far" if job.group == SEARCH else "" if lines else "compiling or reading"
-            return State(job, "running", note, time, left)
-        if log.reason:
-            return State(job, "failed", log.reason, time)
+        time = log.time or 0.0
+        left = math.nan if log.left is None else max(log.left - log.age, 0.0)
+        if log.reason is not None:
+            return State(job, Stand.FAILED, log.reason, time)
+        if log.process is not None and log.process.alive(log.age):
+            begun = "" if log.time is not None else "compiling or reading"
+            return State(job, Stand.RUNNING, f"{_trials(path)} trials so far" if job.kind == Kind.SEARCH else begun, time, left)
         if any(beside(path, role).exists() for role in ("run", "checkpoint")):
-            return State(job, "stopped", time=time)
-    return State(job, "waiting")
+            return State(job, Stand.STOPPED, time=time)
+    return State(job, Stand.WAITING)
+
+
+def _trials(path: Path) -> int:
+    """How many trials a search under way has made, by its checkpoint."""
+    try:
+        with netCDF4.Dataset(beside(path, "checkpoint")) as ds:
+            return len(ds.dimensions["trial"])
+    except (OSError, KeyError):
+        return 0
 
 
 @functools.lru_cache(maxsize=20_000)
@@ -160,8 +206,9 @@ def _content(scene: Scene | None) -> Any:
 def _benchmark(folder: Path, job: Job) -> float:
     """Wall time of a finished job, s; NaN if Snakemake has not (yet) written it."""
     try:
-        return float((folder / "benchmarks" / f"{job.name}.tsv").read_text(encoding="utf-8").splitlines()[1].split()[0])
-    except (OSError, ValueError, IndexError):
+        with (folder / "benchmarks" / f"{job.name}.tsv").open(encoding="utf-8", newline="") as file:
+            return float(next(csv.DictReader(file, delimiter="\t"))["s"])
+    except (OSError, ValueError, KeyError, TypeError, StopIteration, csv.Error):
         return math.nan
 
 
@@ -182,7 +229,7 @@ def estimate(states: Sequence[State]) -> Estimate:
     by_gravity = states[0].computed * (scene.duration / scene.gravity.duration - 1.0)
     lefts, work, unknown = [], 0.0, 0
     for state in states:
-        if state.state == "done":
+        if state.state == Stand.DONE:
             continue
         known = (state.left, costs[state.job.group], *((any_run, by_gravity) if state.job.is_run else ()))
         left = next((value for value in known if not math.isnan(value)), math.nan)
@@ -190,9 +237,9 @@ def estimate(states: Sequence[State]) -> Estimate:
             unknown += 1
             continue
         work += left
-        if state.state == "running":
+        if state.state == Stand.RUNNING:
             lefts.append(left)
-    running = sum(state.state == "running" for state in states)
+    running = sum(state.state == Stand.RUNNING for state in states)
     return Estimate(work, max(work / running, *lefts, 0.0) if running else math.nan, unknown)
 
 
@@ -203,17 +250,17 @@ def _mean(values: Iterator[float]) -> float:
 
 def lines(plan: Plan, states: Sequence[State]) -> list[str]:
     """The overview in words."""
-    kinds = dict.fromkeys(state.job.kind for state in states)
-    width = max(map(len, kinds))
+    titles = dict.fromkeys(state.job.title for state in states)
+    width = max(map(len, titles))
     text = [f"{plan.folder}: study {plan.study.study} at fidelity {plan.study.fidelity}"]
-    for kind in kinds:
-        of_kind = [state for state in states if state.job.kind == kind]
+    for title in titles:
+        of_kind = [state for state in states if state.job.title == title]
         count = Counter(state.state for state in of_kind)
-        ended = Counter(state.note for state in of_kind if state.state == "done" and state.note)
+        ended = Counter(state.note for state in of_kind if state.state == Stand.DONE and state.note)
         done = f" ({', '.join(f'{number} {status}' for status, number in ended.items())})" if of_kind[0].job.is_run and ended else ""
-        others = "".join(f", {count[name]} {name}" for name in STATES[1:] if count[name])
-        text.append(f"  {kind:<{width}}  {count['done']} of {len(of_kind)} done{done}{others}")
-    for name in STATES[1:5]:
+        others = "".join(f", {count[name]} {name}" for name in list(Stand)[1:] if count[name])
+        text.append(f"  {title:<{width}}  {count[Stand.DONE]} of {len(of_kind)} done{done}{others}")
+    for name in list(Stand)[1:5]:
         told = [_line(state) for state in states if state.state == name]
         text += told[:LISTED] + [f"  and {len(told) - LISTED} more {name}"] * (len(told) > LISTED)
     return [*text, sentence(states)]
@@ -223,7 +270,7 @@ def _line(state: State) -> str:
     told = [state.note] if state.note else []
     if not math.isnan(state.left):
         told.insert(0, f"{duration(state.left)} left")
-    if state.time and state.state in ("running", "stopped"):
+    if state.time and state.state in (Stand.RUNNING, Stand.STOPPED):
         until = state.job.scene.duration
         told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.is_run else f"at {state.time:.2f} s")
     return f"  {state.state}: {state.job.name}{': ' if told else ''}{', '.join(told)}"
@@ -231,11 +278,11 @@ def _line(state: State) -> str:
 
 def sentence(states: Sequence[State]) -> str:
     """What is left, in a sentence."""
-    left = sum(state.state != "done" for state in states)
+    left = sum(state.state != Stand.DONE for state in states)
     if not left:
         return "all simulations are done; snakemake -n says whether tables, claims and figures are"
     found, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
-    running = sum(state.state == "running" for state in states)
+    running = sum(state.state == Stand.RUNNING for state in states)
     if found.unknown == left:
         return f"{'' if running else 'nothing is running; '}time left: unknown until the first job is done"
     basis = f"by {_number(measured, 'benchmark')}" if measured else "by what the running jobs say"
@@ -260,7 +307,7 @@ def duration(seconds: float) -> str:
 def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
     """The overview for machines; numbers that are not known are null."""
     found = estimate(states)
-    rows = [state._asdict() | {"job": state.job.name, "kind": state.job.kind, "duration": state.job.scene.duration} for state in states]
+    rows = [state._asdict() | {"job": state.job.name, "kind": state.job.title, "duration": state.job.scene.duration} for state in states]
     return {
         "study": plan.study.study,
         "fidelity": plan.study.fidelity,
@@ -285,6 +332,6 @@ def watch(plan: Plan, folder: Path, listed: Callable[[], list[Job]]) -> None:
             elif new != shown:
                 print("\n".join(new), flush=True)
             shown = new
-            if all(state.state == "done" for state in states):
+            if all(state.state == Stand.DONE for state in states):
                 return
             clock.sleep(REFRESH)

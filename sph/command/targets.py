@@ -1,6 +1,6 @@
 """The simulations of targets beside the study that have been started: trigger, maps, confirm and sensitivity (``sph status``).
 
-A search decides its next round by the one before, so that its runs are known round by round; those of the sample of indices and of its
+The rounds of a search follow from each other, so that its runs are known round by round; those of the sample of indices and of its
 confirmation are known once the screening has chosen the factors.
 """
 
@@ -11,13 +11,10 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-import pandas as pd
-
 import sph
-from sph.command.status import RUNS, Job
+from sph.command.status import Job, Kind
 from sph.experiments.sensitivity.design import chosen_factors, load_sensitivity
-from sph.experiments.trigger.design import SEARCHED, TriggerPlan, load_trigger
-from sph.measures.metrics import GRID
+from sph.experiments.trigger.design import load_trigger
 from sph.scene.schema import make_scene
 from sph.study.dimensions import point_name
 from sph.study.plan import Plan
@@ -45,27 +42,14 @@ def _listed(plan: Plan, folder: Path, tables: tuple[tuple[Path, int], ...]) -> t
 def _searched(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]:
     if not (folder / "trigger").is_dir():
         return
-    trigger = load_trigger(plan, folders)
-    tables = folder.parent / Path(trigger.folder).name / "trigger"
-    for search in SEARCHED.values():
-        for wanted in sorted((tables / "rounds").glob(f"{search}-*-wanted.csv")):
-            yield from _points(plan, trigger, wanted, search, trigger.fidelity)
-    confirmed = tables / "rounds" / "confirm-wanted.csv"
-    if confirmed.is_file():
-        yield from _points(plan, trigger, confirmed, "confirm", trigger.confirm["fidelity"])
-
-
-def _points(plan: Plan, trigger: TriggerPlan, wanted: Path, target: str, fidelity: str) -> Iterator[Job]:
-    own = set(plan.study.points.itertuples(index=False, name=None))
-    table = pd.read_csv(wanted, dtype=str, keep_default_na=False)
-    for case, *values in table[["case", *GRID]].itertuples(index=False, name=None):
-        at = trigger.folders[fidelity, case]
-        if at == plan.folder and tuple(values) in own:
+    trigger, own = load_trigger(plan, folders), plan.files()
+    for target, case, at, point in trigger.asked(folder.parents[2]):
+        name = point_name(point)
+        if f"{at}/runs/{name}.nc" in own:
             continue
-        point = dict(zip(GRID, values, strict=True))
-        name, scene = point_name(point), trigger.plans[at].built(**point)
+        scene = trigger.plans[at].built(**point)
         group = f"{target} {case} {point['amplitude']}"
-        yield Job(f"{RUNS} of {target}", group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder))
+        yield Job(Kind.RUN, group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder), target)
 
 
 def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]:
@@ -77,4 +61,4 @@ def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]
     for design in ("morris", "tornado", "sobol", "confirm"):
         for run in sensitivity.design(design, factors) if factors or design in ("morris", "tornado") else ():
             scene = make_scene(sensitivity.scene(design, run, factors), f"{sensitivity.origin}: {design}/{run}")
-            yield Job(f"{RUNS} of sensitivity", f"sensitivity {design}", f"{design}/{run}", f"runs/{design}/{run}.nc", scene, "sensitivity")
+            yield Job(Kind.RUN, f"sensitivity {design}", f"{design}/{run}", f"runs/{design}/{run}.nc", scene, "sensitivity", "sensitivity")

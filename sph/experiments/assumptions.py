@@ -1,4 +1,4 @@
-"""What the answers rest on: choices that are changed one at a time, and what that does (``config/limits.yaml``, ``snakemake limits``).
+"""Assumptions behind the results, changed one at a time, and the effect of each (``config/limits.yaml``, ``snakemake limits``).
 
 The first change is the reference, the scene as it is.  The table measured for this release is part of the package (``SHIPPED``).
 """

@@ -1,7 +1,7 @@
-"""How far the solver can be pushed: one key at a time to the ends of its range (``config/extremes.yaml``, ``snakemake extremes``).
+"""Robustness of the solver: one key at a time to the ends of its range (``config/extremes.yaml``, ``snakemake extremes``).
 
-Every run ends valid, diverged or refused, with a reason; a row says which, and what the run's own checks are worth.  Scenes that the
-schema refuses have no run.  ``time_steps`` runs fixed steps below and above the limit that theory gives: where it breaks, if it breaks.
+Every run ends sound, diverged or refused, with a reason; a row holds the status and the results of the run's checks.  Scenes that the
+schema refuses have no run.  ``time_steps`` runs fixed steps below and above the limit that theory gives.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ LINK = 2.0
 
 
 EXTREMES: tuple[Variable, ...] = (
-    Variable("sweep", ROW, "str", "1", "the key that is varied, in words"),
+    Variable("sweep", ROW, "str", "1", "name of the key that is varied"),
     Variable("value", ROW, "str", "1", "its value"),
     Variable("case", ROW, "str", "1", "the slope, or the scheme of a sweep over time steps"),
     Variable("status", ROW, "str", "1", "complete, unfailed, diverged, or refused before any work"),
@@ -56,7 +56,9 @@ EXTREMES: tuple[Variable, ...] = (
     number_column("penetration", "1", "largest depth of soil behind the face of a wall, over all frames, over the spacing"),
     number_column("stragglers", "1", "share of the soil that is not in the largest mass at the end"),
     number_column(
-        "asymmetry", "1", "largest distance of a particle from its mirror image's mirror image over the spacing; NaN for other scenes"
+        "asymmetry",
+        "1",
+        "largest distance of a particle from the mirror image of its counterpart, over the spacing; NaN in scenes without symmetry",
     ),
     number_column("displacement", "m", "largest displacement of a soil particle"),
     number_column("reproducible", "1", "1 if the repeats gave the same bits, 0 if not; NaN for one run"),
@@ -200,7 +202,7 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
 
 
 def asymmetry(run: xr.Dataset, scene: Scene) -> float:
-    """Largest distance of a particle from the mirror image of its twin, over the spacing."""
+    """Largest distance of a particle from the mirror image of its counterpart, over the spacing."""
     soil = run["kind"].values == SOIL
     x0, y0 = run["x0"].values[soil], run["y0"].values[soil]
     x, y = (run[name].values[-1, soil].astype(float) for name in ("x", "y"))

@@ -1,4 +1,4 @@
-"""The numbers of a run in the table of a study: its metrics, what the ladder lets one expect of them, and the sliding block beside it."""
+"""The numbers of a run in the table of a study: its metrics, their expected errors, and the displacement of a sliding block."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.schema import Scene
 from sph.storage.trajectory import scene_of
 
-SOIL_COLOUR, WALL_COLOUR = "#d9c9a8", "0.75"
+SOIL_COLOUR = "#d9c9a8"
 
 
 @styled

@@ -12,7 +12,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from sph.experiments.robustness import REFUSED
 from sph.figures.style import GREY, WIDTH, colour_map, label_panels, styled
+from sph.storage.trajectory import Status
 
 
 class Check(NamedTuple):
@@ -37,6 +39,8 @@ CHECKS = (
     Check("depth in walls, 0 to 1 spacing", _linear("penetration", 0.0, 1.0)),
 )
 """What is shown, from good (light) to bad (dark)."""
+MARKS: dict[str, str] = {Status.DIVERGED: "D", REFUSED: "R"}
+"""What stands in the cell of a run without a result, by its status."""
 DARKEST = 0.9
 """Part of the colour map that is used: beyond it text is hard to read."""
 
@@ -59,10 +63,10 @@ def figure_extremes(table: pd.DataFrame) -> Figure:
         for height, (_, rows) in enumerate(groups):
             badness = check.badness(rows)
             for place, (bad, status, value) in enumerate(zip(badness, rows["status"], rows["value"], strict=True)):
-                failed = status in ("diverged", "refused")
+                failed = status in MARKS
                 colour = "white" if failed or not np.isfinite(bad) else colours(DARKEST * float(np.clip(bad, 0.0, 1.0)))
                 ax.add_patch(Rectangle((place, height), 1, 1, facecolor=colour, edgecolor=GREY, linewidth=0.3))
-                text = {"diverged": "D", "refused": "R"}.get(status, _short(value))
+                text = MARKS.get(status, _short(value))
                 dark = not failed and np.isfinite(bad) and bad > 0.55
                 ax.text(place + 0.5, height + 0.5, text, ha="center", va="center", fontsize=4.2, color="white" if dark else "black")
         ax.set(xlim=(0, longest), ylim=(len(groups), 0), xticks=[])

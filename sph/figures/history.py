@@ -13,7 +13,7 @@ from sph.figures.style import LINE_STYLES, SHAKING, WIDTH, add_note, curve_colou
 from sph.measures.fields import probe_history, with_end
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene
-from sph.storage.trajectory import scene_of
+from sph.storage.trajectory import Status, scene_of
 
 
 def shade_shaking(ax: Axes, scene: Scene, label: str = "shaking") -> None:
@@ -41,7 +41,7 @@ def draw_vertical_histories(ax: Axes, trajectories: Mapping[str, xr.Dataset], pr
         history = probe_history(trajectory, probe)
         style = LINE_STYLES[number % len(LINE_STYLES)]
         lines += ax.plot(history.time, history.vertical, color=colours[number], linestyle=style, label=with_end(name, trajectory))
-        if trajectory.attrs["status"] == "diverged":
+        if trajectory.attrs["status"] == Status.DIVERGED:
             ax.plot(history.time[-1:], history.vertical[-1:], color=colours[number], marker="x", markersize=7, markeredgewidth=2.0)
     scenes = [scene_of(trajectory) for trajectory in trajectories.values()]
     shade_shaking(ax, scenes[0])

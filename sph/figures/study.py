@@ -23,7 +23,7 @@ MARKERS = "osD^"
 COLUMNS = 3
 """Most panels side by side."""
 LOG_FROM = 50.0
-"""A dimension is drawn on a logarithmic axis where its largest value is so many times its smallest."""
+"""A dimension is drawn on a logarithmic axis where its largest value is at least this many times its smallest."""
 LONG_LABEL = 24
 """Most characters in a line of the name of a dimension."""
 MANY = 300

@@ -1,4 +1,4 @@
-"""The ladder: error against cost, and results against spacing."""
+"""The cost-accuracy study: error against cost, and results against spacing."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, Summary, non_
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled, write_note
 
 MARKERS = "osD^v<>ph8PXdH*"
-"""Knobs differ by these as well as by colour."""
+"""Markers of the parameters, beside their colours."""
 LEAST_ERROR = 1e-3
 """Errors below this are drawn at it: a logarithmic axis has no zero."""
 LABELS = {"displacement_magnitude": "displacement of A (m)", "runout": "run-out (m)", "onset_after_start": "onset of A (s of shaking)"}
@@ -25,16 +25,16 @@ LABELS = {"displacement_magnitude": "displacement of A (m)", "runout": "run-out 
 
 @styled
 def figure_tradeoff(table: pd.DataFrame) -> Figure:
-    """Error of A's displacement and of the run-out against computing time, a point a rung; hollow where the class differs in a case.
+    """Error of A's displacement and of the run-out against computing time, a point a variant; hollow where the class differs in a case.
 
     ``table`` as from ``read_trade``.  The error is the largest deviation from the reference over the cases, the time that of the
-    timed case; the line joins the rungs that no other of the reference's class beats in both.  The reference, rungs that were not
+    timed case; the line joins the variants that no other of the reference's class beats in both.  The reference, variants that were not
     run in every case and diverged ones have no point.  Raises ValueError where nothing is left to draw.
     """
     rungs = summary(table)
     shown = [rung for rung in rungs if rung.every_case and rung.finished and not rung.reference]
     if not shown:
-        raise ValueError("table: no rung but the reference was run to its end in every case, there is nothing to draw")
+        raise ValueError("table: no variant but the reference was run to its end in every case, there is nothing to draw")
     knobs = list(dict.fromkeys(rung.knob for rung in shown))
     colours = curve_colours(len(knobs))
     looks = {knob: (colours[at], MARKERS[at % len(MARKERS)]) for at, knob in enumerate(knobs)}

@@ -1,4 +1,4 @@
-"""What a user should know before trusting a scene's numbers: each with what is measured, what is wanted and the key to change."""
+"""Diagnostics of a scene before it is run: what may spoil its results, with the measured and the wanted value and the key to change."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from sph.solver.particles import Particles
 from sph.solver.time_step import limits, wave_speed_ratio
 
 FEWEST_IN_HEIGHT = 12
-"""Particles across the height of a slope: the fewest in the ladder (README), whose classes are right and run-outs 60 % off."""
+"""Fewest particles across the height of a slope in the cost-accuracy study (README): its classes are right, its run-outs 60 % off."""
 FEWEST_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
 FEWEST_IN_WAVE = 8
@@ -44,7 +44,7 @@ SHARE_OF_LIMIT = 0.8
 
 
 class Concern(NamedTuple):
-    """Something that may spoil a result."""
+    """A diagnostic: something that may spoil a result."""
 
     what: str
     measured: str
@@ -52,7 +52,7 @@ class Concern(NamedTuple):
     key: str
 
     def sentence(self) -> str:
-        """All of it in one line."""
+        """The diagnostic in one sentence."""
         return f"{self.what}: {self.measured}, wanted {self.wanted}; change {self.key}"
 
 
@@ -96,7 +96,7 @@ def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
 
 
 def concerns(scene: Scene, particles: Particles) -> list[Concern]:
-    """All that holds for a scene and its particles."""
+    """All diagnostics that apply to a scene and its particles."""
     return (
         [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
@@ -159,7 +159,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Concern]:
 
 
 def thin_box(scene: Scene) -> list[Concern]:
-    """Whether the box's layers of particles leave the kernel unfilled."""
+    """A warning if the box has fewer layers of particles than fill the kernel's support."""
     walls, needed = scene.walls, scene.layers_filling_support
     if any(kind.stands for kind in walls.kinds) and walls.layers < needed:
         return [
@@ -174,7 +174,7 @@ def thin_box(scene: Scene) -> list[Concern]:
 
 
 def cut_off(scene: Scene) -> list[Concern]:
-    """Whether the run ends before the motion."""
+    """A warning if the run ends before the motion does."""
     if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
         return []
     end = f"{scene.motion.end:.4g} s"
@@ -182,7 +182,7 @@ def cut_off(scene: Scene) -> list[Concern]:
 
 
 def of_motion(scene: Scene) -> list[Concern]:
-    """What may be wrong with the shaking of a scene."""
+    """All diagnostics of the shaking of a scene."""
     loading = loading_of(scene)
     components = {"horizontal": loading.ground, "vertical": loading.vertical}
     return cut_off(scene) + drift(scene) + implausible(components, "motion.amplitude, or the unit of the record")
@@ -196,7 +196,7 @@ def peak_accelerations(scene: Scene) -> str:
 
 
 def drift(scene: Scene) -> list[Concern]:
-    """Whether the record of a scene drifts, as processed."""
+    """A warning if the record of a scene drifts after processing."""
     if not isinstance(scene.motion, Record):
         return []
     made = processed(scene.motion)
@@ -204,7 +204,7 @@ def drift(scene: Scene) -> list[Concern]:
 
 
 def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Concern]:
-    """Whether peaks of accelerations (n,) in m/s2 by direction, the horizontal first, lie beyond what shakes slopes; none is fine."""
+    """A warning for each peak of accelerations (n,) in m/s2, by direction, the horizontal first, that is not plausible; 0 is."""
     wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
     peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
     return [
@@ -215,7 +215,7 @@ def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Concern]
 
 
 def drifting(motion: GroundMotion, key: str) -> list[Concern]:
-    """Whether the ground still moves at the end of a record: an offset of the recorder, which a sliding block takes for shaking."""
+    """A warning if the ground still moves at the end of a record: an offset of the recorder, which moves a sliding block like shaking."""
     velocity = cumulative_trapezoid(motion.acceleration, motion.time)
     largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
     if last <= LARGEST_DRIFT * largest:

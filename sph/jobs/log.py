@@ -1,24 +1,45 @@
-"""The log of a workflow's job, which begins with its process and ends with the reason if the job fails."""
+"""The log of a workflow's job: lines for people and records for programs, which are lines of JSON.
+
+The first line is a record of the job's process; a run adds one of its progress at least every half minute, and a job that fails one of the
+reason as its last line.
+"""
 
 from __future__ import annotations
 
 import os
 import platform
-import re
 import sys
 import time as clock
 import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol, TextIO
 
 import psutil
 
 from sph.jobs.exit_codes import REFUSED
+from sph.scene.strict_json import parse_json, to_json
 
 FRESH = 120.0
 """A job on another machine is taken for running while its log is younger than this, s; a run writes a line every 30 s."""
+RECORD = "record"
+"""Key of every record that holds its kind: one of the following."""
+PROCESS, PROGRESS, FAILED = "process", "progress", "failed"
+
+
+class JobLog(TextIOWrapper):
+    """A log that takes records beside lines."""
+
+    def record(self, kind: str, **facts: Any) -> None:
+        """Write a record."""
+        print(line_of(kind, **facts), file=self)
+
+
+def line_of(kind: str, **facts: Any) -> str:
+    """The line of a record; a number that is not finite is null."""
+    return to_json({RECORD: kind, **facts})
 
 
 class Job(Protocol):
@@ -33,15 +54,11 @@ class Job(Protocol):
 
 
 class Process(NamedTuple):
-    """The process of a job, as the first line of its log has it."""
+    """The process of a job."""
 
     machine: str
     number: int
     started: float  # s since 1970
-
-    def line(self) -> str:
-        """The line."""
-        return f"process {self.number} on {self.machine}, started at {self.started:.2f} s since 1970"
 
     def alive(self, age: float) -> bool:
         """Whether it runs; ``age`` (s) of its log decides for another machine.  A number is given again, after a reboot for instance."""
@@ -57,8 +74,9 @@ class Log(NamedTuple):
     """What the log of a job says."""
 
     process: Process | None
-    lines: list[str]  # after the first
-    reason: str  # why it failed, or empty
+    time: float | None  # simulated, s; None before the first progress
+    left: float | None  # wall time left at its last line, s; None where that is not known
+    reason: str | None  # why it failed, None while it has not
     age: float  # since its last line, s
 
 
@@ -68,38 +86,48 @@ def read_log(path: Path) -> Log | None:
         text, age = path.read_text(encoding="utf-8", errors="replace"), clock.time() - path.stat().st_mtime
     except OSError:
         return None
-    lines = text.splitlines()
-    first = re.fullmatch(r"process (\d+) on (.*), started at ([\d.]+) s since 1970", lines[0]) if lines else None
-    process = Process(first[2], int(first[1]), float(first[3])) if first else None
-    own = [line.removeprefix(f"{path.stem}: ") for line in lines if line.startswith(f"{path.stem}: ")]
-    reason = own[0] if own else lines[-1] if "Traceback (most recent call last):" in lines else ""
-    return Log(process, lines[1 if first else 0 :], reason, age)
+    last = {found[RECORD]: found for found in map(_record, text.splitlines()) if found}
+    process, progress, failed = (last.get(kind, {}) for kind in (PROCESS, PROGRESS, FAILED))
+    started = Process(process["machine"], process["number"], process["started"]) if process else None
+    return Log(started, progress.get("time"), progress.get("left"), failed.get("reason"), age)
+
+
+def _record(line: str) -> dict[str, Any] | None:
+    """The record in a line; None in a line for people."""
+    try:
+        found = parse_json(line)
+    except ValueError:
+        return None
+    return found if isinstance(found, dict) and RECORD in found else None
 
 
 @contextmanager
 def job_log(path: Path | str) -> Iterator[TextIO]:
     """The log to write to.  An error ends the job with a line, in the log and on stderr, where the workflow shows it.
 
-    What the user can mend (exit code 2) is that line alone; anything else leaves its traceback in the log.  A log that cannot be
-    written stops nobody.
+    An error that the user can correct (exit code 2) leaves that line alone, any other its traceback in the log.  A log that cannot be
+    written does not stop the job.
     """
     path = Path(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        log: TextIO = open(path, "w", encoding="utf-8", errors="backslashreplace", buffering=1)  # noqa: SIM115
-        print(Process(platform.node(), os.getpid(), clock.time()).line(), file=log)
+        log: TextIO
+        log = own = JobLog(path.open("wb"), encoding="utf-8", errors="backslashreplace", line_buffering=True)
+        own.record(PROCESS, **Process(platform.node(), os.getpid(), clock.time())._asdict())
     except OSError as error:
         print(f"{path}: no log: {error.strerror}", file=sys.stderr)
         log = sys.stderr
     try:
         yield log
     except Exception as error:
-        mendable = isinstance(error, (ValueError, OSError))
-        line = f"{path.stem}: {error if mendable else repr(error)}"
+        correctable = isinstance(error, (ValueError, OSError))
+        line = f"{path.stem}: {error if correctable else repr(error)}"
         with suppress(OSError):
-            print(line if mendable else traceback.format_exc().rstrip(), file=log)
+            print(line if correctable else traceback.format_exc().rstrip(), file=log)
+            if isinstance(log, JobLog):
+                log.record(FAILED, reason=next(iter(str(error).splitlines()), "") if correctable else repr(error))
         print(line, file=sys.stderr, flush=True)
-        raise SystemExit(REFUSED if mendable else 1) from error
+        raise SystemExit(REFUSED if correctable else 1) from error
     finally:
         if log is not sys.stderr:
             with suppress(OSError):

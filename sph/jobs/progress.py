@@ -1,8 +1,8 @@
-"""Progress of a run: a bar on a terminal, plain lines at every tenth, and at least every half minute, in a log file."""
+"""Progress of a run: a bar on a terminal; in a log lines, in that of a job records, at every tenth and at least every half minute."""
 
 from __future__ import annotations
 
-import re
+import math
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
+from sph.jobs.log import PROGRESS, JobLog
 from sph.solver.run import Progress
 
 
@@ -22,14 +23,12 @@ def rate_text(progress: Progress) -> str:
 
 
 SECONDS = 30.0
-"""Longest wall time between lines; ``sph status`` reads them."""
-LINE = re.compile(r".*: ([\d.]+) of (\S+) s, \d+% failed, .* particle-steps/s(?:, (\d+) s left)?")
-"""A line: simulated time, duration and, but in the first, the wall time left, s."""
+"""Longest wall time between lines, s."""
 
 
 @contextmanager
 def reporter(label: str, stream: TextIO | None = None) -> Iterator[Callable[[Progress], None]]:
-    """A function to call with the progress of a run; chooses bar or lines by what ``stream`` is."""
+    """A function to call with the progress of a run; chooses bar, lines or records by what ``stream`` is."""
     stream = stream or sys.stderr
     if stream.isatty():
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[note]}"), TimeRemainingColumn())
@@ -42,19 +41,19 @@ def reporter(label: str, stream: TextIO | None = None) -> Iterator[Callable[[Pro
 
             yield on_terminal
         return
-    yield Lines(label, stream)
+    yield Records(stream) if isinstance(stream, JobLog) else Lines(label, stream)
 
 
-class Lines:
-    """Plain progress lines, one at every tenth of the run and at least every ``SECONDS``."""
+class Sparse:
+    """Passes on progress at every tenth of the run and at least every ``SECONDS``."""
 
-    def __init__(self, label: str, stream: TextIO) -> None:
-        self.label, self.stream = label, stream
+    def __init__(self, tell: Callable[[Progress, float], None]) -> None:
+        self.tell = tell
         self.first_time: float | None = None
         self.printed, self.printed_at = -1, 0.0
 
     def __call__(self, p: Progress) -> None:
-        """Print if another tenth, or half a minute, has passed."""
+        """Pass on, with the wall time left (s; NaN at the first), if another tenth, or half a minute, has passed."""
         if self.first_time is None:
             self.first_time = p.time
         tenth = int(10 * p.time / p.duration)
@@ -62,6 +61,24 @@ class Lines:
             return
         self.printed, self.printed_at = tenth, p.elapsed
         gained = p.time - self.first_time
-        left = f", {(p.duration - p.time) / gained * p.elapsed:.0f} s left" if gained > 0 else ""
-        note = f"{p.time:.2f} of {p.duration:g} s, {p.failed_fraction:.0%} failed, {rate_text(p)}{left}"
-        print(f"{self.label}: {note}", file=self.stream, flush=True)
+        self.tell(p, (p.duration - p.time) / gained * p.elapsed if gained > 0 else math.nan)
+
+
+class Lines(Sparse):
+    """Lines for people."""
+
+    def __init__(self, label: str, stream: TextIO) -> None:
+        super().__init__(self._print)
+        self.label, self.stream = label, stream
+
+    def _print(self, p: Progress, left: float) -> None:
+        note = f"{p.time:.2f} of {p.duration:g} s, {p.failed_fraction:.0%} failed, {rate_text(p)}"
+        rest = "" if math.isnan(left) else f", {left:.0f} s left"
+        print(f"{self.label}: {note}{rest}", file=self.stream, flush=True)
+
+
+class Records(Sparse):
+    """Records in the log of a job: the progress and the wall time left, s."""
+
+    def __init__(self, log: JobLog) -> None:
+        super().__init__(lambda p, left: log.record(PROGRESS, **p._asdict(), left=left))

@@ -1,7 +1,7 @@
 """Quantities of a frame or of a probe that metrics and figures share.
 
 Displacements are those *since the end of the gravity stage*: the settlement while gravity is brought
-on is a matter of setting up the model and is left out.
+on belongs to the set-up of the model and is left out.
 """
 
 from __future__ import annotations
@@ -13,12 +13,12 @@ import numpy as np
 import xarray as xr
 
 from sph.scene.schema import Scene
-from sph.storage.trajectory import scene_of
+from sph.storage.trajectory import Status, scene_of
 
 
 def with_end(name: str, trajectory: xr.Dataset) -> str:
-    """A name for figures; that of a run which the guard stopped says so and when, that of a slope which does not stand unshaken so."""
-    ends = {"diverged": f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", "failed_unshaken": "fails unshaken"}
+    """A name for figures, with the time at which the guard stopped the run, or with the remark that the slope fails unshaken."""
+    ends = {Status.DIVERGED: f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", Status.FAILED_UNSHAKEN: "fails unshaken"}
     return ", ".join(filter(None, (name, ends.get(trajectory.attrs["status"]))))
 
 

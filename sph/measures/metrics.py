@@ -40,9 +40,9 @@ from sph.scene.motion import NoMotion
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL
-from sph.storage.trajectory import STATUSES, Variable, scene_of
+from sph.storage.trajectory import Status, Variable, scene_of
 
-CLASSES = ("stable", "minor", "damaged", "collapse")
+CLASSES = STABLE, MINOR, DAMAGED, COLLAPSE = ("stable", "minor", "damaged", "collapse")
 """Collapse classes in order of damage."""
 UNDETERMINED = "undetermined"
 """Class of a diverged run."""
@@ -108,7 +108,7 @@ def _number(name: str, units: str, text: str) -> Variable:
 
 
 METRICS: tuple[Variable, ...] = (
-    Variable("status", GRID, "str", "1", f"how the run ended: one of {', '.join(STATUSES)}"),
+    Variable("status", GRID, "str", "1", f"how the run ended: one of {', '.join(Status)}"),
     Variable(
         "collapse_class",
         GRID,
@@ -213,7 +213,7 @@ METRICS: tuple[Variable, ...] = (
         "1",
         "largest time step over its measured limit, over the frames; above 1 the limit was exceeded and the fastest modes may be wrong",
     ),
-    _number("wall_time", "s", "computing time of the run, its shared trunk included"),
+    _number("wall_time", "s", "computing time of the run, its shared pre-failure run included"),
     _number("particle_steps_per_second", "s-1", "particles times time steps over the computing time"),
 )
 METRIC_BY_NAME = {metric.name: metric for metric in METRICS}
@@ -228,12 +228,12 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
     """
     settings = settings or MetricSettings()
     scene, status = scene_of(trajectory), str(trajectory.attrs.get("status"))
-    if status == "paused" or status not in STATUSES:
-        finished = ", ".join(name for name in STATUSES if name != "paused")
-        raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are {finished}")
+    finished = [name for name in Status if name != Status.PAUSED]
+    if status not in finished:
+        raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are {', '.join(finished)}")
     values: dict[str, Value] = {metric.name: math.nan for metric in METRICS}
     values |= _facts(trajectory, scene, status)
-    if status == "diverged":
+    if status == Status.DIVERGED:
         return values | {"collapse_class": UNDETERMINED, "still_moving": 1}
     probe = probe_history(trajectory, settings.probe)
     moving = _still_moving(trajectory, probe, settings)
@@ -294,7 +294,7 @@ def _facts(trajectory: xr.Dataset, scene: Scene, status: str) -> dict[str, Value
     start, end = (math.nan, math.nan) if isinstance(motion, NoMotion) else (motion.start, motion.end)
     return {
         "status": status,
-        "diverged": int(status == "diverged"),
+        "diverged": int(status == Status.DIVERGED),
         "shaking_start": start,
         "shaking_end": end,
         "time_step_ratio": float((trajectory["time_step"] / trajectory["time_step_limit"]).max()),

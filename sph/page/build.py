@@ -1,4 +1,4 @@
-"""The page put together: facts, sections and runs in ``page.html``, everything inside one file."""
+"""Builds the page: facts, sections and runs in ``page.html``, all in one file."""
 
 from __future__ import annotations
 
@@ -17,17 +17,20 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
+from sph.command.reference import Strong
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.measures.metrics import CLASSES
 from sph.page.explorer import explorer
-from sph.page.sections import Section, of, sections_of
-from sph.page.tables import Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
+from sph.page.sections import Drawing, Section, of, sections_of
+from sph.page.tables import Code, Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
+from sph.paper.claims import FAILS, HOLDS, NOT_COVERED, NOT_YET
 from sph.scene.strict_json import finite, parse_json
 from sph.storage import trajectory
 from sph.storage.files import whole
-from sph.storage.trajectory import scene_of
+from sph.storage.trajectory import Status, scene_of
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.study.tables import EXPECTED, Layout, read_table
+from sph.validation.table import MISSES
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
@@ -41,7 +44,9 @@ OVER = {"S_R": "strength ratio S_R", "gamma": "rate of the loss of strength γ",
 """The paper's dimensions in a sentence."""
 LEGENDS = {name: words[0].upper() + words[1:] for name, words in OVER.items()}
 EXPECTED_NAMES = [row.name for row in EXPECTED]
-MARKS = {"holds": "good", "fails": "bad", "misses": "bad", "diverged": "bad", "not yet": "open", "not covered": "open"}
+MARKS: dict[str, str] = {
+    HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", NOT_COVERED: "open",
+}  # fmt: skip
 """Verdicts that tables mark, by the style of the mark."""
 
 
@@ -56,9 +61,9 @@ class StudyFiles(NamedTuple):
     dimensions: Sequence[Dimension]
     size: int  # number of its runs
     runs: Mapping[str, str]  # files of those that the page shows, by name: all but in a large study
-    stages: Sequence[tuple[str, str]]  # gravity stage and trunk of each run shown, in the same order
+    stages: Sequence[tuple[str, str]]  # gravity stage and pre-failure run of each run shown, in the same order
     files: Sequence[str]  # of the sections
-    shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure was drawn, by the stem of its file
+    shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
     probe: str = "A"
 
 
@@ -75,8 +80,8 @@ class Picture(NamedTuple):
 
     @property
     def alt(self) -> str:
-        """What it shows, in short: its caption up to the first stop."""
-        return f"{self.name}: {re.split('[,;.:]', self.caption)[0]}"
+        """What it shows, in words."""
+        return f"{self.name}: {self.caption}"
 
 
 class Part(NamedTuple):
@@ -93,7 +98,7 @@ class Part(NamedTuple):
 
     @property
     def missing(self) -> bool:
-        """Its command has not been run."""
+        """Whether its command has still to be run."""
         return not self.tables and not self.pictures
 
 
@@ -128,7 +133,7 @@ def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, lar
     runs = [study.runs[name] for name in table.index]
     files = [Path(run).relative_to(study.folder).as_posix() for run in runs]
     columns = run_columns(study.dimensions, study.probe)
-    rows = [[text(row) for text in columns.values()] for row in table.to_dict("records")]
+    rows = [[column.words(row) for column in columns] for row in table.to_dict("records")]
     shown = list(table[axes].itertuples(index=False, name=None))
     titles = [title_of(study.dimensions, dict(zip(axes, values, strict=True))) for values in shown]
     # A grid of which every run is shown is chosen by its dimensions, anything else from a list of runs.
@@ -147,7 +152,7 @@ def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, lar
         over=[OVER.get(name, name) for name in axes],
         axes=[] if listed else [(found, LEGENDS.get(found.name, found.symbol), _written(table[found.name])) for found in study.dimensions],
         listed=list(zip(keyed, titles, strict=True)) if listed else [],
-        columns=list(columns),
+        columns=[column.heading for column in columns],
         run_rows=list(zip(files, rows, (table["diverged"] > 0) | (table["failed_unshaken"] > 0), strict=True)),
         expected=expected_sentence(scene) if len(whole_table[EXPECTED_NAMES].drop_duplicates()) == 1 else "differs, see all runs",
         parts=[found_part(section, study) for section in (sections_of(True) if sections is None else sections)],
@@ -155,12 +160,12 @@ def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, lar
         versions=versions_of(runs),
     )
     facts: dict[str, dict[str, Any]] = {
-        key: {"facts": row, "file": file, "title": title} for key, row, file, title in zip(keyed, rows, files, titles, strict=True)
+        key: {"facts": row, "status": status, "file": file, "title": title}
+        for key, row, status, file, title in zip(keyed, rows, table["status"], files, titles, strict=True)
     }
-    numbers = [column for column in list(columns)[len(axes) :] if column.endswith(" (m)") or "error" in column]
     data: dict[str, Any] = {
-        "columns": list(columns),
-        "numbers": numbers,
+        "columns": [column.heading for column in columns],
+        "numbers": [column.heading for column in columns if column.result],
         "axes": ["run"] if listed else axes,
         "folder": study.folder,
         "points": facts,
@@ -178,18 +183,19 @@ def as_json(data: Any) -> str:
 
 
 def found_part(section: Section, study: StudyFiles) -> Part:
-    """A section with those of the study's files that are its own."""
+    """A section with the tables and figures of the study that belong to it."""
     tables = [csv_table(file, caption, section.variables) for file, caption in of(section.tables, study.files, study.folder)]
     tables += [table for name, caption in section.measured.items() if (table := reference_table(name, caption)).rows]
     pictures = []
-    for file, caption in of(section.figures, study.files, study.folder):
-        runs = [Path(run).relative_to(study.folder).as_posix() for run in study.shown.get(Path(file).stem, ())]
-        pictures.append(picture(file, caption, runs))
+    shown = {f"{study.folder}/figures/{name}.png": runs for name, runs in study.shown.items()}
+    for file, drawing in of(section.figures, study.files, study.folder):
+        runs = [Path(run).relative_to(study.folder).as_posix() for run in shown.get(file, ())]
+        pictures.append(picture(file, drawing, runs))
     return Part(section, tables, pictures)
 
 
-def picture(path: str, caption: str, runs: Sequence[str] = ()) -> Picture:
-    """A PNG for the page, in 256 colours, which takes a third of the room; ValueError names a file that is none."""
+def picture(path: str, drawing: Drawing, runs: Sequence[str] = ()) -> Picture:
+    """A PNG for the page, in 256 colours, which takes a third of the space; ValueError names a file that is none."""
     try:
         with Image.open(path) as image:
             small = io.BytesIO()
@@ -198,17 +204,14 @@ def picture(path: str, caption: str, runs: Sequence[str] = ()) -> Picture:
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as a picture: {error}; delete it and run again what wrote it") from error
     data = "data:image/png;base64," + base64.b64encode(small.getvalue()).decode()
-    return Picture(words(Path(path).stem), data, width, height, caption, path, runs)
-
-
-def words(stem: str) -> str:
-    """A file's stem in words: fig4 is Figure 4."""
-    number = re.fullmatch(r"fig(\d+)", stem)
-    return f"Figure {number[1]}" if number else re.sub("[_-]", " ", stem).capitalize()
+    return Picture(drawing.name, data, width, height, drawing.caption, path, runs)
 
 
 def cost_of(table: pd.DataFrame, study: StudyFiles) -> Cost:
-    """Cost of the runs of a study's table; a run's computing time holds that of its trunk, a trunk's that of the gravity stage."""
+    """Cost of the runs of a study's table.
+
+    The computing time of a run includes that of its pre-failure run, which includes that of the gravity stage.
+    """
     apart, speeds = math.fsum(table["wall_time"]), table["particle_steps_per_second"]
     shared = math.nan
     if len(study.runs) == study.size:
@@ -253,7 +256,10 @@ def attributes(path: str) -> dict[str, Any]:
 
 
 def inline(text: str) -> Markup:
-    """Text with ``**strong**`` and ```code``` as in the README, everything else as it is."""
+    """Text with ``**strong**`` and ```code``` as in the README, everything else as it is; also a cell that is one of the two as a whole."""
+    for kind, tag in ((Strong, "strong"), (Code, "code")):
+        if isinstance(text, kind):
+            return Markup(f"<{tag}>{{}}</{tag}>").format(str(text))
     safe = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text)))
     return Markup(re.sub(r"`(.+?)`", r"<code>\1</code>", safe))
 
@@ -262,7 +268,7 @@ def template() -> Any:
     """The page's template, whatever it is given escaped."""
     environment = Environment(loader=PackageLoader("sph.page", "."), autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters["inline"] = inline
-    environment.filters["mark"] = lambda cell: MARKS.get(cell.strip("*"), "")
+    environment.filters["mark"] = lambda cell: MARKS.get(cell, "")
     environment.globals["data"] = DATA
     environment.globals["part_of_package"] = lambda file: Markup((Path(__file__).with_name(file)).read_text(encoding="utf-8"))
     return environment.get_template("page.html")

@@ -44,10 +44,10 @@ class Quanta(NamedTuple):
 
 
 class Detail(NamedTuple):
-    """How much of a run is kept."""
+    """Which frames and particles of a run are kept."""
 
-    frames: int | None  # every so many, counted back from the last; None: the first and the last
-    particles: int  # every so many
+    frames: int | None  # every n-th frame, counted back from the last; None: the first and the last
+    particles: int  # every n-th particle
 
     def words(self) -> str:
         """The rule in words."""
@@ -110,8 +110,8 @@ def surroundings_of(run: xr.Dataset) -> dict[str, Any]:
 def run_data(run: xr.Dataset, probe: str, detail: Detail, shared: Mapping[str, Any]) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
     (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
-    picture and ``largest`` displacement (m) of a particle, none for a diverged run;
-    ``reason`` of its status; ``own``: its surroundings as far as they are not the ``shared`` ones."""
+    picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run;
+    ``reason`` of its status; ``own``: its surroundings where they differ from the ``shared`` ones."""
     surroundings = surroundings_of(run)
     quanta = Quanta(np.array(surroundings["middle"]), surroundings["quantum"])
     history = probe_history(run, probe)
@@ -124,7 +124,7 @@ def run_data(run: xr.Dataset, probe: str, detail: Detail, shared: Mapping[str, A
     beta = np.nan_to_num(run["beta"].values[np.ix_(frames, shown)], nan=0.0)
     every = slice(None, None, -max(1, (history.time.size - 1) // SAMPLES))
     curve = np.stack([values[every][::-1] for values in (history.time, history.horizontal, history.vertical)])
-    diverged = run.attrs["status"] == "diverged"
+    diverged = run.attrs["status"] == trajectory.Status.DIVERGED
     moved = np.hypot(*(positions - positions[0]).transpose(1, 0, 2))
     return {
         "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),

@@ -243,9 +243,9 @@
     }));
   }
 
-  function describe({ facts, file, run }, title) {
+  function describe({ facts, status, file, run }, title) {
     const named = Object.fromEntries(study.columns.map((column, i) => [column, facts[i]]));
-    const diverged = named.status === "diverged", unshaken = named.status.startsWith("failed_unshaken"), path = `${study.folder}/${file}`;
+    const diverged = status === "diverged", unshaken = status === "failed_unshaken", path = `${study.folder}/${file}`;
     const numbers = study.numbers.map((name) => [name, named[name]]);
     byId("title").textContent = title;
     byId("class").textContent = named.class;

@@ -7,11 +7,21 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from sph.figures import FIGURES, figure_profiles, figure_study
 from sph.figures import caption as caption_of
+from sph.figures.trigger import MAPPED
 from sph.storage.trajectory import Variable
+
+Held = TypeVar("Held")
+
+
+class Drawing(NamedTuple):
+    """A figure: its name and what it shows."""
+
+    name: str
+    caption: str
 
 
 class Section(NamedTuple):
@@ -22,11 +32,19 @@ class Section(NamedTuple):
     text: str
     command: str  # makes its files
     tables: Mapping[str, str] = {}  # caption by pattern of CSV files
-    figures: Mapping[str, str] = {}  # caption by pattern of PNG files
+    figures: Mapping[str, Drawing] = {}  # by pattern of PNG files
     variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
     measured: Mapping[str, str] = {}  # caption by name in sph.command.reference.TABLES: what the release holds
     always: bool = False  # made with every study
     of_the_paper: bool | None = None  # only for studies over the paper's dimensions, or only for others; None: for all
+
+
+MAP = "Map over strength ratio and amplitude."
+
+
+def numbered(number: int) -> Drawing:
+    """One of the paper's figures."""
+    return Drawing(f"Figure {number}", caption_of(FIGURES[number]))
 
 
 SECTIONS: tuple[Section, ...] = (
@@ -42,7 +60,7 @@ SECTIONS: tuple[Section, ...] = (
         "Figures",
         "Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
         "snakemake --cores 2",
-        figures={f"{{fidelity}}/figures/fig{number}.png": caption_of(draw) for number, draw in FIGURES.items()},
+        figures={f"{{fidelity}}/figures/fig{number}.png": numbered(number) for number in FIGURES},
         always=True,
         of_the_paper=True,
     ),
@@ -51,9 +69,9 @@ SECTIONS: tuple[Section, ...] = (
         "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
         "snakemake --cores 2",
         figures={
-            "{fidelity}/figures/study.png": caption_of(figure_study),
-            "{fidelity}/figures/profiles.png": caption_of(figure_profiles),
-            **{f"{{fidelity}}/figures/fig{number}.png": caption_of(FIGURES[number]) for number in (1, 2, 3)},
+            "{fidelity}/figures/study.png": Drawing("Study", caption_of(figure_study)),
+            "{fidelity}/figures/profiles.png": Drawing("Profiles", caption_of(figure_profiles)),
+            **{f"{{fidelity}}/figures/fig{number}.png": numbered(number) for number in (1, 2, 3)},
         },
         always=True,
         of_the_paper=False,
@@ -67,7 +85,7 @@ SECTIONS: tuple[Section, ...] = (
             "*/trigger/trigger.csv": "Critical amplitudes",
             "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
         },
-        figures={"*/trigger/figures/trigger.png": "Critical amplitude of shaking against strength ratio."},
+        figures={"*/trigger/figures/trigger.png": Drawing("Trigger", "Critical amplitude of shaking against strength ratio.")},
         of_the_paper=True,
     ),
     Section(
@@ -76,8 +94,9 @@ SECTIONS: tuple[Section, ...] = (
         "snakemake --cores 2 maps",
         tables={"*/trigger/shares.csv": "Shares of strength ratio and rate that reach each class"},
         figures={
-            "*/trigger/figures/shares.png": "Shares of strength ratio and rate that reach each class.",
-            "*/trigger/figures/map-*.png": "Map over strength ratio and amplitude.",
+            "*/trigger/figures/shares.png": Drawing("Shares", "Shares of strength ratio and rate that reach each class."),
+            "*/trigger/figures/map-class.png": Drawing("Map of the class", MAP),
+            **{f"*/trigger/figures/map-{name}.png": Drawing(f"Map of the {name}", MAP) for name in MAPPED},
         },
         of_the_paper=True,
     ),
@@ -93,10 +112,10 @@ SECTIONS: tuple[Section, ...] = (
             "*/sensitivity/confirm.csv": "Points run again at another fidelity",
         },
         figures={
-            "*/sensitivity/figures/morris.png": "Screening (Morris).",
-            "*/sensitivity/figures/tornado.png": "One parameter at a time.",
-            "*/sensitivity/figures/sobol.png": "Shares of the variance (Sobol).",
-            "*/sensitivity/figures/cross_validation.png": "Predicted against computed answers of runs left out.",
+            "*/sensitivity/figures/morris.png": Drawing("Morris", "Screening (Morris)."),
+            "*/sensitivity/figures/tornado.png": Drawing("Tornado", "One parameter at a time."),
+            "*/sensitivity/figures/sobol.png": Drawing("Sobol", "Shares of the variance (Sobol)."),
+            "*/sensitivity/figures/cross_validation.png": Drawing("Cross-validation", "Predicted and computed answers of runs left out."),
         },
     ),
     Section(
@@ -104,7 +123,7 @@ SECTIONS: tuple[Section, ...] = (
         "Displacement and run-out depend on the particle spacing and do not converge with it: read the errors against the finest run as "
         "the least that a fidelity leaves open. Measured for this release on the paper's slope.",
         "snakemake --cores 2 trade",
-        measured={"presets": "The fidelities against the finest run of the ladder", "trade": "Every rung of the ladder"},
+        measured={"presets": "The fidelities against the finest run", "trade": "Every variant"},
     ),
     Section(
         "Validation",
@@ -114,7 +133,7 @@ SECTIONS: tuple[Section, ...] = (
         measured={"validation": "Every quantity beside its reference"},
     ),
     Section(
-        "Stability",
+        "Robustness",
         "One key at a time at the ends of its range, in a slope that collapses and in one that moves by metres; fixed time steps around "
         "the limit that theory gives. Measured for this release.",
         "snakemake --cores 2 extremes",
@@ -156,10 +175,10 @@ def certain(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[
     return [str(folder.parent / pattern.format(fidelity=folder.name)) for pattern in patterns]
 
 
-def of(patterns: Mapping[str, str], files: Iterable[str], folder: Path | str) -> Iterator[tuple[str, str]]:
-    """Those of ``files`` that patterns match for the page of a folder, with their captions, in the order of the patterns."""
+def of(patterns: Mapping[str, Held], files: Iterable[str], folder: Path | str) -> Iterator[tuple[str, Held]]:
+    """Those of ``files`` that patterns match for the page of a folder, with what is held for them, in the order of the patterns."""
     study, fidelity = Path(folder).parent, Path(folder).name
     paths = {file: PurePath(file).relative_to(study) for file in files}
-    for pattern, caption in patterns.items():
+    for pattern, held in patterns.items():
         wanted = PurePath(pattern.format(fidelity=fidelity))
-        yield from ((file, caption) for file, path in paths.items() if len(path.parts) == len(wanted.parts) and path.match(str(wanted)))
+        yield from ((file, held) for file, path in paths.items() if len(path.parts) == len(wanted.parts) and path.match(str(wanted)))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import math
 import operator
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -30,6 +29,10 @@ NOTHING = "–"
 """Stands for NaN."""
 
 
+class Code(str):
+    """A cell that is a name in the program."""
+
+
 class Table(NamedTuple):
     """Words of a table."""
 
@@ -41,16 +44,14 @@ class Table(NamedTuple):
 
     @property
     def wordy(self) -> bool:
-        """A cell holds a sentence: on a narrow screen every row becomes a card."""
+        """Whether a cell holds a sentence: on a narrow screen every row then becomes a card."""
         return any(len(cell) > 70 for row in self.rows for cell in row)
 
 
 def reference_table(name: str, caption: str) -> Table:
-    """A table of the documentation, from the function that makes it there, and its note; without rows while nothing is measured."""
-    lines = TABLES[name]().splitlines()
-    cells = [[cell.strip().replace("\\|", "|") for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines if line.startswith("|")]
-    note = " ".join(line for line in lines if line and not line.startswith("|")).strip("*")
-    return Table(caption, cells[0] if cells else [], cells[2:], note)
+    """A table of the documentation, by its name there; without rows while nothing is measured."""
+    head, rows, note = TABLES[name]()
+    return Table(caption, head, [(Code(first), *cells) for first, *cells in rows], note)
 
 
 def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()) -> Table:
@@ -93,18 +94,26 @@ def _status(row: Mapping[Any, Any]) -> str:
     return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "")
 
 
-def run_columns(dimensions: Iterable[Dimension], probe: str) -> dict[str, Callable[[Mapping[Any, Any]], str]]:
-    """Columns of the table of runs: heading, and the words from a row of a study's table."""
-    points: dict[str, Callable[[Mapping[Any, Any]], str]] = {found.label: operator.itemgetter(found.name) for found in dimensions}
-    return points | {
-        "class": lambda row: row["collapse_class"],
-        "status": _status,
-        f"displacement of {probe} (m)": lambda row: metres(row["displacement_magnitude"]),
-        "run-out (m)": lambda row: metres(row["runout"]),
-        "expected error of displacement": lambda row: _share(row["expected_displacement_error"]),
-        "expected error of run-out": lambda row: _share(row["expected_runout_error"]),
-        "computing time (s)": lambda row: f"{row['wall_time']:.3g}",
-    }
+class Column(NamedTuple):
+    """A column of the table of runs."""
+
+    heading: str
+    words: Callable[[Mapping[Any, Any]], str]  # of a row of a study's table
+    result: bool = False  # also shown beside the drawing of the run
+
+
+def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
+    """Columns of the table of runs."""
+    return [
+        *(Column(found.label, operator.itemgetter(found.name)) for found in dimensions),
+        Column("class", operator.itemgetter("collapse_class")),
+        Column("status", _status),
+        Column(f"displacement of {probe} (m)", lambda row: metres(row["displacement_magnitude"]), True),
+        Column("run-out (m)", lambda row: metres(row["runout"]), True),
+        Column("expected error of displacement", lambda row: _share(row["expected_displacement_error"]), True),
+        Column("expected error of run-out", lambda row: _share(row["expected_runout_error"]), True),
+        Column("computing time (s)", lambda row: f"{row['wall_time']:.3g}"),
+    ]
 
 
 def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str, str]]:
@@ -123,10 +132,10 @@ def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str
 
 def scene_table(section: BaseModel, varied: Mapping[str, str]) -> Table:
     """Every key of a scene; ``varied`` says of keys which values the study gives them."""
-    rows = [(f"`{key}`", varied.get(key, value), unit, text) for key, value, unit, text in key_rows(section)]
+    rows = [(Code(key), varied.get(key, value), unit, text) for key, value, unit, text in key_rows(section)]
     return Table("Every key of the scene", ("key", "value", "unit", "meaning"), rows)
 
 
 def chosen_keys(table: Table) -> Table:
     """The rows of the table of a scene that describe the problem: ``KEYS``."""
-    return table._replace(caption="What is simulated", rows=[row for row in table.rows if row[0].strip("`").startswith(KEYS)])
+    return table._replace(caption="What is simulated", rows=[row for row in table.rows if row[0].startswith(KEYS)])

@@ -16,7 +16,9 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
+from sph.measures.metrics import COLLAPSE, DAMAGED, MINOR, UNDETERMINED
 from sph.scene.configuration import Section, key
+from sph.storage.trajectory import Status
 from sph.study.tables import write_csv
 
 HOLDS, FAILS, NOT_YET, NOT_COVERED = "holds", "fails", "not yet", "not covered"
@@ -72,7 +74,7 @@ class Case:
         status = str(point["status"].item())
         if status == "":
             raise NotCovered(f"no run with {self.label} at {settings.amplitude:g} m/s²")
-        if status == "diverged":
+        if status == Status.DIVERGED:
             raise NotCovered(f"the run with {self.label} at {settings.amplitude:g} m/s² diverged")
         self._point = point
 
@@ -126,7 +128,7 @@ def _weaker_deforms_more(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
 def _fluidised(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     case = Case(study, settings, PAPER_S_R[0], FAST)
     holds = (
-        case.collapse_class == "collapse"
+        case.collapse_class == COLLAPSE
         and case["failed_fraction"] >= settings.fluidised_fraction
         and case["runout_over_height"] >= settings.fluidised_runout
     )
@@ -137,7 +139,7 @@ def _fluidised(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
 def _slight(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
     case = Case(study, settings, PAPER_S_R[2], FAST)
     numbers = f"displacement of A {case['displacement_magnitude']:.2f} m, run-out {case['runout']:.2f} m"
-    return Verdict(f"{case.label}: {case.collapse_class}, {numbers}", _verdict(case.collapse_class in ("minor", "damaged")))
+    return Verdict(f"{case.label}: {case.collapse_class}, {numbers}", _verdict(case.collapse_class in (MINOR, DAMAGED)))
 
 
 def _fast_loss_collapses_more(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
@@ -230,18 +232,18 @@ def _bracket(study: xr.Dataset, S_R: float) -> str:
         line = study["collapse_class"].sel(S_R=S_R).sel(gamma=FAST)
     except KeyError:
         return ""
-    found = {float(a): str(c) for a, c in zip(line["amplitude"].values, line.values, strict=True) if c not in ("", "undetermined")}
+    found = {float(a): str(c) for a, c in zip(line["amplitude"].values, line.values, strict=True) if c not in ("", UNDETERMINED)}
     if len(found) < 2:
         return ""
-    collapsed = [amplitude for amplitude, name in found.items() if name == "collapse"]
-    standing = [amplitude for amplitude, name in found.items() if name != "collapse"]
+    collapsed = [amplitude for amplitude, name in found.items() if name == COLLAPSE]
+    standing = [amplitude for amplitude, name in found.items() if name != COLLAPSE]
     below = f"no collapse up to {max(standing):g} m/s²" if standing else f"collapse already at {min(found):g} m/s²"
     above = f", collapse from {min(collapsed):g} m/s²" if collapsed and standing else ""
     return f"S_R {S_R:.2f}: {below}{above}"
 
 
 def _runout_arrests(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
-    cases = [case for case in _paper_cases(study, settings) if case.collapse_class == "collapse"]
+    cases = [case for case in _paper_cases(study, settings) if case.collapse_class == COLLAPSE]
     if not cases:
         raise NotCovered(f"no run with γ {FAST:g} collapses at {settings.amplitude:g} m/s²")
 
@@ -355,7 +357,7 @@ def decide_trigger(critical: pd.DataFrame) -> pd.DataFrame:
     claim = next(claim for claim in CLAIMS if claim.decide is _trigger)
     test = TRIGGER_TEST.format(FAST=FAST, strengths=", ".join(f"{S_R:.2f}" for S_R in PAPER_S_R))
     rows = []
-    for case, table in critical[critical["collapse_class"] == "collapse"].groupby("case", sort=False):
+    for case, table in critical[critical["collapse_class"] == COLLAPSE].groupby("case", sort=False):
         found = {(float(row["S_R"]), float(row["gamma"])): row for row in table.to_dict("records")}
         brackets = [found.get((S_R, FAST)) for S_R in PAPER_S_R]
         clear = [row is not None and _clear(row) for row in brackets]
@@ -365,7 +367,7 @@ def decide_trigger(critical: pd.DataFrame) -> pd.DataFrame:
 
 
 def _clear(row: Mapping[Hashable, Any]) -> bool:
-    return bool(row["outcome"] == "bracketed" and row["diverged_inside"] == 0 and row["changes"] == 1)
+    return bool(not math.isnan(row["critical_amplitude"]) and row["diverged_inside"] == 0 and row["changes"] == 1)
 
 
 def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:

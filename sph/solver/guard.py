@@ -1,4 +1,4 @@
-"""Watching over a run: what must never happen, looked for at every sample.
+"""The guard: what must never happen in a run, checked at every sample.
 
 The loop itself stops when a particle moves further between two steps than its neighbours' skin allows, or to no number.  At every
 sample (``outputs.series_interval``) the state must further be finite, no particle faster than the P-wave, none behind the walls, and the
@@ -10,7 +10,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from enum import StrEnum
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,12 +26,48 @@ MAX_ENERGY_GAP = 0.25
 Soil that settles between free-slip walls gains up to a tenth of its small energies from them; what diverges gains more than all."""
 SMALL_SPEED = 1e-3
 """Energies below that of the soil at this part of V_p are not judged: a run begins with none."""
-LEFT_THE_BOX = "has left the box"
 PARTS = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy")
 
 
-def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[str, Sequence[Any]], jumped: bool = False) -> str:
-    """What is wrong with a run at its last sample, in words; empty while it is sound.
+class Fault(StrEnum):
+    """What must never happen."""
+
+    NOT_A_NUMBER = "not_a_number"
+    JUMPED = "jumped"
+    TOO_FAST = "too_fast"
+    LEFT_THE_BOX = "left_the_box"
+    ENERGY_GAP = "energy_gap"
+    ENERGY_MADE = "energy_made"
+
+
+SENTENCES = {
+    Fault.NOT_A_NUMBER: "is not a number",
+    Fault.JUMPED: "jumped further than its neighbours' skin in a step",
+    Fault.TOO_FAST: "is faster than V_p, {:.0f} m/s",
+    Fault.LEFT_THE_BOX: "has left the box",
+    Fault.ENERGY_GAP: "the energy budget is open by {:.0%} of its parts",
+    Fault.ENERGY_MADE: "energy was made: the dissipated part is {:.0%} of all",
+}
+"""The faults in words with the value of each, those of a particle as what is said of it."""
+
+
+class Trouble(NamedTuple):
+    """A fault of a run at a sample: what, where and by how much."""
+
+    fault: Fault
+    value: float = math.nan  # V_p, m/s, or the share of the energies
+    particle: int | None = None  # none for a fault of all
+    place: tuple[float, float] = (math.nan, math.nan)  # where the particle was at first, m
+
+    def __str__(self) -> str:
+        """The fault in words."""
+        text = SENTENCES[self.fault].format(self.value)
+        x, y = self.place
+        return text if self.particle is None else f"particle {self.particle}, at first at ({x:.4g}, {y:.4g}) m, {text}"
+
+
+def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[str, Sequence[Any]], jumped: bool = False) -> Trouble | None:
+    """What is wrong with a run at its last sample; None while it is sound.
 
     ``series`` holds the samples by name; ``jumped`` says that the loop has stopped by itself.
     """
@@ -38,23 +75,23 @@ def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[st
     fields = np.array([getattr(state, name)[soil] for name in ("x", "y", "vx", "vy", "density", "ax", "ay")])
     wrong = ~np.isfinite(fields).all(axis=0)
     if wrong.any():
-        return _at(particles, int(np.argmax(wrong)), "is not a number")
+        return _at(particles, int(np.argmax(wrong)), Fault.NOT_A_NUMBER)
     if jumped:
         moved = np.hypot(state.x - state.x_pairs, state.y - state.y_pairs)[soil]
-        return _at(particles, int(np.argmax(moved)), "jumped further than its neighbours' skin in a step")
+        return _at(particles, int(np.argmax(moved)), Fault.JUMPED)
     speed = np.hypot(state.vx, state.vy)[soil]
     wave = scene.largest_p_wave_speed
     if not speed.max() < MAX_SPEED_RATIO * wave:
-        return _at(particles, int(np.argmax(speed)), f"is faster than V_p, {wave:.0f} m/s")
+        return _at(particles, int(np.argmax(speed)), Fault.TOO_FAST, wave)
     outside = _behind_walls(scene, particles, state)
     if outside.any():
-        return _at(particles, int(np.argmax(outside)), LEFT_THE_BOX)
+        return _at(particles, int(np.argmax(outside)), Fault.LEFT_THE_BOX)
     smallest = 0.5 * float(particles.mass[soil].sum()) * (SMALL_SPEED * wave) ** 2
     return _energy_made(series, smallest)
 
 
-def _at(particles: Particles, i: int, what: str) -> str:
-    return f"particle {i}, at first at ({particles.x[i]:.4g}, {particles.y[i]:.4g}) m, {what}"
+def _at(particles: Particles, i: int, fault: Fault, value: float = math.nan) -> Trouble:
+    return Trouble(fault, value, i, (float(particles.x[i]), float(particles.y[i])))
 
 
 def _behind_walls(scene: Scene, particles: Particles, state: State) -> np.ndarray:
@@ -72,8 +109,8 @@ def _behind_walls(scene: Scene, particles: Particles, state: State) -> np.ndarra
     return behind
 
 
-def _energy_made(series: Mapping[str, Sequence[Any]], smallest: float) -> str:
-    """Whether the scheme has made energy, by the last sample; energies below the smallest (J/m) do not count."""
+def _energy_made(series: Mapping[str, Sequence[Any]], smallest: float) -> Trouble | None:
+    """What shows, by the last sample, that the scheme has made energy; energies below the smallest (J/m) do not count."""
     now = {name: float(series[name][-1]) for name in (*PARTS, "shaking_work")}
     half_way = len(series["kinetic_energy"]) // 2
     scale = max(smallest, *(math.fsum(abs(float(series[name][k])) for name in PARTS) for k in (-1, half_way, 0)))
@@ -81,17 +118,17 @@ def _energy_made(series: Mapping[str, Sequence[Any]], smallest: float) -> str:
     start = math.fsum(float(series[name][0]) for name in PARTS) - float(series["shaking_work"][0])
     gap = abs(balance - start)
     if not gap <= MAX_ENERGY_GAP * scale:
-        return f"the energy budget is open by {gap / scale:.0%} of its parts"
+        return Trouble(Fault.ENERGY_GAP, gap / scale)
     if not now["dissipated_energy"] >= -MAX_ENERGY_GAP * scale:
-        return f"energy was made: the dissipated part is {now['dissipated_energy'] / scale:.0%} of all"
-    return ""
+        return Trouble(Fault.ENERGY_MADE, now["dissipated_energy"] / scale)
+    return None
 
 
-def likely_cause(scene: Scene, ratio: float, wrong: str) -> str:
+def likely_cause(scene: Scene, ratio: float, wrong: Trouble) -> str:
     """What to look at first, from the largest time step over its measured limit so far, the scene, and what is wrong."""
     if ratio > 1.0:
         return f"the time step was {ratio:.2f} times its measured limit: choose a smaller numerics.time_step, or numerics.adaptive_step"
-    if LEFT_THE_BOX in wrong:
+    if wrong.fault == Fault.LEFT_THE_BOX:
         return (
             "soil ran off an open end of the base or was thrown over the walls: widen the box (geometry), close its sides, or shake it less"
         )

@@ -9,6 +9,7 @@ from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.stability.search import Search, Trial, search
 from sph.stability.standing import FailureRule, divided_strength, slope_height, stand, static_scene, weakened
+from sph.storage.trajectory import Status
 
 GROWTH = 1.5
 """Ratio of neighbouring values while the bracket is sought."""
@@ -90,7 +91,11 @@ def yield_acceleration(
 def _check_verdict(scene: Scene, rule: FailureRule, found: Search) -> None:
     """Refuse a bracket that ends at a run which diverged before the slope had failed: a limit of the scheme, not of the slope."""
     for trial in found.trials:
-        if trial.value == found.failed and trial.status == "diverged" and not trial.displaced_area > rule.area * slope_height(scene) ** 2:
+        if (
+            trial.value == found.failed
+            and trial.status == Status.DIVERGED
+            and not trial.displaced_area > rule.area * slope_height(scene) ** 2
+        ):
             raise ValueError(
                 f"{scene.name}: the test at {trial.value:.4g} diverged before the slope failed, and does not tell whether it stands; "
                 "try another numerics.spacing, a wider box, or more artificial viscosity"

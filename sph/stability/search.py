@@ -21,7 +21,7 @@ class Trial(NamedTuple):
     largest_displacement: float
     """m"""
     status: str
-    """of the run, see ``sph.storage.trajectory.STATUSES``"""
+    """of the run, see ``sph.storage.trajectory.Status``"""
     wall_time: float
     """s"""
 

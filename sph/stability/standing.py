@@ -25,6 +25,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.soil import Soil
 from sph.solver.run import run
 from sph.stability.search import Trial
+from sph.storage.trajectory import Status
 
 COURANT = 0.8
 """Part of the measured limit that the time step of a static test takes."""
@@ -143,7 +144,7 @@ def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
     """
     result = run(scene)
     since = scene.gravity.ramp if isinstance(scene.motion, NoMotion) else scene.gravity.duration
-    diverged = result.status == "diverged"
+    diverged = result.status == Status.DIVERGED
     displacement = displacements(result.trajectory.isel(frame=slice(max(result.trajectory.sizes["frame"] - diverged, 1))), since)
     limit = rule.displacement * slope_height(scene)
     area = np.count_nonzero(displacement > limit) * scene.numerics.spacing**2

@@ -13,6 +13,7 @@ import os
 import platform
 import sys
 from collections.abc import Mapping
+from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -88,10 +89,21 @@ VARIABLES: tuple[Variable, ...] = (
 )
 BY_NAME = {variable.name: variable for variable in VARIABLES}
 
-STATUSES = ("complete", "unfailed", "failed_unshaken", "paused", "diverged")
-"""complete: reached its duration, or rest where ``early_stop`` ends it; unfailed: the same without one particle failing;
-failed_unshaken: the same, but soil failed under gravity alone, so that the slope does not stand without shaking;
-paused: stopped before its duration so that it can go on; diverged: stopped by the guard."""
+
+class Status(StrEnum):
+    """How a run ended, as its attribute ``status`` and the tables have it."""
+
+    COMPLETE = "complete"
+    """reached its duration, or rest where ``early_stop`` ends it"""
+    UNFAILED = "unfailed"
+    """the same without one particle failing"""
+    FAILED_UNSHAKEN = "failed_unshaken"
+    """the same, but soil failed under gravity alone, so that the slope does not stand without shaking"""
+    PAUSED = "paused"
+    """stopped before its duration so that it can go on"""
+    DIVERGED = "diverged"
+    """stopped by the guard"""
+
 
 FACTS = ("scene", "status", "status_reason", "wall_time_s", "particle_steps", "particle_steps_per_second")
 """Attributes of every run."""

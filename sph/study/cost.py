@@ -1,8 +1,8 @@
-"""What a scene asks of a machine: computing time, memory and room on a disk, before it is run.
+"""What a scene needs: computing time, memory and disk space, predicted before it is run.
 
 Computing time is a sum of four parts, each with a constant of the reference machine (one core of the machine that measured
-the ladder, two runs side by side).  The constants were fitted to the 77 timed rungs of ``measured/trade.csv``: half of them are met
-within 6 %, eight in ten between -17 % and +8 %, the worst are 0.56 and 1.25 times what was measured.
+the cost-accuracy study, two runs side by side).  The constants were fitted to the 77 timed variants of ``measured/trade.csv``: half of
+them are met within 6 %, eight in ten between -17 % and +8 %; the worst are 0.56 and 1.25 times the measured time.
 
 * a directed neighbour and a particle in a time step;
 * the renewal of a directed neighbour's gradient, whenever the fastest debris has moved by ``numerics.gradient_tolerance``; it is taken

@@ -11,7 +11,7 @@ import functools
 import re
 import types
 import typing
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, Field
@@ -108,6 +108,15 @@ def in_order(names: Iterable[str]) -> list[str]:
 def point_name(point: Mapping[str, str]) -> str:
     """Name of a point in file names."""
     return "_".join(f"{name}-{point[name]}" for name in in_order(point))
+
+
+def named_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
+    """The point over these dimensions that has a name, the inverse of ``point_name``; None where there is none.
+
+    A rule of the workflow is given the name of a run alone, and no configuration lists the points of a search.
+    """
+    found = re.fullmatch("_".join(f"{re.escape(dimension)}-([^_/]+)" for dimension in dimensions), name)
+    return None if found is None else dict(zip(dimensions, found.groups(), strict=True))
 
 
 def check_names(where: str, names: Iterable[str]) -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -34,6 +33,7 @@ from sph.study.dimensions import (
     dimension,
     in_order,
     is_number,
+    named_point,
     point_name,
     scene_key,
     title_of,
@@ -99,7 +99,7 @@ class Study(Section):
     figures: FigureCases = key("runs shown in Figs. 4-7", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
-    trade: str = key("file of the ladder that 'snakemake trade' runs, searched for as the scene", default="config/trade.yaml")
+    trade: str = key("file of the study that 'snakemake trade' runs, searched for like the scene", default="config/trade.yaml")
     validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
     limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
     extremes: str = key("file of the sweeps that 'snakemake extremes' runs, likewise", default="config/extremes.yaml")
@@ -193,7 +193,7 @@ class Study(Section):
         return [f"fig{number}" for number in (range(1, 8) if self.of_the_paper else range(1, 4))] + OF_ANY * (not self.of_the_paper)
 
     def shown_runs(self, most: int, chosen: Sequence[str] = ()) -> list[str]:
-        """Names of at most so many runs, evenly through the study, with those that were chosen, in the order of the tables."""
+        """Names of at most ``most`` runs, evenly through the study, with the ``chosen`` ones, in the order of the tables."""
         names = list(self.runs)
         for name in chosen:
             if name not in self.runs:
@@ -235,7 +235,7 @@ class Study(Section):
     def figure_runs(self, figure: int) -> Iterator[tuple[tuple[str, ...], dict[str, str]]]:
         """Titles (panel, then curve) and point of every run that a figure shows.
 
-        Figs. 1-3 show what goes in and need one run without a title.  ValueError where the study has not what the figure needs.
+        Figs. 1-3 show what goes in and need one run without a title.  ValueError where the study lacks what the figure needs.
         """
         cases = self.figures
         if figure <= 3 and not self.of_the_paper:
@@ -292,13 +292,13 @@ class Plan:
         return self.scene(**self.point(name))
 
     def point(self, name: str) -> Point:
-        """Point of a run by the name of its file; over the paper's dimensions also of one that the study has not: the trigger's."""
+        """Point of a run by the name of its file; over the paper's dimensions also of one of the trigger's that the study lacks."""
         if name in self.study.runs:
             return self.study.runs[name]
-        found = re.fullmatch("_".join(f"{dimension}-([^_/]+)" for dimension in GRID), name) if self.study.of_the_paper else None
+        found = named_point(name, GRID) if self.study.of_the_paper else None
         if found is None:
             raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
-        return dict(zip(GRID, found.groups(), strict=True))
+        return found
 
     @functools.cached_property
     def _shared(self) -> SharedStages:
@@ -316,17 +316,25 @@ class Plan:
         return self._shared.of_runs.get(name) or self._shared.of(name, self.point(name))
 
     def stage(self, name: str) -> dict[str, Any]:
-        """Scene of a gravity stage or a trunk by the name of its file; also of a trunk of the trigger's."""
+        """Scene of a gravity stage or a shared pre-failure run by the name of its file; also of one that the trigger shares."""
         if name in self._shared.points:
             return self.scene(**self._shared.points[name])
-        if self.study.of_the_paper and name.startswith("amplitude-"):
-            return self.scene(amplitude=name.removeprefix("amplitude-"))
+        found = named_point(name, GRID[2:]) if self.study.of_the_paper else None
+        if found is not None:
+            return self.scene(**found)
         raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
 
     def gravity_of(self, trunk: str) -> str:
-        """Name of the gravity stage of a trunk."""
+        """Name of the gravity stage of a shared pre-failure run."""
         found = self._shared.gravity_of
         return found[trunk] if trunk in found else self.gravities[0]
+
+    def files(self, others: Mapping[str, Point] | None = None) -> dict[str, Point]:
+        """The dimensions that the scene of every file of a stage or run sets; ``others`` are runs, by name, that the study lacks."""
+        runs = self.study.runs | dict(others or {})
+        shared = SharedStages(runs, self.study.numbered, self._stands) if others else self._shared
+        of = {"stages": shared.points, "runs": runs}
+        return {f"{self.folder}/{place}/{name}.nc": point for place, points in of.items() for name, point in points.items()}
 
     @property
     def gravities(self) -> list[str]:
@@ -335,7 +343,7 @@ class Plan:
 
     @property
     def trunks(self) -> list[str]:
-        """Names of all trunks."""
+        """Names of all shared pre-failure runs."""
         return list(dict.fromkeys(stages.trunk for stages in self._shared.of_runs.values()))
 
     @property
@@ -435,7 +443,7 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
 
 
 def _check_apart(sources: Iterable[Path | str], results: Path, origin: str) -> None:
-    """Refuse a study that is read from among its results, which are written over."""
+    """Refuse a study whose files lie among its results, which are overwritten."""
     for file in map(Path, sources):
         if results.resolve() in file.resolve().parents:
             raise ValueError(f"{origin}: {file} lies in {results}, where results are written over; move it elsewhere")

@@ -1,6 +1,6 @@
-"""What the jobs of a workflow are given and hold what they read against: scenes as they were planned, and digests of the sources.
+"""What the jobs of a workflow are given and compare their inputs with: scenes as they were planned, and digests of the sources.
 
-Snakemake runs a job again when its parameters are others.  By the dates of files alone it would miss one that is replaced by an older
+Snakemake runs a job again when its parameters change.  By the dates of files alone it would miss one that is replaced by an older
 one, as by ``cp -p``, unzip or ``rsync -a``: so the parameters hold the contents of the files that a scene and the program are read from.
 """
 
@@ -54,7 +54,7 @@ class Planned(NamedTuple):
         if differ:
             raise ValueError(
                 f"{path}: was made from another scene than the one planned; delete it and give the same command again, which makes it "
-                "anew; they differ in\n  " + "\n  ".join(differ)
+                "again; they differ in\n  " + "\n  ".join(differ)
             )
 
 

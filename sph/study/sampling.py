@@ -1,4 +1,4 @@
-"""Runs of a study that are no grid: a list of cases, written out or in a CSV file, or a sample of ranges."""
+"""Runs of a study that do not form a grid: a list of cases, written out or in a CSV file, or a sample of ranges."""
 
 from __future__ import annotations
 

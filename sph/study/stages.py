@@ -1,5 +1,7 @@
-"""What runs of a study share: the *gravity stage*, by runs that agree in every key that acts before the shaking, and the *trunk*, which
-shakes until the first failure, by those that agree in all keys but ``sph.solver.run.BRANCH_KEYS``.
+"""What runs of a study share: the *gravity stage* and the *pre-failure run*, which shakes until the first failure.
+
+Runs share the gravity stage if they agree in every key that acts before the shaking, and the pre-failure run (``trunk`` in file names) if
+they agree in all keys but ``sph.solver.run.BRANCH_KEYS``.
 
 A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``trunk_soil.cohesion-20_motion.frequency-1``; the
 paper's are ``gravity`` and ``amplitude-6.0``), or, where runs are numbered, after the first run that needs it.
@@ -17,11 +19,11 @@ LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, TRUNK = "gravity", "trunk"
 IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
-"""Keys and sections without effect in a stage, as the solver compares scenes before it goes on from one."""
+"""Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
 
 
 class Stages(NamedTuple):
-    """What a run goes on from: names of the files."""
+    """What a run continues from: names of the files."""
 
     gravity: str
     trunk: str
@@ -37,7 +39,7 @@ class SharedStages:
         self.points: dict[str, dict[str, str]] = {}
         """dimensions that each stage sets, by its name"""
         self.gravity_of: dict[str, str] = {}
-        """gravity stage of each trunk"""
+        """gravity stage of each shared pre-failure run"""
         self.of_runs: dict[str, Stages] = {}
         for name, point in runs.items():
             self.of_runs[name] = found = self.of(name, point)

@@ -3,7 +3,7 @@
 A study has one row a run in the CSV; the netCDF has one value a grid point, or one a case where the study is a list.
 
 Values of the dimensions are written as in the configuration ("0.10") in the CSV and become numbers once, here, as coordinates
-of the dataset; the labels travel with them as ``S_R_label`` and so on.  The tables of a study are put together from parts, of which
+of the dataset; the labels are kept beside them as ``S_R_label`` and so on.  The tables of a study are put together from parts, of which
 only the numbers are kept: 0.4 kB a run.
 """
 
@@ -50,12 +50,12 @@ EXPECTED: tuple[Variable, ...] = tuple(
         GRID,
         "f8",
         "1",
-        f"largest relative deviation of {what} from the reference of the ladder, over its cases, measured on the ladder's slope with "
-        "the same numerics, walls, damping, fluid and gravity stage; NaN if no rung of the measured table has these",
+        f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
+        "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these",
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
-"""What the ladder lets one expect of a run; see ``sph.experiments.cost_accuracy.advice``."""
+"""The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.cost_accuracy.advice``."""
 BASELINE: tuple[Variable, ...] = (
     Variable(
         "yield_acceleration",
@@ -76,7 +76,6 @@ BASELINE: tuple[Variable, ...] = (
 )
 """The sliding block beside the run; see ``sph.study.baseline``."""
 VALUES = METRICS + EXPECTED + BASELINE
-COLUMNS = [row.name for row in AXES + VALUES]
 
 
 class Layout(NamedTuple):
@@ -101,7 +100,7 @@ CASE_COLUMN = Variable(CASE, (CASE,), "str", "1", "name of the run: its file is 
 
 
 def study_rows(rows: Sequence[Mapping[str, Any]], layout: Layout | None = None) -> pd.DataFrame:
-    """Frame of a study or a part of it, values of its dimensions kept as strings; ``COLUMNS`` by default.
+    """Frame of a study or a part of it, values of its dimensions kept as strings; by default over the paper's dimensions.
 
     Raises ValueError for no rows, a missing or unknown column, and a value of a dimension that is no number where all are to be.
     """
@@ -117,24 +116,6 @@ def study_rows(rows: Sequence[Mapping[str, Any]], layout: Layout | None = None) 
         frame[axis.name] = frame[axis.name].astype(str)
         _coordinates(axis, frame[axis.name])
     return frame
-
-
-def study_table(rows: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
-    """Frame of a study over the paper's dimensions, sorted by S_R, gamma and amplitude; ValueError also for two rows at one point."""
-    frame = study_rows(rows)
-    points = pd.DataFrame({axis.name: _coordinates(axis, frame[axis.name]) for axis in AXES})
-    if points.duplicated().any():
-        raise ValueError(f"rows: two runs at {points[points.duplicated()].iloc[0].to_dict()}")
-    return frame.loc[points.sort_values(list(GRID)).index].reset_index(drop=True)
-
-
-def grid_of(frame: pd.DataFrame) -> Layout:
-    """The smallest grid over the paper's dimensions that holds a table; ValueError for one number written in two ways."""
-    labels = tuple(tuple(sorted(set(frame[name]), key=float)) for name in GRID)
-    for name, written in zip(GRID, labels, strict=True):
-        if len(set(map(float, written))) < len(written):
-            raise ValueError(f"{name}: one number is written in two ways in {list(written)}")
-    return Layout(labels=labels)
 
 
 def joined_dataset(frames: Iterable[pd.DataFrame], layout: Layout, attrs: Mapping[str, Any] | None = None) -> xr.Dataset:
@@ -174,17 +155,6 @@ def joined_dataset(frames: Iterable[pd.DataFrame], layout: Layout, attrs: Mappin
     return ds.assign_coords({CASE: ds[CASE]}) if layout.named else ds
 
 
-def study_dataset(frame: pd.DataFrame, attrs: Mapping[str, Any] | None = None) -> xr.Dataset:
-    """Dataset of a table over the paper's dimensions."""
-    return joined_dataset([frame], grid_of(frame), attrs)
-
-
-def write_study(frame: pd.DataFrame, path_nc: Path | str, path_csv: Path | str, attrs: Mapping[str, Any] | None = None) -> None:
-    """Write the dataset and the CSV of a table over the paper's dimensions; each file appears whole or not at all."""
-    trajectory.write(path_nc, study_dataset(frame, attrs))
-    write_csv(frame, path_csv)
-
-
 def join_study(
     paths: Sequence[Path | str], layout: Layout, path_nc: Path | str, path_csv: Path | str, attrs: Mapping[str, Any] | None = None
 ) -> None:
@@ -200,7 +170,7 @@ def join_study(
 
 
 def write_csv(frame: pd.DataFrame, path: Path | str) -> None:
-    """Write a table, whole or not at all, in full precision, NaN spelt out."""
+    """Write a table, whole or not at all, in full precision, with NaN written out."""
     with whole(path) as temporary:
         frame.to_csv(temporary, index=False, na_rep="NaN", lineterminator="\n")
 

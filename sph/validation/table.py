@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.storage.trajectory import Variable
+from sph.storage.trajectory import Status, Variable
 from sph.study.tables import number_column, read_csv, text_column
 from sph.validation import CASES
 from sph.validation.level import Found, Level
@@ -92,7 +92,7 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequenc
 def measured(name: str, level: Level) -> dict[str, Found]:
     """What a case measures on a level; NaN for all of it where a run diverged."""
     found = CASES[name][0](level)
-    if any(result.data.attrs.get("status") == "diverged" for result in level.values()):
+    if any(result.data.attrs.get("status") == Status.DIVERGED for result in level.values()):
         return {quantity: each._replace(computed=math.nan) for quantity, each in found.items()}
     return found
 

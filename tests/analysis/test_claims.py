@@ -8,10 +8,9 @@ from typing import Any
 
 import pandas as pd
 import pytest
-from synthetic import study_row
+from synthetic import study_of, study_row
 
 from sph.paper.claims import CLAIMS, ClaimSettings, decide_claims, write_claims
-from sph.study.tables import study_dataset, study_table
 
 Point = tuple[str, str, str]
 Changes = dict[Point, dict[str, Any] | None]
@@ -58,7 +57,7 @@ def decide(changes: Changes | None = None, settings: ClaimSettings | None = None
             del runs[point]
         else:
             runs[point] = runs.get(point, {}) | metrics
-    study = study_dataset(study_table([study_row(*point, **metrics) for point, metrics in runs.items()]))
+    study = study_of([study_row(*point, **metrics) for point, metrics in runs.items()])
     return decide_claims(study, settings).set_index("claim")
 
 
@@ -161,7 +160,7 @@ def test_the_second_reading_of_figure_7_is_shown_but_does_not_decide() -> None:
 
 
 def test_the_file_holds_the_table(tmp_path: Path) -> None:
-    study = study_dataset(study_table([study_row(*point, **metrics) for point, metrics in AS_IN_THE_PAPER.items()]))
+    study = study_of([study_row(*point, **metrics) for point, metrics in AS_IN_THE_PAPER.items()])
     claims = write_claims(study, tmp_path / "claims.csv")
     back = pd.read_csv(tmp_path / "claims.csv")
     assert list(back.columns) == ["claim", "statement", "test", "measured", "verdict"]

@@ -20,7 +20,7 @@ from sph.storage import trajectory
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import CASE
 from sph.study.planned import planned
-from sph.study.tables import VALUES, Layout, join_study, read_study, read_table, study_dataset, study_rows, study_table, write_csv
+from sph.study.tables import VALUES, Layout, join_study, joined_dataset, read_study, read_table, study_rows, write_csv
 
 SCRIPTS = Path(__file__).resolve().parents[2] / "workflow" / "scripts" / "study"
 KERNEL = Variable("numerics.kernel", ("numerics.kernel",), "str", "1", "kernel")
@@ -77,14 +77,14 @@ def test_parts_give_what_one_table_gives(tmp_path: Path) -> None:
     """Bit for bit, over the paper's dimensions."""
     rng = np.random.default_rng(1)
     points = [(S_R, gamma, "6.0") for S_R in ("0.10", "0.50") for gamma in ("1", "100")]
-    frame = study_table([study_row(*point, runout=rng.lognormal(), onset_time=rng.normal() * 1e-7) for point in points])
+    frame = study_rows([study_row(*point, runout=rng.lognormal(), onset_time=rng.normal() * 1e-7) for point in points])
     for number in range(2):
         write_csv(frame.iloc[2 * number : 2 * number + 2], tmp_path / f"{number}.csv")
     layout = Layout(labels=(("0.10", "0.50"), ("1", "100"), ("6.0",)))
     join_study([tmp_path / "0.csv", tmp_path / "1.csv"], layout, tmp_path / "study.nc", tmp_path / "study.csv")
     write_csv(frame, tmp_path / "whole.csv")
     assert (tmp_path / "study.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
-    xr.testing.assert_identical(read_study(tmp_path / "study.nc"), study_dataset(frame))
+    xr.testing.assert_identical(read_study(tmp_path / "study.nc"), joined_dataset([frame], layout))
 
 
 @pytest.mark.parametrize(

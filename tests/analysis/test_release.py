@@ -11,7 +11,7 @@ import sph
 from sph.paper import release
 from sph.paper.claims import CLAIMS, HOLDS, NOT_YET
 from sph.paper.release import agreement, compared_fidelities, duration, measured_claims, read_measured, write_time
-from sph.study.tables import COLUMNS, VALUES, write_csv
+from sph.study.tables import VALUES, Layout, write_csv
 
 POINTS = [("0.10", "100", "6.0"), ("0.25", "100", "6.0"), ("0.50", "100", "6.0")]
 
@@ -23,7 +23,7 @@ def study(classes: list[str], displacements: list[float]) -> pd.DataFrame:
         row = {value.name: "" if value.dtype == "str" else 0 for value in VALUES}
         row |= dict(zip(("S_R", "gamma", "amplitude"), point, strict=True))
         rows.append(row | {"collapse_class": collapse_class, "displacement_magnitude": displacement})
-    return pd.DataFrame(rows)[COLUMNS]
+    return pd.DataFrame(rows)[Layout().names]
 
 
 BASELINE = study(["collapse", "damaged", "stable"], [20.0, 2.0, 0.05])

@@ -13,6 +13,7 @@ import yaml
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,
+    CONFIRM,
     CRITICAL,
     NEVER,
     UNDECIDED,
@@ -20,11 +21,10 @@ from sph.experiments.trigger.critical import (
     bracket_ends,
     confirm_table,
     critical_table,
-    read_confirm,
     read_critical,
 )
 from sph.experiments.trigger.design import TriggerPlan, load_trigger, plan_of
-from sph.experiments.trigger.maps import class_shares, map_cells, read_cells, read_shares
+from sph.experiments.trigger.maps import CELLS, class_shares, map_cells, read_shares
 from sph.experiments.trigger.points import MEASURED, POINTS, measured_points, names, no_points, read_points, wanted_points
 from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.measures.metrics import MetricSettings, class_displacement
@@ -35,7 +35,7 @@ from sph.scene.schema import make_scene
 from sph.stability.newmark import sliding_block
 from sph.study.baseline import baseline_metrics, newmark_amplitude
 from sph.study.plan import load_study
-from sph.study.tables import write_csv
+from sph.study.tables import read_csv, write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -269,7 +269,7 @@ def test_ends_are_confirmed_at_another_fidelity(tmp_path: Path) -> None:
     assert found["verdict"].tolist() == ["fails", "holds", "undetermined"]
     assert found["displacement_magnitude_difference"].tolist() == [0.5] * 3 and found["runout_difference"].tolist() == [-0.5] * 3
     write_csv(found, tmp_path / "confirm.csv")
-    pd.testing.assert_frame_equal(read_confirm(tmp_path / "confirm.csv"), found)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "confirm.csv", CONFIRM, "confirmed brackets"), found)
 
 
 def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
@@ -323,7 +323,7 @@ def test_shares_bound_the_truth_and_close_in(tmp_path: Path) -> None:
     assert gaps == sorted(gaps, reverse=True) and gaps[-1] < 0.25 * gaps[0]
     write_csv(cells, tmp_path / "cells.csv")
     write_csv(shares, tmp_path / "shares.csv")
-    pd.testing.assert_frame_equal(read_cells(tmp_path / "cells.csv"), cells, check_dtype=False)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "cells.csv", CELLS, "cells"), cells, check_dtype=False)
     pd.testing.assert_frame_equal(read_shares(tmp_path / "shares.csv"), shares)
 
 

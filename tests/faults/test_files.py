@@ -349,7 +349,7 @@ def test_a_job_s_log_holds_the_reason(tmp_path: Path, capsys: pytest.CaptureFixt
             raise error
         assert ended.value.code == code
         text = log.read_text()
-        assert text.startswith("process ") and "\nprogress\n" in text and wanted in text and str(error) in text.splitlines()[-1]
+        assert text.startswith('{"record": "process"') and "\nprogress\n" in text and wanted in text and str(error) in text.splitlines()[-1]
         assert capsys.readouterr().err.count("\n") == 1
 
 

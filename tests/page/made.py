@@ -16,7 +16,7 @@ from sph.paper.claims import write_claims
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import CASE, Dimension
-from sph.study.tables import Layout, read_study, read_table, study_table, write_csv, write_study
+from sph.study.tables import Layout, join_study, read_study, read_table, study_rows, write_csv
 
 FOLDER = "results/made/up"
 SLIPS = {("0.10", "4.0"): -3.0, ("0.10", "6.0"): -8.0, ("0.50", "4.0"): 0.0, ("0.50", "6.0"): -1.0}
@@ -62,7 +62,9 @@ def made_study() -> StudyFiles:
         trajectory.write(runs[-1], run)
         measured = {name: value for name, value in measure(run).items() if name in METRIC_BY_NAME}
         rows.append(study_row(*point.values(), **measured | {"expected_displacement_error": 0.31}))
-    write_study(study_table(rows), f"{FOLDER}/study.nc", f"{FOLDER}/study.csv")
+    layout = Layout(labels=(("0.10", "0.50"), ("100",), ("4.0", "6.0")))
+    write_csv(study_rows(rows), f"{FOLDER}/parts/000001.csv")
+    join_study([f"{FOLDER}/parts/000001.csv"], layout, f"{FOLDER}/study.nc", f"{FOLDER}/study.csv")
     write_claims(read_study(f"{FOLDER}/study.nc"), f"{FOLDER}/claims.csv")
     gravity = synthetic()
     for name, seconds in {"gravity": 0.5, "amplitude-4.0": 0.75, "amplitude-6.0": 1.0}.items():
@@ -74,9 +76,8 @@ def made_study() -> StudyFiles:
             Image.linear_gradient("L").save(path)
     stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}
-    labels = (("0.10", "0.50"), ("100",), ("4.0", "6.0"))
     return StudyFiles(
-        "made", "up", FOLDER, f"{FOLDER}/study.csv", Layout(labels=labels), DIMENSIONS, 4, by_name, stages,
+        "made", "up", FOLDER, f"{FOLDER}/study.csv", layout, DIMENSIONS, 4, by_name, stages,
         existing(FOLDER, sections_of(True)), {"fig4": runs[1:3]},
     )  # fmt: skip
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import Scene
-from sph.solver.guard import LEFT_THE_BOX, PARTS, likely_cause, trouble
+from sph.solver.guard import PARTS, Fault, Trouble, likely_cause, trouble
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.state import State, initial_state
 
@@ -31,28 +31,33 @@ def boxed(free_block: Builder) -> tuple[Scene, Any, State]:
 
 
 def test_a_sound_run_is_left_alone(boxed: tuple[Scene, Any, State]) -> None:
-    assert trouble(*boxed, AT_REST) == ""
+    assert trouble(*boxed, AT_REST) is None
 
 
 @pytest.mark.parametrize("name", ["x", "vy", "density", "ax"])
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_what_is_not_a_number(boxed: tuple[Scene, Any, State], name: str, value: float) -> None:
     getattr(boxed[2], name)[37] = value
-    assert trouble(*boxed, AT_REST).startswith("particle 37, at first at (") and "not a number" in trouble(*boxed, AT_REST)
+    found = trouble(*boxed, AT_REST)
+    assert found is not None and (found.fault, found.particle) == (Fault.NOT_A_NUMBER, 37)
+    assert str(found).startswith("particle 37, at first at (") and str(found).endswith(" m, is not a number")
 
 
 def test_a_jump_names_the_particle_that_moved_furthest(boxed: tuple[Scene, Any, State]) -> None:
     boxed[2].x[[3, 41]] += (0.1, 0.4)
-    assert "particle 41" in trouble(*boxed, AT_REST, jumped=True) and "jumped" in trouble(*boxed, AT_REST, jumped=True)
-    assert trouble(*boxed, AT_REST) == ""
+    found = trouble(*boxed, AT_REST, jumped=True)
+    assert found is not None and (found.fault, found.particle) == (Fault.JUMPED, 41)
+    assert trouble(*boxed, AT_REST) is None
 
 
 def test_faster_than_the_p_wave(boxed: tuple[Scene, Any, State]) -> None:
     speed = boxed[0].soil.p_wave_speed
     boxed[2].vx[12] = 0.9 * speed
-    assert trouble(*boxed, AT_REST) == ""
+    assert trouble(*boxed, AT_REST) is None
     boxed[2].vy[12] = -0.9 * speed
-    assert "particle 12" in trouble(*boxed, AT_REST) and "faster than V_p" in trouble(*boxed, AT_REST)
+    found = trouble(*boxed, AT_REST)
+    assert found is not None and found[:3] == (Fault.TOO_FAST, speed, 12)
+    assert str(found).endswith(f"is faster than V_p, {speed:.0f} m/s")
 
 
 @pytest.mark.parametrize(
@@ -70,24 +75,25 @@ def test_faster_than_the_p_wave(boxed: tuple[Scene, Any, State]) -> None:
 )
 def test_behind_the_walls(boxed: tuple[Scene, Any, State], place: tuple[float, float], outside: bool) -> None:
     boxed[2].x[7], boxed[2].y[7] = place
-    assert bool(trouble(*boxed, AT_REST)) == outside
-    assert not outside or "particle 7" in trouble(*boxed, AT_REST)
+    found = trouble(*boxed, AT_REST)
+    assert (found and (found.fault, found.particle)) == ((Fault.LEFT_THE_BOX, 7) if outside else None)
 
 
 def test_soil_that_ran_off_an_open_end(free_block: Builder) -> None:
     scene = free_block(BOXED | {"walls.sides": "none"})
     particles, state = parts(scene)
     state.x[7], state.y[7] = 15.0, -1.9
-    assert trouble(scene, particles, state, AT_REST) == "", "over the edge, not yet below the base"
+    assert trouble(scene, particles, state, AT_REST) is None, "over the edge, not yet below the base"
     state.y[7] = -2.1
-    assert trouble(scene, particles, state, AT_REST).endswith(LEFT_THE_BOX)
+    found = trouble(scene, particles, state, AT_REST)
+    assert found is not None and found.fault == Fault.LEFT_THE_BOX and str(found).endswith("has left the box")
 
 
 def test_without_walls_nothing_is_behind_them(free_block: Builder) -> None:
     scene = free_block({})
     particles, state = parts(scene)
     state.x[7], state.y[7] = -500.0, -500.0
-    assert trouble(scene, particles, state, AT_REST) == ""
+    assert trouble(scene, particles, state, AT_REST) is None
 
 
 def test_energy_that_nobody_put_in(boxed: tuple[Scene, Any, State]) -> None:
@@ -96,21 +102,21 @@ def test_energy_that_nobody_put_in(boxed: tuple[Scene, Any, State]) -> None:
         return {name: [0.0, 0.0, energies.get(name, 0.0)] for name in AT_REST}
 
     put_in = {"kinetic_energy": 4e6, "dissipated_energy": 1e6, "shaking_work": 5e6}
-    assert trouble(*boxed, series(**put_in)) == ""
-    assert "budget is open by 40%" in trouble(*boxed, series(**put_in | {"shaking_work": 3e6}))
+    assert trouble(*boxed, series(**put_in)) is None
+    assert "budget is open by 40%" in str(trouble(*boxed, series(**put_in | {"shaking_work": 3e6})))
     made = {"kinetic_energy": 5e6, "dissipated_energy": -3e6, "shaking_work": 2e6}
-    assert "energy was made" in trouble(*boxed, series(**made))
-    assert trouble(*boxed, series(kinetic_energy=1e4)) == "", "a small gap in a run at rest"
+    assert "energy was made" in str(trouble(*boxed, series(**made)))
+    assert trouble(*boxed, series(kinetic_energy=1e4)) is None, "a small gap in a run at rest"
 
 
 @pytest.mark.parametrize(
     ("ratio", "keys", "wrong", "word"),
     [
-        (1.3, {}, LEFT_THE_BOX, "1.30 times its measured limit"),
-        (0.9, {"numerics.artificial_viscosity": None}, "is not a number", "artificial viscosity"),
-        (0.9, {"numerics.artificial_viscosity": None}, LEFT_THE_BOX, "widen the box"),
-        (0.9, {}, "is not a number", "finer spacing"),
+        (1.3, {}, Fault.LEFT_THE_BOX, "1.30 times its measured limit"),
+        (0.9, {"numerics.artificial_viscosity": None}, Fault.NOT_A_NUMBER, "artificial viscosity"),
+        (0.9, {"numerics.artificial_viscosity": None}, Fault.LEFT_THE_BOX, "widen the box"),
+        (0.9, {}, Fault.NOT_A_NUMBER, "finer spacing"),
     ],
 )
-def test_the_likely_cause(free_block: Builder, ratio: float, keys: dict[str, Any], wrong: str, word: str) -> None:
-    assert word in likely_cause(free_block(keys), ratio, wrong)
+def test_the_likely_cause(free_block: Builder, ratio: float, keys: dict[str, Any], wrong: Fault, word: str) -> None:
+    assert word in likely_cause(free_block(keys), ratio, Trouble(wrong))

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.command.reference import MARKED, TABLES, command_lines, filled, key_rows, markdown
+from sph.command.reference import MARKED, TABLES, Reference, Strong, command_lines, filled, key_rows, markdown
 from sph.experiments.cost_accuracy.design import Trade
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
@@ -31,13 +31,16 @@ def test_the_pages_hold_the_generated_tables(page: Path) -> None:
 
 def test_marks_are_filled_and_unknown_ones_refused() -> None:
     marks = "a\n<!-- sph reference failure_rule -->\n{}<!-- end -->\nb\n"
-    assert filled(marks.format("old\n")) == filled(marks.format("")) == marks.format(f"\n{TABLES['failure_rule']()}\n\n")
+    assert filled(marks.format("old\n")) == filled(marks.format("")) == marks.format(f"\n{markdown(TABLES['failure_rule']())}\n\n")
     with pytest.raises(ValueError, match="nonsense.*must be one of scene, study"):
         filled("<!-- sph reference nonsense -->\n<!-- end -->")
 
 
 def test_what_markdown_would_read_otherwise_is_escaped() -> None:
-    table = markdown(("key", "text"), [("a|b", "results/<study> of mu* and mu*, **bold**, x <= 1 | 2")])
+    table = markdown(
+        Reference(("key", "text"), [("a|b", "results/<study> of mu* and mu*, **bold**, x <= 1 | 2"), ("c", Strong("fails"))], "A note.")
+    )
+    assert table.splitlines()[3:] == ["| `c` | **fails** |", "", "A note."]
     assert table.splitlines()[2] == "| `a\\|b` | results/&lt;study> of mu\\* and mu\\*, **bold**, x <= 1 \\| 2 |"
 
 

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from sph.command.repeat import given_scene
+from sph.command.repeat import given_scene, stopped_at
 from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.run import check_restart
@@ -104,3 +104,14 @@ def test_a_stored_scene_that_is_no_json_is_refused() -> None:
     for text in ("{", "[" * 20_000, '{"duration": NaN}', json.dumps({"name": "a"})):
         with pytest.raises(ValueError, match=r"run\.nc: "):
             given_scene(Path("run.nc"), {}, xr.Dataset(attrs={"scene": text}))
+
+
+@pytest.mark.parametrize(
+    ("status", "time", "stage"),
+    [("paused", 1.0, "gravity"), ("paused", 2.35, "first_failure"), ("unfailed", 3.0, "end"), ("diverged", 2.0, "end")],
+)
+def test_the_stage_of_a_run_is_told_by_its_status_and_its_last_sample(status: str, time: float, stage: str) -> None:
+    scene = make_scene(LAYERED | {"gravity": {"ramp": 0.5, "duration": 1.0}})
+    earlier = xr.Dataset({"sample_time": ("sample", [0.0, time])}, attrs=run_attributes(scene) | {"status": status})
+    assert stopped_at(earlier) == stage
+    assert stopped_at(None) == "end"

@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
 from sph.command.cost import speed_here, study_cost
-from sph.command.status import RUNS, jobs, located_plan
+from sph.command.status import Kind, jobs, located_plan
 from sph.scene.schema import Scene
 from sph.study.cost import cost
 
@@ -68,7 +68,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
 
 def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
     plan, folder = located_plan(None, config)
-    runs = [job for job in jobs(plan) if job.kind == RUNS]
+    runs = [job for job in jobs(plan) if job.kind == Kind.RUN]
     took = [2.0 * cost(job.scene).seconds * factor for job, factor in zip(runs, (1.0, 1.1, 5.0), strict=False)]
     for job, seconds in zip(runs, took, strict=False):
         finish(folder, job, seconds)

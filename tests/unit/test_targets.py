@@ -13,6 +13,7 @@ import yaml
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.command.explain import Project
 from sph.command.status import Job, located_plan, look
 from sph.command.targets import target_jobs
 from sph.study.plan import Plan
@@ -60,14 +61,14 @@ def test_a_search_is_listed_round_by_round_without_the_study_s_own_runs(study: t
     wants(folder, "trigger-0", "as it is,0.10,100,6.0", "as it is,0.10,100,8", "slip: sides,0.10,100,8")
     jobs = target_jobs(plan, folder)
     # The first point is one of the study's grid, and its run is listed there.
-    assert [(job.kind, job.place) for job in jobs] == [("runs of trigger", "."), ("runs of trigger", "trigger/slip-sides")]
+    assert [(job.title, job.place) for job in jobs] == [("runs of trigger", "."), ("runs of trigger", "trigger/slip-sides")]
     assert jobs[1].scene.walls.sides == "free_slip" and jobs[1].scene.motion.amplitude == 8.0  # type: ignore[union-attr]
     finish(folder, jobs[1])
     assert [look(job, folder).state for job in jobs] == ["waiting", "done"]
     wants(folder, "trigger-1", "slip: sides,0.10,100,8", "slip: sides,0.10,100,6")
     wants(folder, "confirm", "slip: sides,0.10,100,6")
     jobs = target_jobs(plan, folder)
-    assert Counter(job.kind for job in jobs) == {"runs of trigger": 3, "runs of confirm": 1}
+    assert Counter(job.title for job in jobs) == {"runs of trigger": 3, "runs of confirm": 1}
     assert jobs[-1].place == "../standard/trigger/slip-sides" and jobs[-1].scene.numerics.smoothing_ratio == 2.3
 
 
@@ -84,3 +85,21 @@ def test_sensitivity_is_listed_with_its_indices_once_the_factors_are_known(study
     assert look(jobs[0], folder).state == "done"
     shown = CliRunner().invoke(app, ["status", str(folder), "--json"])
     assert shown.exit_code == 0 and sum(job["state"] == "done" for job in json.loads(shown.stdout)["jobs"]) == 1
+
+
+def test_files_that_a_search_has_asked_for_are_known_by_its_tables(study: tuple[Plan, Path]) -> None:
+    plan, folder = study
+    project = Project(folder.parents[2], None, folder)
+    case = "results/paper/draft/trigger/slip-sides"
+    run = f"{case}/runs/S_R-0.10_gamma-100_amplitude-8.nc"
+    with pytest.raises(ValueError, match="no such run is planned now"):
+        project.scene(run)
+    wants(folder, "trigger-0", "slip: sides,0.10,100,8", "as it is,0.10,100,7")
+    project = Project(folder.parents[2], None, folder)
+    for file in (run, f"{case}/stages/amplitude-8.nc", f"{case}/stages/gravity.nc", f"{case}/stages/yield_acceleration.nc"):
+        assert project.scene(file).walls.sides == "free_slip"
+    assert project.scene(run).motion.amplitude == 8.0  # type: ignore[union-attr]
+    for file in ("runs/S_R-0.10_gamma-100_amplitude-7.nc", "stages/amplitude-7.nc"):
+        assert project.scene(f"results/paper/draft/{file}").motion.amplitude == 7.0  # type: ignore[union-attr]
+    assert project.scene("results/paper/draft/runs/S_R-0.10_gamma-100_amplitude-6.0.nc").coupling.S_R == 0.1
+    assert project.scene("results/paper/draft/sensitivity/runs/tornado/base.nc").name == "paper"

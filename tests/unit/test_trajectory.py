@@ -91,7 +91,7 @@ def test_a_run_fills_every_variable(small_slope) -> None:
         assert ds[variable.name].dtype == np.dtype(variable.dtype)
         assert ds[variable.name].dims == variable.dims
         assert ds[variable.name].size > 0
-    assert ds.attrs["status"] in trajectory.STATUSES
+    assert ds.attrs["status"] in list(trajectory.Status)
     for attribute in ("wall_time_s", "particle_steps", "particle_steps_per_second", "neighbours_mean", "active_terms"):
         assert attribute in ds.attrs
 

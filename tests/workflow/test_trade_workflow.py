@@ -120,4 +120,4 @@ def test_a_bad_ladder_is_refused_before_any_job(climbed: Path) -> None:
     bad = TRADE | {"reference": {"knob": "spacing", "rung": "1 m"}}
     (climbed / "bad.yaml").write_text(yaml.safe_dump(bad, sort_keys=False))
     result = snakemake(climbed, "--cores", "1", *write_config(climbed, trade="bad.yaml"), "--", "trade")
-    assert result.returncode != 0 and "bad.yaml: reference: knob 'spacing', rung '1 m'" in result.stdout + result.stderr
+    assert result.returncode != 0 and "bad.yaml: reference: parameter 'spacing', variant '1 m'" in result.stdout + result.stderr

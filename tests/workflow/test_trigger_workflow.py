@@ -14,12 +14,13 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.trigger.critical import BRACKETED, CRITICAL, read_confirm, read_critical
+from sph.experiments.trigger.critical import BRACKETED, CONFIRM, CRITICAL, read_critical
 from sph.experiments.trigger.maps import read_shares
 from sph.experiments.trigger.points import names, read_points
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.storage import trajectory
+from sph.study.tables import read_csv
 
 TRIGGER: dict[str, Any] = {
     "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "sticky"}}},
@@ -99,7 +100,7 @@ def test_runs_share_trunks_and_those_of_the_study(searched: Path) -> None:
 
 
 def test_the_ends_are_run_again_at_the_other_fidelity(searched: Path) -> None:
-    confirmed = read_confirm(searched / FOLDER / "confirm.csv")
+    confirmed = read_csv(searched / FOLDER / "confirm.csv", CONFIRM, "confirmed brackets")
     assert confirmed["end"].tolist() == ["lower", "upper"] and set(confirmed["verdict"]) <= {"holds", "fails"}
     fine = trajectory.read(next(searched.glob("results/small/standard/runs/*.nc")))
     assert trajectory.scene_of(fine).numerics.time_step == 5e-4

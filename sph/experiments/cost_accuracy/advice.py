@@ -1,6 +1,6 @@
-"""What the measured ladder answers: the error to expect of a scene, and the cheapest setting within an error.
+"""What the measured cost-accuracy study answers: the error to expect of a scene, and the cheapest setting within an error.
 
-The table that was measured for this release is part of the package (``SHIPPED``); without it nothing is known, and that is said.
+The table that was measured for this release is part of the package (``SHIPPED``); without it there is no expectation.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ from sph.study.tables import EXPECTED
 
 SHIPPED = Path(__file__).parents[1] / "measured" / "trade.csv"
 """Table measured for this release, by ``snakemake trade``."""
-NOT_MEASURED_YET = "not measured yet: this release holds no table of the ladder; 'snakemake --cores 2 trade' makes one"
+NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 trade' makes one"
 
 
 class Expected(NamedTuple):
-    """Errors to expect of a scene, from a rung with its scheme: largest relative deviations from the reference, over the cases."""
+    """Errors to expect of a scene, from a variant with its scheme: largest relative deviations from the reference, over the cases."""
 
     displacement: float
     runout: float
     from_baseline: tuple[float, float]  # displacement and run-out against the baseline, the paper's settings
-    rung: str  # knob and label
+    rung: str  # parameter and label
 
     def sentence(self) -> str:
         """The expectation in words."""
         return (
-            f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the ladder's "
-            f"finest run, {percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of the paper's settings "
-            f"(measured on the ladder's slope, {self.rung})"
+            f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the finest run, "
+            f"{percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of the paper's settings "
+            f"(measured on the slope of the cost-accuracy study, {self.rung})"
         )
 
 
 class Advice(NamedTuple):
-    """A rung of the ladder as an answer."""
+    """A variant of the cost-accuracy study as an answer."""
 
     rung: Summary
     settings: dict[str, Any]  # scene keys over the scene file
@@ -54,7 +54,7 @@ def shipped_table() -> pd.DataFrame | None:
 
 
 def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected | None:
-    """Errors of the rung with the scheme of a scene; None where no rung has it, one of its runs diverged, or there is no table.
+    """Errors of the variant with the scheme of a scene; None where no variant has it, one of its runs diverged, or there is no table.
 
     ``table`` as from ``read_trade``; the shipped one by default.
     """
@@ -78,7 +78,7 @@ def expected_sentence(scene: Scene) -> str:
     if not SHIPPED.is_file():
         return NOT_MEASURED_YET
     expected = expected_error(scene)
-    return expected.sentence() if expected else "not measured: no rung of the ladder has these numerics"
+    return expected.sentence() if expected else "not measured: no variant of the cost-accuracy study has these numerics"
 
 
 def expected_metrics(scene: Scene) -> dict[str, float]:
@@ -89,11 +89,11 @@ def expected_metrics(scene: Scene) -> dict[str, float]:
 
 
 def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(QUANTITIES)) -> Advice:
-    """The cheapest rung whose largest deviation stays within an error in every case and whose class agrees; else the most accurate one.
+    """The cheapest variant whose largest deviation is within an error in every case and whose class agrees; else the most accurate one.
 
-    The reference itself is no answer, nor is a rung that was not run in every case, that changes the model (its errors may cancel others),
-    or whose time step exceeded the limit measured on the way.  Raises ValueError for a negative error, an unknown
-    quantity and a table without a rung to choose from.
+    The reference itself is no answer, nor is a variant that was not run in every case, that changes the model (its errors may cancel
+    others), or whose time step exceeded the limit measured on the way.  Raises ValueError for a negative error, an unknown
+    quantity and a table without a variant to choose from.
     """
     if not 0 <= error < math.inf:
         raise ValueError(f"error: {error} must be at least 0, for example 0.1 or 10%")
@@ -104,7 +104,7 @@ def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(
     references = {rung.scheme for rung in rungs if rung.reference}
     known = [rung for rung in rungs if rung.sound and rung.scheme not in references and rung.every_case and rung.finished]
     if not known:
-        raise ValueError("table: no rung but the reference was run to its end in every case")
+        raise ValueError("table: no variant but the reference was run to its end in every case")
 
     def misses(rung: Summary) -> tuple[bool, float]:
         return rung.classes_agree < rung.cases, max(rung.errors[name] for name in quantities)

@@ -37,7 +37,7 @@ QUANTITIES = ("displacement_magnitude", "runout", "onset_after_start")
 CONVERGENCE: tuple[Variable, ...] = (
     Variable("quantity", ROW, "str", "1", "column of trade.csv"),
     Variable("case", ROW, "str", "1", "point of the study"),
-    Variable("spacings", ROW, "str", "m", "spacings of the ladder, finest first"),
+    Variable("spacings", ROW, "str", "m", "spacings of the variants, finest first"),
     Variable("values", ROW, "str", "1", "values of the quantity at these spacings, in its own unit"),
     Variable("order", ROW, "f8", "1", "observed order on the three finest spacings; NaN where there is none"),
     Variable("extrapolated", ROW, "f8", "1", "value extrapolated to spacing 0, in the quantity's unit; NaN without convergence"),
@@ -104,7 +104,7 @@ def _order(ratio: float, r21: float, r32: float) -> float:
 
 
 def convergence_table(frame: pd.DataFrame, knob: str) -> pd.DataFrame:
-    """Frame with the columns of ``CONVERGENCE``: every quantity and case on the rungs of a knob that differ in spacing.
+    """Frame with the columns of ``CONVERGENCE``: every quantity and case on the variants of a parameter that differ in spacing.
 
     ``frame`` as from ``ladder_table``.  Runs without the value (diverged, or motion that never began) are left out.
     """

@@ -1,8 +1,9 @@
-"""The ladder: which runs measure what each saving of computing time costs in accuracy (``config/trade.yaml``).
+"""The cost-accuracy study: which runs measure what each saving of computing time costs in accuracy (``config/trade.yaml``).
 
-A *knob* is one thing to turn, a *rung* one of its positions, a *case* a point of the study.  Every rung is run in
-every case, whole and on its own; the case that is timed is run several times.  ``load_trade`` builds and checks the scene of every run,
-so that a typo or a time step above its limit is refused before any work.  Equal scenes are run once, whichever rungs they belong to.
+A *parameter* is one thing that is varied, a *variant* one of its values, a *case* a point of the study; the file calls the first two
+``knobs`` and ``rungs``.  Every variant is run in every case, as a whole and without shared stages; the timed case is run several times.
+``load_trade`` builds and checks the scene of every run, so that a typo or a time step above its limit is refused before any work.  Equal
+scenes are run once, whichever variants they belong to.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from sph.scene.strict_json import to_json
 FOLDER = "results/trade"
 """Where the results go, relative to the working folder."""
 PRESETS = "preset"
-"""Knob whose rungs are the study's fidelities."""
+"""Parameter whose variants are the study's fidelities."""
 NOT_SCHEME = ("name", "title", "duration", "geometry", "soil", "motion", "probes", "outputs")
 """Sections and keys of a scene that say what is simulated, not how."""
 CASE_KEYS = ("S_R", "gamma")
@@ -30,22 +31,22 @@ CASE_KEYS = ("S_R", "gamma")
 
 
 class Extent(Section):
-    """How much of the ladder is run."""
+    """How much of the variants is run."""
 
     repeats: int | None = key("runs of the timed case; null: as one level up", ge=1, le=100, default=None)
     cases: tuple[str, ...] | None = key("cases that are run, the timed one among them; null: as one level up", min_length=1, default=None)
 
 
 class Knob(Extent):
-    """One thing to turn, and its positions."""
+    """A parameter and its variants."""
 
-    about: str = key("what the knob does, one sentence", min_length=1)
+    about: str = key("what the parameter does, one sentence", min_length=1)
     changes: Literal["accuracy", "model"] = key(
         "accuracy: how well the scene is computed; model: what is computed, which 'sph advise' leaves alone", default="accuracy"
     )
-    base: Overrides = key("scene keys of all its rungs", default={})
-    rungs: dict[Label, Overrides] = key("scene keys of each rung, by label", min_length=1)
-    exceptions: dict[Label, Extent] = key("rungs that are run less than the others, by label", default={})
+    base: Overrides = key("scene keys of all its variants", default={})
+    rungs: dict[Label, Overrides] = key("scene keys of each variant, by label", min_length=1)
+    exceptions: dict[Label, Extent] = key("variants that are run less than the others, by label", default={})
 
     @model_validator(mode="after")
     def _known(self) -> Knob:
@@ -55,38 +56,38 @@ class Knob(Extent):
 
 
 class Reference(Section):
-    """The rung from which deviations are measured."""
+    """The variant from which deviations are measured."""
 
-    knob: str = key("its knob")
+    knob: str = key("its parameter")
     rung: str = key("its label")
 
 
 class Trade(Cases):
-    """The configuration of the ladder."""
+    """The configuration of the cost-accuracy study."""
 
-    timed_case: str = key("case whose runs are repeated and whose computing time is a rung's cost")
+    timed_case: str = key("case whose runs are repeated and whose computing time is a variant's cost")
     repeats: int = key("runs of the timed case", ge=1, le=100, default=3)
-    reference: Reference = key("the rung from which deviations are measured, the finest that runs in every case")
+    reference: Reference = key("the variant from which deviations are measured, the finest that runs in every case")
     baseline: str = key("fidelity from which deviations are given as well", default="paper")
-    convergence: str = key("knob whose rungs differ in spacing: the order of convergence is measured on it", default="spacing")
-    knobs: dict[Name, Knob] = key(f"the knobs, by name; the fidelities of the study are added as the knob '{PRESETS}'", min_length=1)
+    convergence: str = key("parameter whose variants differ in spacing: the order of convergence is measured on it", default="spacing")
+    knobs: dict[Name, Knob] = key(f"the parameters, by name; the study's fidelities are added as '{PRESETS}'", min_length=1)
 
     @model_validator(mode="after")
     def _known(self) -> Trade:
         if PRESETS in self.knobs:
-            raise ValueError(f"knobs: {PRESETS!r} is the knob of the study's fidelities, choose another name")
+            raise ValueError(f"knobs: {PRESETS!r} is the parameter of the study's fidelities, choose another name")
         check_known("convergence", [self.convergence], self.knobs)
         check_known("timed_case", [self.timed_case], self.cases)
         for name, knob in self.knobs.items():
             for label in knob.rungs:
                 cases = self.extent(name, label).cases or ()
-                check_known(f"knobs.{name}, rung {label!r}: cases", cases, self.cases)
+                check_known(f"knobs.{name}, variant {label!r}: cases", cases, self.cases)
                 if self.timed_case not in cases:
-                    raise ValueError(f"knobs.{name}, rung {label!r}: cases: the timed case {self.timed_case!r} must be among them")
+                    raise ValueError(f"knobs.{name}, variant {label!r}: cases: the timed case {self.timed_case!r} must be among them")
         return self
 
     def extent(self, knob: str, rung: str) -> Extent:
-        """Cases and repeats of a rung: its own, else its knob's, else the ladder's."""
+        """Cases and repeats of a variant: its own, else its parameter's, else those of all."""
         asked: list[Extent] = []
         if knob in self.knobs:
             asked = [self.knobs[knob].exceptions.get(rung, Extent()), self.knobs[knob]]
@@ -98,13 +99,13 @@ class Trade(Cases):
 
 
 class Rung(NamedTuple):
-    """One rung in one case: a row of the ladder's table."""
+    """One variant in one case: a row of the table."""
 
     knob: str
     rung: str
     case: str
     changes: str  # accuracy or model
-    settings: Overrides  # scene keys of the rung over the scene file
+    settings: Overrides  # scene keys of the variant over the scene file
     scheme: Overrides  # see the function
     timed: bool
     reference: bool
@@ -112,7 +113,7 @@ class Rung(NamedTuple):
 
 
 class Ladder:
-    """A ladder with its scene file read: every row of its table, and the scene of every run."""
+    """A cost-accuracy study with its scene file read: every row of its table, and the scene of every run."""
 
     def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
         check_known(f"{origin}: baseline", [trade.baseline], fidelities)
@@ -125,7 +126,7 @@ class Ladder:
             extent = trade.extent(knob, label)
             for case in extent.cases or ():
                 scene = merge(merge(base, settings), trade.cases[case])
-                built = checked(scene, f"{origin}: knob {knob}, rung {label!r}, case {case!r}", probe)
+                built = checked(scene, f"{origin}: parameter {knob}, variant {label!r}, case {case!r}", probe)
                 content = built.model_dump_json(exclude={"name", "title"})
                 stem = stems.setdefault(content, f"{knob}/{file_name(label)}/{file_name(case)}")
                 repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
@@ -150,7 +151,7 @@ class Ladder:
         missing = set(trade.cases) - {row.case for row in self.rows if row.reference}
         if missing:
             raise ValueError(
-                f"{origin}: reference: knob {reference[0]!r}, rung {reference[1]!r} is no rung that runs in every case "
+                f"{origin}: reference: parameter {reference[0]!r}, variant {reference[1]!r} does not run in every case "
                 f"(missing: {', '.join(sorted(missing))})"
             )
 
@@ -178,9 +179,9 @@ def load_trade(
     folders: Sequence[Path] = (Path(),),
     probe: str = PROBE,
 ) -> Ladder:
-    """Validate a ladder and every scene in it; ValueError names file, key and value.
+    """Validate a cost-accuracy study and every scene in it; ValueError names file, key and value.
 
-    ``fidelities`` and the ``probe`` that is measured are those of the study; ``folders`` are searched in order for the ladder's and the
+    ``fidelities`` and the ``probe`` that is measured are those of the study; ``folders`` are searched in order for its file and the
     scene's file.
     """
     trade = validated(Trade, read_yaml(found_file(folders, str(path), "trade")), str(path))

@@ -1,6 +1,6 @@
-"""The table of the ladder: what each rung costs and how far its results lie from the reference.
+"""The table of the cost-accuracy study: what each variant costs and how far its results lie from the reference.
 
-``TRADE`` defines every column; ``ladder_table`` makes the table from measured runs, ``summary`` puts the cases of a rung together.
+``TRADE`` defines every column; ``ladder_table`` makes the table from measured runs, ``summary`` puts the cases of a variant together.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ def _metric(name: str) -> Variable:
 
 
 TRADE: tuple[Variable, ...] = (
-    text_column("knob", f"what is turned; '{PRESETS}' for the fidelities of the study"),
-    text_column("rung", "its position"),
+    text_column("knob", f"what is varied; '{PRESETS}' for the fidelities of the study"),
+    text_column("rung", "its value"),
     text_column("case", "point of the study"),
     text_column("changes", "accuracy: how well the scene is computed; model: what is computed"),
-    text_column("settings", "scene keys that the rung sets over the scene file, as JSON"),
+    text_column("settings", "scene keys that the variant sets over the scene file, as JSON"),
     text_column("scheme", "how the run is simulated: scene keys, but for what is simulated, that differ from their defaults, as JSON"),
     text_column("machine", "processor and number of cores of the machine that made the table"),
-    Variable("timed", ROW, "i1", "1", "1 for the case whose run is repeated: its computing time is the rung's cost"),
-    Variable("reference", ROW, "i1", "1", "1 for the rung from which deviations are measured"),
+    Variable("timed", ROW, "i1", "1", "1 for the case whose run is repeated: its computing time is the variant's cost"),
+    Variable("reference", ROW, "i1", "1", "1 for the variant from which deviations are measured"),
     Variable("repeats", ROW, "i4", "1", "how often the run was made"),
     _metric("status"),
     _metric("collapse_class"),
@@ -79,7 +79,7 @@ def measured_run(trajectory: xr.Dataset, settings: MetricSettings) -> dict[str, 
 
 
 def ladder_table(rows: Sequence[Rung], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
-    """Frame with the columns ``COLUMNS`` from the rows of a ladder and what was measured of its runs, by name."""
+    """Frame with the columns ``COLUMNS`` from the rows of a cost-accuracy study and what was measured of its runs, by name."""
     found = [_row(row, [runs[name] for name in row.runs], machine) for row in rows]
     references = {row["case"]: row for row in found if row["reference"]}
     baselines = {row["case"]: row for row in found if (row["knob"], row["rung"]) == (PRESETS, baseline)}
@@ -123,10 +123,10 @@ def _deviation(value: float, reference: float) -> float:
 
 
 def read_trade(path: Path | str) -> pd.DataFrame:
-    """Table of a ladder from its CSV; ValueError names a file that is none, or that holds no row."""
-    frame = read_csv(path, TRADE, "a ladder")
+    """Table of a cost-accuracy study from its CSV; ValueError names a file that is none, or that holds no row."""
+    frame = read_csv(path, TRADE, "a cost-accuracy study")
     if frame.empty:
-        raise ValueError(f"{path}: the table of a ladder without a row")
+        raise ValueError(f"{path}: the table of a cost-accuracy study without a row")
     return frame
 
 
@@ -147,7 +147,7 @@ def against(frame: pd.DataFrame, fidelity: str) -> pd.DataFrame:
 
 
 class Summary(NamedTuple):
-    """A rung with its cases put together."""
+    """A variant with its cases put together."""
 
     knob: str
     rung: str
@@ -160,13 +160,13 @@ class Summary(NamedTuple):
     baseline_errors: dict[str, float]  # the same from the baseline
     cases: int  # how many it ran in
     classes_agree: int  # in how many the class is that of the reference
-    every_case: bool  # it ran in every case of the ladder
+    every_case: bool  # it ran in every case of the cost-accuracy study
     changes: str  # accuracy or model
     time_step_ratio: float  # largest over the cases
 
     @property
     def name(self) -> str:
-        """Knob and label."""
+        """Parameter and label."""
         return f"{self.knob}: {self.rung}"
 
     @property
@@ -181,7 +181,7 @@ class Summary(NamedTuple):
 
 
 def summary(frame: pd.DataFrame) -> list[Summary]:
-    """The rungs of a ladder's table, in its order."""
+    """The variants of a table, in its order."""
     cases = frame["case"].nunique()
     rungs = []
     for _, rows in frame.groupby(["knob", "rung"], sort=False):

@@ -1,1 +1,1 @@
-"""Which numbers decide the answer: designs of runs, screening, a surrogate and its Sobol' indices."""
+"""Which parameters decide the results: designs of runs, screening, a surrogate and its Sobol' indices."""

@@ -221,6 +221,15 @@ class SensitivityPlan:
         design, _, run = name.partition("/")
         return self.scene(design, run, chosen(design))
 
+    def all_scenes(self, chosen: Sequence[str]) -> dict[str, dict[str, Any]]:
+        """Scene of every run that is known with these factors chosen, by its file below ``runs``, without suffix."""
+        designs = (*self._designs, *(("sobol", CONFIRM) if chosen else ()))
+        return {
+            f"{design}/{run}": scene
+            for design in designs
+            for run, scene in zip(self.design(design, chosen), self.scenes(design, chosen), strict=True)
+        }
+
     def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
         """Scenes of all runs of a design, in their order."""
         return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]

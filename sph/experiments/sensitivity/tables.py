@@ -13,7 +13,7 @@ import xarray as xr
 
 from sph.experiments.sensitivity.design import ENDS, SAMPLE, Axis, Point, Quantity
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
-from sph.storage.trajectory import Variable
+from sph.storage.trajectory import Status, Variable
 from sph.study.tables import ROW, number_column, read_csv, text_column
 
 CONFIRMED: tuple[Variable, ...] = (
@@ -53,9 +53,10 @@ def sample_columns(axes: Sequence[Axis], quantities: Sequence[Quantity]) -> tupl
 
 
 def sample_row(run: str, point: Point, trajectory: xr.Dataset, columns: Sequence[Variable], metrics: MetricSettings) -> dict[str, Any]:
-    """Row of a sample with the columns of ``sample_columns``."""
+    """Row of a sample with the columns of ``sample_columns``, in which the factors, a value of ``point`` each, follow ``SAMPLE``."""
+    factors = [column.name for column in columns[len(SAMPLE) : len(SAMPLE) + len(point)]]
     values = {"run": run, "reason": trajectory.attrs["status_reason"], **measure(trajectory, metrics)}
-    values |= dict(zip([column.name for column in columns if column.text.startswith("factor: ")], point, strict=True))
+    values |= dict(zip(factors, point, strict=True))
     return {column.name: values[column.name] for column in columns}
 
 
@@ -73,7 +74,7 @@ def described(path: Path | str) -> str:
 
 def diverged_runs(sample: pd.DataFrame) -> int:
     """Number of diverged runs of a sample."""
-    return int((sample["status"] == "diverged").sum())
+    return int((sample["status"] == Status.DIVERGED).sum())
 
 
 def tornado_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequence[Quantity]) -> pd.DataFrame:
@@ -81,7 +82,7 @@ def tornado_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequen
     rows = []
     for quantity in quantities:
         values = sample[quantity.metric].to_numpy()
-        lost = (sample["status"] == "diverged").to_numpy()
+        lost = (sample["status"] == Status.DIVERGED).to_numpy()
         for place, axis in enumerate(axes):
             own = [0, 2 * place + 1, 2 * place + 2]
             at = values[own]

@@ -2,7 +2,7 @@
 
 What counts is whether a run is of the class or a worse one.  The bracket lies between the first amplitude that reached the class
 and the last one below that did not; its middle is the critical amplitude, half its width the error of resolution.  A diverged run is
-neither: it never ends a bracket, which goes on to the next run that is of a class, and is counted.
+neither: it never ends a bracket, which extends to the next run that has a class, and it is counted.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ BRACKET: tuple[Variable, ...] = (
     ),
     count_column("runs", "runs at this S_R and gamma"),
     count_column("diverged", "diverged runs among them"),
-    number_column("wall_time", "s", "computing time of these runs, shared trunks included in each"),
+    number_column("wall_time", "s", "computing time of these runs, shared pre-failure runs included in each"),
 )
 CRITICAL: tuple[Variable, ...] = (
     *WANTED[:3],
@@ -193,8 +193,3 @@ def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence
 def read_ends(path: Path | str) -> pd.DataFrame:
     """Table of ends to be run again, from its CSV; ValueError names a file that is none."""
     return read_csv(path, ENDS, "ends of brackets")
-
-
-def read_confirm(path: Path | str) -> pd.DataFrame:
-    """Table from its CSV; ValueError names a file that is none."""
-    return read_csv(path, CONFIRM, "confirmed brackets")

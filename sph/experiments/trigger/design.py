@@ -1,8 +1,8 @@
 """The shaking that triggers failure (``config/trigger.yaml``, ``snakemake trigger`` and ``snakemake maps``): what is searched, and where.
 
-A *case* lays scene keys over the study's scene; its runs share gravity stage and trunks with each other and, where the case
+A *case* lays scene keys over the study's scene; its runs share gravity stage and pre-failure runs with each other and, where the case
 changes nothing, with the study.  A *lattice* is what one search refines: amplitudes at one S_R and gamma (``trigger``), or S_R,
-gamma and amplitude together (``maps``).  All have their amplitudes on one dyadic lattice, so that they share trunks and runs.
+gamma and amplitude together (``maps``).  All have their amplitudes on one dyadic lattice, so that they share pre-failure runs and runs.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ class Lattice(Section):
         return tuple(self.fixed[name] if name in self.fixed else self.label(name, self.spans[name].value(at[name])) for name in GRID)
 
     def label(self, name: str, value: float) -> str:
-        """The writing of a number."""
+        """The label of a number."""
         plain = f"{value:.6g}"
         return next((label for label in self.written[name] if float(label) == float(plain)), plain)
 
@@ -221,11 +221,19 @@ class TriggerPlan:
         """Scenes of the same runs."""
         return [planned(self.plans[folder].scene(**point)) for folder, point in self._points(path_to_points, fidelity)]
 
+    def asked(self, base: Path) -> Iterator[tuple[str, str, str, Point]]:
+        """Target, case, folder and point of every run that the searches have asked for so far, by the tables below a working folder."""
+        tables = base / self.folder / FOLDER / "rounds"
+        rounds = [(search, path) for search in SEARCHED.values() for path in sorted(tables.glob(f"{search}-*-wanted.csv"))]
+        for target, path in [*rounds, ("confirm", tables / "confirm-wanted.csv")]:
+            if path.is_file():
+                fidelity = self.confirm["fidelity"] if target == "confirm" else self.fidelity
+                yield from ((target, case, self.folders[fidelity, case], point) for case, point in _wanted(path))
+
     def _points(self, path_to_points: str, fidelity: str | None) -> Iterator[tuple[str, Point]]:
         """Folder and point of every run."""
-        points = pd.read_csv(path_to_points, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None)
-        for case, *point in points:
-            yield self.folders[fidelity or self.fidelity, case], dict(zip(GRID, point, strict=True))
+        for case, point in _wanted(path_to_points):
+            yield self.folders[fidelity or self.fidelity, case], point
 
     @property
     def searched(self) -> dict[str, str]:
@@ -249,6 +257,12 @@ class TriggerPlan:
         scene = next(iter(self.plans.values())).built()
         parts = (f"fidelity {self.fidelity}", f"scene {scene.name}", f"spacing {scene.numerics.spacing:.4g} m", f"{scene.duration:g} s")
         return " · ".join(parts)
+
+
+def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
+    """Case and point of every row of a table of points."""
+    for case, *point in pd.read_csv(path, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None):
+        yield case, dict(zip(GRID, point, strict=True))
 
 
 def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:

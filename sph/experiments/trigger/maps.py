@@ -30,7 +30,7 @@ CELLS: tuple[Variable, ...] = (
     ),
     number_column("share", "1", "part of the plane of S_R and gamma that the cell covers, by their scales"),
     text_column("least_class", f"least class of the points in the cell and on its faces; {UNDETERMINED} if all diverged"),
-    text_column("worst_class", "worst of them, likewise"),
+    text_column("worst_class", "worst class of these points, likewise"),
     count_column("points", "number of these points"),
     count_column("diverged", "diverged ones among them"),
 )
@@ -38,8 +38,8 @@ CELLS: tuple[Variable, ...] = (
 SHARES: tuple[Variable, ...] = (
     text_column("case", "label of the case"),
     text_column("collapse_class", "the class, or a worse one, that is reached"),
-    number_column("amplitude_lower", "m s-2", "begin of the interval of amplitudes"),
-    number_column("amplitude_upper", "m s-2", "its end"),
+    number_column("amplitude_lower", "m s-2", "lower end of the interval of amplitudes"),
+    number_column("amplitude_upper", "m s-2", "its upper end"),
     number_column("share_lower", "1", "part of the plane of S_R and gamma in cells all of whose points reach the class"),
     number_column("share_upper", "1", "the same with cells of which some point reaches it or diverged"),
 )
@@ -88,11 +88,6 @@ def class_shares(cells: pd.DataFrame) -> pd.DataFrame:
                 across = own["share"].to_numpy() * ((low <= begin) & (high >= end))
                 rows.append((case, name, begin, end, float(across[sure].sum()), float(across[possible].sum())))
     return pd.DataFrame(rows, columns=names(SHARES))
-
-
-def read_cells(path: Path | str) -> pd.DataFrame:
-    """Table of cells from its CSV; ValueError names a file that is none."""
-    return read_csv(path, CELLS, "the cells of maps")
 
 
 def read_shares(path: Path | str) -> pd.DataFrame:

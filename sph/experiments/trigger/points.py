@@ -39,7 +39,7 @@ def names(columns: Sequence[Variable]) -> list[str]:
 def division(lattice: Lattice, classes: Mapping[Key, str], boundaries: Sequence[str]) -> Callable[[Place], Hashable]:
     """What is found at a place of a lattice: for every boundary whether its class is reached.
 
-    A diverged run is of no class; it differs from all that are of one, so that the search closes in on it from both sides.
+    A diverged run is of no class; it differs from every run that has one, so that the search closes in on it from both sides.
     """
 
     def found(place: Place) -> Hashable:
@@ -55,7 +55,7 @@ def classes_found(points: pd.DataFrame) -> dict[Key, str]:
 
 
 def wanted_points(lattices: Sequence[Lattice], points: pd.DataFrame, boundaries: Sequence[str], number: int) -> pd.DataFrame:
-    """The points that a round wants and that are not in the table: corners of the cells divided so often, sorted by value."""
+    """The points that a round wants and that are not in the table: corners of the cells divided ``number`` times, sorted by value."""
     classes = classes_found(points)
     wanted: dict[Key, None] = {}
     for lattice in lattices:

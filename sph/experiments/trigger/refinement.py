@@ -2,7 +2,7 @@
 
 A cell whose corners differ is divided into halves along every dimension, its parts again, down to a number of levels; in one
 dimension this is bisection.  *Places* are coordinates in units of the undivided cells: dyadic numbers, which are exact, so that a
-point is the same point at every level, and a search that goes on to a finer level finds all its earlier points again.
+point is the same point at every level, and a search that continues to a finer level finds all its earlier points again.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class Span(Section):
         return self.lowest + (self.highest - self.lowest) * part
 
     def widest(self, level: int) -> float:
-        """Width of the last cell, on both scales the widest, divided so often."""
+        """Width of the last cell, the widest on both scales, after ``level`` divisions."""
         return self.value(self.cells) - self.value(self.cells - 0.5**level)
 
 
@@ -70,7 +70,7 @@ class Cell(NamedTuple):
 def leaves(cells: Sequence[int], found: Callable[[Place], Hashable], levels: int) -> Iterator[Cell]:
     """The cells that are not divided: those whose corners agree, and those of the last level.
 
-    ``cells`` (d,) is the number of undivided cells along each dimension; ``found`` tells what is at a place, and is asked only for
+    ``cells`` (d,) is the number of undivided cells along each dimension; ``found`` returns what is at a place, and is asked only for
     corners of cells above the last level.
     """
     waiting = [Cell(tuple(map(float, corner)), 0) for corner in itertools.product(*map(range, cells))]
