@@ -7,12 +7,13 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 import sph
+from sph.figures import STUDY_FIGURES, caption as caption_of
 from sph.study.planned import planned, sources
 from sph.study.sampling import chosen_runs
 from sph.study.plan import load_study
 from sph.experiments.trigger.design import load_trigger, plan_of
 from sph.scene.configuration import check_files
-from sph.solver.compiled.jit import SOURCES
+from sph.solver.compiled.jit import solver_digest
 
 min_version("9.18")
 
@@ -35,12 +36,14 @@ PLAN = load_study(
     workflow.is_main_process,
 )
 RESULTS = PLAN.folder
+# A study over other dimensions than the paper's has a figure of all its runs.
+FIGURES_OF_ALL = [] if PLAN.study.of_the_paper else list(STUDY_FIGURES)
 # Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
 RUN = "{folder}/runs/{run}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the contents of the sources of each stage are its parameters.
-SOLVER = sources(*(f"{folder}/**/*.py" for folder in SOURCES))
+SOLVER = solver_digest()
 SEARCHING = SOLVER + sources("stability/*.py")
 ANALYSIS = sources(
     "measures/*.py",
@@ -74,7 +77,7 @@ rule all:
         expand(
             "{results}/figures/{figure}.{kind}",
             results=RESULTS,
-            figure=PLAN.study.figures_made,
+            figure=PLAN.study.figures_made + FIGURES_OF_ALL,
             kind=["png", "pdf"],
         ),
 

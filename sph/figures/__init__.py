@@ -29,6 +29,7 @@ from sph.figures.style import save
 
 __all__ = [
     "FIGURES",
+    "STUDY_FIGURES",
     "caption",
     "figure_arrangement",
     "figure_gamma_histories",
@@ -51,6 +52,8 @@ FIGURES: dict[int, Callable[..., Figure]] = {
     7: figure_gamma_histories,
 }
 """The function of each of the paper's figures."""
+STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study}
+"""Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
 
 
 def caption(figure: Callable[..., Any]) -> str:

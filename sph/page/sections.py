@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import NamedTuple, TypeVar
 
-from sph.figures import FIGURES, figure_profiles, figure_study
+from sph.figures import FIGURES, STUDY_FIGURES, figure_profiles
 from sph.figures import caption as caption_of
 from sph.figures.trigger import MAPPED
 from sph.storage.trajectory import Variable
@@ -69,7 +69,7 @@ SECTIONS: tuple[Section, ...] = (
         "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
         "snakemake --cores 2",
         figures={
-            "{fidelity}/figures/study.png": Drawing("Study", caption_of(figure_study)),
+            **{f"{{fidelity}}/figures/{name}.png": Drawing(name.capitalize(), caption_of(draw)) for name, draw in STUDY_FIGURES.items()},
             "{fidelity}/figures/profiles.png": Drawing("Profiles", caption_of(figure_profiles)),
             **{f"{{fidelity}}/figures/fig{number}.png": numbered(number) for number in (1, 2, 3)},
         },

@@ -16,7 +16,7 @@ from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall
 from sph.solver.boundaries.friction import rub, set_friction
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
-from sph.solver.neighbours import allocate_pairs, find_candidates, update_pairs
+from sph.solver.neighbours import allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
@@ -131,7 +131,7 @@ def make_lists(state, terms):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.periodic)
     pairs = allocate_pairs(candidates, terms.zero, terms.artificial_stress)
-    update_pairs(pairs, candidates, terms, state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
+    update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
     return candidates, pairs
 
 
@@ -142,7 +142,7 @@ def renew_pairs(state, candidates, pairs, terms, first, last):  # type: ignore[n
         state.x_pairs[i] = state.x[i]
         state.y_pairs[i] = state.y[i]
         state.density_pairs[i] = state.density[i]
-    update_pairs(pairs, candidates, terms, state.x, state.y, state.density, first, last)
+    update_pairs(pairs, candidates, pair_terms(terms), state.x, state.y, state.density, first, last)
 
 
 @entry

@@ -19,11 +19,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from sph.solver.boundaries.periodic import column_of, columns_around, columns_of_cells, wrap
+from sph.solver.boundaries.periodic import Periodic, column_of, columns_around, columns_of_cells, wrap
 from sph.solver.compiled.jit import jit, rows
-from sph.solver.physics.artificial_stress import keep_nearness
-from sph.solver.physics.gradient_correction import invert
-from sph.solver.physics.kernels import support, value_and_slope
+from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
+from sph.solver.physics.gradient_correction import GradientCorrection, invert
+from sph.solver.physics.kernels import Kernel, support, value_and_slope
 
 SMALLEST_NORM = 1e-30
 """kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -96,6 +96,23 @@ def find_candidates(x, y, reach, period):  # type: ignore[no-untyped-def]
     return Candidates(start, index[:total].copy())
 
 
+class PairTerms(NamedTuple):
+    """The coefficients (see ``sph.solver.terms``) that pairs depend on."""
+
+    kernel: Kernel
+    close_range: float
+    cell_mass: float
+    gradient_correction: GradientCorrection | None
+    periodic: Periodic | None
+    artificial_stress: ArtificialStress | None
+
+
+@jit
+def pair_terms(terms):  # type: ignore[no-untyped-def]
+    """The coefficients that pairs depend on."""
+    return PairTerms(terms.kernel, terms.close_range, terms.cell_mass, terms.gradient_correction, terms.periodic, terms.artificial_stress)
+
+
 @jit
 def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
     """Room for the pairs of a candidate list; gradients get the type of the number ``zero``."""
@@ -122,7 +139,7 @@ def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
 def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type: ignore[no-untyped-def]
     """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).
 
-    ``terms`` is ``sph.solver.terms.Terms``.  The rows follow each other without gaps, since reading them is what a large scene
+    The rows follow each other without gaps, since reading them is what a large scene
     spends its time on.  Pairs nearer than ``terms.close_range`` (m) are listed once more for short-range forces.
     """
     kernel, period = terms.kernel, terms.periodic

@@ -11,7 +11,6 @@ import xarray as xr
 from sph.scene.schema import Scene
 from sph.solver.early_stop import quiet_from
 from sph.solver.particles import locate_probes
-from sph.solver.physics.coupling import cauchy_stress, elastic_energy
 from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.storage import trajectory
@@ -44,7 +43,7 @@ class Recording:
         soil, moving = slice(0, n_soil), slice(0, simulation.terms.n_moving)
         speed_square = state.vx[moving] ** 2 + state.vy[moving] ** 2
         work = state.work
-        elastic = elastic_energy(state, simulation.terms)
+        elastic = simulation.elastic_energy()
         at = np.array(list(self.probes.values()), dtype=int)
         sample = {
             "sample_time": simulation.time,
@@ -68,8 +67,7 @@ class Recording:
     def add_frame(self) -> None:
         """Add a frame of the fields."""
         simulation, state = self.simulation, self.simulation.state
-        stress = np.empty((state.x.size, 4))
-        cauchy_stress(state, simulation.terms, stress)
+        stress = simulation.cauchy_stress()
         frame = {
             "time": simulation.time,
             "time_step": simulation.terms.dt,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.state import FAILURES, INTERNAL, State, initial_state
-from sph.solver.terms import make_terms, wanted_terms
+from sph.solver.terms import make_terms, only, wanted_terms
 from sph.solver.time_step import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
 FIRST_TURNS, TURNS = 60, 6
@@ -62,14 +62,14 @@ class Simulation:
             if self.enforce_limit:
                 check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)
-            self.candidates, self.pairs = make_lists(self.state, self.terms)
+            self.candidates, self.pairs = make_lists(self.state, self.list_terms)
             self.advance_steps(0)
             self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
             # At the places of the last candidates: those of a run that diverged need not be numbers.
             spare = State(*(a.copy() for a in self.state))
-            renew_candidates(spare._replace(x=spare.x_candidates, y=spare.y_candidates), self.terms)
-            elastic_energy(self.state, self.terms)
-            cauchy_stress(self.state, self.terms, np.empty((self.state.x.size, 4)))
+            renew_candidates(spare._replace(x=spare.x_candidates, y=spare.y_candidates), self.list_terms)
+            self.elastic_energy()
+            self.cauchy_stress()
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
             raise ValueError(
                 f"numerics.time_step: {self.terms.dt:g} s exceeds the limit measured on the particles at the start, {self.limit:.3g} s; "
@@ -94,7 +94,7 @@ class Simulation:
             failed, step = failed + new, step + done
             if not spent:
                 break
-            self.candidates, self.pairs = renew_candidates(self.state, self.terms)
+            self.candidates, self.pairs = renew_candidates(self.state, self.list_terms)
             kicked = True
         self.steps_made += step - first
         made = (step - first) // self.substeps
@@ -103,7 +103,9 @@ class Simulation:
 
     def measure_limit(self, turns: int) -> None:
         """Measure the limit of the time step as the particles lie."""
-        frequency = stiffest_frequency(mode_of(self.state), self.pairs, self.terms, self.team[0].gradient, turns)
+        frequency = stiffest_frequency(
+            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers"), self.team[0].gradient, turns
+        )
         if turns:
             self.limit = self.present_limit.seconds(frequency)
 
@@ -142,7 +144,22 @@ class Simulation:
         self.advance_steps(1)
         self.step, self.loading, self.terms = 0, loading, terms
         self.state.vx[:], self.state.vy[:] = velocity
-        self.state.work[INTERNAL] = elastic_energy(self.state, self.terms)
+        self.state.work[INTERNAL] = self.elastic_energy()
+
+    @property
+    def list_terms(self) -> Any:
+        """The terms that the lists of neighbours depend on."""
+        return only(self.terms, "gradient_correction", "periodic", "artificial_stress")
+
+    def elastic_energy(self) -> float:
+        """Energy stored in the blended stress, J/m."""
+        return float(elastic_energy(self.state, only(self.terms, "layers")))
+
+    def cauchy_stress(self) -> np.ndarray:
+        """Stress (n, 4) xx, yy, zz, xy of Eq. 8, Pa, tension positive."""
+        stress = np.empty((self.state.x.size, 4))
+        cauchy_stress(self.state, only(self.terms, "layers"), stress)
+        return stress
 
     def saved(self) -> Saved:
         """A copy of what a step changes."""

@@ -109,6 +109,11 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
     return Terms(*always, *(term.make(scene, particles, kernel, dt) if term.wanted(scene) else None for term in TERMS))
 
 
+def only(terms: Any, *names: str) -> Any:
+    """Terms without the optional ones but these: a function that needs no other is then not compiled again for every variant."""
+    return terms._replace(**{term.name: None for term in TERMS if term.name not in names})
+
+
 @jit
 def add_forces(terms, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
     """Add the accelerations of optional forces to particles first to last; returns the energy that they store, J/m."""

@@ -189,7 +189,7 @@ class Study(Section):
 
     @property
     def figures_made(self) -> list[str]:
-        """Figures of the study."""
+        """Figures of the study, but for those of all runs (``sph.figures.STUDY_FIGURES``)."""
         return [f"fig{number}" for number in (range(1, 8) if self.of_the_paper else range(1, 4))] + OF_ANY * (not self.of_the_paper)
 
     def shown_runs(self, most: int, chosen: Sequence[str] = ()) -> list[str]:
@@ -256,7 +256,7 @@ class Study(Section):
             yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self.reference_amplitude}
 
 
-OF_ANY = ["study", "profiles"]
+OF_ANY = ["profiles"]
 """Figures of a study without the paper's dimensions."""
 MOST_SHOWN = 200
 """Most runs that the page shows, evenly through the study."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -11,26 +10,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sph.solver.boundaries.periodic import Periodic
-from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, update_pairs
-from sph.solver.physics.artificial_stress import ArtificialStress
+from sph.solver.neighbours import Candidates, Pairs, PairTerms, allocate_pairs, find_candidates, update_pairs
 from sph.solver.physics.gradient_correction import GradientCorrection
-from sph.solver.physics.kernels import Kernel, evaluate, make_kernel
+from sph.solver.physics.kernels import evaluate, make_kernel
 
 Cloud = tuple[np.ndarray, np.ndarray]
 
 coordinate = st.floats(-50.0, 50.0, allow_nan=False, width=32)
 seeds = st.integers(0, 2**32 - 1)
-
-
-class PairTerms(NamedTuple):
-    """The terms of ``sph.solver.terms.Terms`` that pairs depend on."""
-
-    kernel: Kernel
-    close_range: float
-    gradient_correction: GradientCorrection | None
-    cell_mass: float
-    periodic: Periodic | None = None
-    artificial_stress: ArtificialStress | None = None
 
 
 def random_cloud(seed: int, n: int) -> Cloud:
@@ -158,7 +145,7 @@ def make_pairs(
     candidates = find_candidates(x, y, 2 * h + skin, None)
     pairs = allocate_pairs(candidates, zero, None)
     assert pairs.gx.dtype == pairs.inverse_norm.dtype == zero.dtype
-    update_pairs(pairs, candidates, PairTerms(kernel, close_range, correction, mass), x, y, density, 0, x.size)
+    update_pairs(pairs, candidates, PairTerms(kernel, close_range, mass, correction, None, None), x, y, density, 0, x.size)
     return pairs
 
 
@@ -266,7 +253,7 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     candidates = find_candidates(x, y, 2.5, None)
     density = np.random.default_rng(9).uniform(1, 3, 300)
     whole, parts = (allocate_pairs(candidates, SINGLE, None) for _ in range(2))
-    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, GradientCorrection(1e-3), 2.0), x, y, density
+    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, 2.0, GradientCorrection(1e-3), None, None), x, y, density
     update_pairs(whole, *common, 0, 300)
     for first, last in ((200, 300), (0, 7), (7, 7), (7, 200)):
         update_pairs(parts, *common, first, last)

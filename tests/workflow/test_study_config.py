@@ -117,7 +117,7 @@ def test_a_grid_over_any_keys() -> None:
     scene = chosen.built(**chosen.study.runs["S_R-0.5_numerics.kernel-wendland_c2_soil.cohesion-20"])
     assert (scene.coupling.S_R, scene.soil.cohesion, scene.numerics.kernel) == (0.5, 20.0, "wendland_c2")
     assert [axis.dtype for axis in chosen.layout.axes] == ["f8", "str", "f8"] and not chosen.study.of_the_paper
-    assert chosen.study.figures_made == ["fig1", "fig2", "fig3", "study", "profiles"]
+    assert chosen.study.figures_made == ["fig1", "fig2", "fig3", "profiles"]
 
 
 def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:

@@ -38,21 +38,24 @@ rule figure:
 
 
 rule study_figure:
-    """Draw displacement and run-out of all runs against each dimension."""
+    """Draw a figure of all runs."""
     input:
         table=f"{RESULTS}/study.csv",
     output:
         png=report(
-            f"{RESULTS}/figures/study.png",
+            f"{RESULTS}/figures/{{figure}}.png",
             caption="../report/study_figure.rst",
             category="Figures",
-            labels={"shows": "every run"},
+            labels={"shows": "every run: {figure}"},
         ),
-        pdf=f"{RESULTS}/figures/study.pdf",
+        pdf=f"{RESULTS}/figures/{{figure}}.pdf",
     log:
-        f"{RESULTS}/logs/study_figure.log",
+        f"{RESULTS}/logs/figure_{{figure}}.log",
+    wildcard_constraints:
+        figure="|".join(STUDY_FIGURES),
     params:
         sources=DRAWING,
+        caption=lambda wildcards: caption_of(STUDY_FIGURES[wildcards.figure]),
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
         dimensions=lambda wildcards: PLAN.dimensions,
         probe=PLAN.study.metrics.probe,

@@ -105,8 +105,8 @@ rule searched_points:
         "{folder}/trigger/logs/{table}.log",
     wildcard_constraints:
         table="|".join(SEARCHED),
-    shell:
-        "cp {input:q} {output:q} 2> {log:q}"
+    script:
+        "../scripts/trigger/keep_points.py"
 
 
 rule trigger_table:
