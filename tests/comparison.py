@@ -1,4 +1,4 @@
-"""What tests of equal runs share: solver variants that compile to other code, and a comparison of every bit."""
+"""What tests of runs share: solver variants that compile to other code, a comparison of every bit, momenta."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from sph.solver.particles import Particles
 from sph.solver.run import Result
+from sph.solver.state import State
 from sph.storage.trajectory import read, read_restart
 
 VARIANTS = {
@@ -49,3 +51,9 @@ def same_files(one: Path, other: Path) -> None:
         same_variables(left, right)
         left_attrs, right_attrs = ({k: v for k, v in ds.attrs.items() if k not in TIMES} for ds in (left, right))
         assert left_attrs == right_attrs
+
+
+def momenta(particles: Particles, state: State) -> np.ndarray:
+    """Linear momentum x, y (kg/s per m of thickness) and angular momentum about the origin."""
+    m = particles.mass
+    return np.array([m @ state.vx, m @ state.vy, m @ (state.x * state.vy - state.y * state.vx)])

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
-from typing import Any
 
 import pytest
 from hypothesis import settings
-from small_scenes import FREE_BLOCK, SLOPE
+from small_scenes import FREE_BLOCK, SLOPE, SceneBuilder
 
 from sph.scene.configuration import dotted, merge
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import make_scene
 
 # On CI the same examples every time, so that a red run is the change's fault; elsewhere hypothesis explores.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")
-
-SceneBuilder = Callable[[dict[str, Any]], Scene]
 
 
 @pytest.fixture(scope="session")

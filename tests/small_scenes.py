@@ -2,8 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
+
+from sph.scene.schema import Scene
+
+SceneBuilder = Callable[[dict[str, Any]], Scene]
+"""Makes a scene from dotted overrides."""
 
 SLOPE: dict[str, Any] = {
     "name": "small_slope",

@@ -7,18 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from comparison import momenta
 
 from sph.scene.schema import Scene, make_scene
-from sph.solver.particles import Particles
 from sph.solver.run import run
 from sph.solver.simulation import Simulation
-from sph.solver.state import FAILED, REPULSION, VISCOUS, State
-
-
-def momenta(particles: Particles, state: State) -> np.ndarray:
-    """Linear momentum x, y (kg/s per m of thickness) and angular momentum about the origin."""
-    m = particles.mass
-    return np.array([m @ state.vx, m @ state.vy, m @ (state.x * state.vy - state.y * state.vx)])
+from sph.solver.state import FAILED, REPULSION, VISCOUS
 
 
 class Closed:

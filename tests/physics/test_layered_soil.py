@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from comparison import same_bits
+from comparison import momenta, same_bits
 
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
@@ -17,7 +17,6 @@ from sph.solver.run import Run, run
 from sph.solver.simulation import Simulation
 from sph.stability.standing import divided_strength, weakened
 from sph.storage import trajectory
-from tests.physics.test_conservation import momenta
 
 BARE = {"artificial_viscosity": None, "short_range_repulsion": None, "gradient_correction": None}
 LIGHT = {"density": 1500.0, "youngs_modulus": 4e5}

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
 from sph.scene.schema import make_scene
 from sph.solver.boundaries.contact import STIFFNESS, add_contact
@@ -15,7 +16,6 @@ from sph.solver.run import run
 from sph.solver.simulation import Simulation
 from sph.solver.state import initial_state
 from sph.solver.terms import make_terms
-from tests.conftest import SceneBuilder
 
 SLIP = {"walls.base": "free_slip", "walls.sides": "free_slip", "walls.layers": 4}
 """A box 10 m wide and high with particles 1 m apart; numbers below are metres."""

@@ -15,7 +15,7 @@ from sph.scene.ground_line import GroundLine
 from sph.scene.places import RIGHT
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.particles import locate_probes, place_particles
-from sph.solver.run import check_restart
+from sph.solver.restart import check_restart
 from sph.stability.standing import FailureRule, slope_height, static_scene
 
 SLOPE = [[120.0, 440.0], [150.0, 440.0], [170.0, 465.0], [200.0, 465.0]]

@@ -13,7 +13,7 @@ import yaml
 from sph.command.repeat import given_scene, stopped_at
 from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene, make_scene
-from sph.solver.run import check_restart
+from sph.solver.restart import check_restart
 from sph.storage.trajectory import run_attributes, scene_of
 
 LAYERED: dict[str, Any] = {

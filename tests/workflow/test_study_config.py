@@ -11,7 +11,7 @@ import yaml
 from sph.experiments.trigger.design import load_trigger
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
-from sph.solver.run import check_restart
+from sph.solver.restart import check_restart
 from sph.study.plan import Plan, Study, load_study
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -1,0 +1,84 @@
+"""The changes that docs/development/adding.md shows: each applies to the tree, touches few files, and adds what it says."""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = (ROOT / "docs" / "development" / "adding.md").read_text(encoding="utf-8")
+MOST_FILES = 3
+SCENE = "{'name': 'block', 'duration': 5.0, 'geometry': {'shape': 'block', 'width': 10.0, 'height': 5.0}, %s}"
+CHECKS = {
+    "A term": f"""
+from sph.scene.schema import make_scene
+from sph.solver.terms import KEYS, wanted_terms
+assert KEYS["drag"] == "numerics.drag"
+assert wanted_terms(make_scene({SCENE % "'numerics': {'drag': 0.5}"}))["drag"]
+assert not wanted_terms(make_scene({SCENE % "'numerics': {}"}))["drag"]
+""",
+    "A wall": f"""
+from sph.scene.schema import make_scene
+from sph.solver.particles import SIDE, place_particles
+scene = make_scene({SCENE % "'walls': {'sides': 'rough'}"})
+assert (place_particles(scene).kind == SIDE).any() and scene.walls.kinds.sides.contact == 0.4
+""",
+    "A law": f"""
+from sph.scene.schema import make_scene
+from sph.solver.physics.fluid_law import fluid_deviator
+from sph.solver.physics.material import make_material
+from sph.solver.terms import wanted_terms
+scene = make_scene({SCENE % "'soil': {'viscosity': 3.0}, 'coupling': {'fluid': {'law': 'newtonian'}}"})
+assert wanted_terms(scene)["newtonian"]
+soil = make_material(scene.soil, scene.coupling, 1e-3)
+assert fluid_deviator(soil.fluid_law, soil.fluid, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.5, 0.0, 1e-3) == (0.0, 3.0, 0.0)
+""",
+    "A metric": """
+from sph.measures.metrics import METRIC_BY_NAME
+assert METRIC_BY_NAME["failed_at_end"].units == "1"
+""",
+    "A record format": """
+from pathlib import Path
+from sph.scene.ground_motion import read_motion
+Path("record.txt").write_text("0.0 0.0\\n0.1 2.0\\n0.2 -1.0\\n")
+assert read_motion("record.txt").peak == 2.0
+""",
+    "A figure": """
+import pandas as pd
+from sph.figures import STUDY_FIGURES, caption, save
+from sph.page.sections import SECTIONS
+save(STUDY_FIGURES["exceedance"](pd.DataFrame({"displacement_magnitude": [0.1, 2.0, None, 5.0]}), []), "exceedance.png")
+shown = [drawing for section in SECTIONS for pattern, drawing in section.figures.items() if pattern.endswith("/exceedance.png")]
+assert len(shown) == 1 and caption(STUDY_FIGURES["exceedance"]).startswith("Share of the runs")
+""",
+}
+"""What must hold once the change of a section is made."""
+
+
+def changes() -> dict[str, str]:
+    """Diff of every section that shows one."""
+    sections = re.findall(r"^## (.+?)\n(.*?)(?=^## |\Z)", PAGE, re.M | re.S)
+    found = {title: re.search(r"```diff\n(.*?)```", text, re.S) for title, text in sections}
+    return {title: diff[1] for title, diff in found.items() if diff}
+
+
+def test_every_change_is_checked() -> None:
+    assert set(changes()) == set(CHECKS)
+
+
+@pytest.mark.parametrize("title", CHECKS)
+def test_the_change_of_a_section(title: str, tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "sph", tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
+    diff = changes()[title]
+    files = re.findall(r"^\+\+\+ b/(\S+)", diff, re.M)
+    assert 1 <= len(files) <= MOST_FILES
+    number = re.search(rf"\| \[[^]]+\]\(#{title.lower().replace(' ', '-')}\) \| (\d+)", PAGE)
+    assert number and int(number[1]) == len(files), "the table of the page says how many"
+    subprocess.run(["git", "apply", "-p1", "--unidiff-zero", "-"], input=diff, text=True, cwd=tmp_path, check=True)
+    subprocess.run([sys.executable, "-c", CHECKS[title]], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)}, check=True)
