@@ -20,6 +20,8 @@ from killing import TIMINGS
 from local_slurm import CannotStart, LocalSlurm
 from small_scenes import SLOPE
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).resolve().parents[2]
 PROFILE = ROOT / "workflow" / "profiles" / "slurm"
 STUDY = {

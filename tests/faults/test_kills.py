@@ -23,6 +23,8 @@ from sph.stability.search import Trial
 from sph.storage import trajectory
 from sph.storage.files import beside
 
+pytestmark = pytest.mark.long
+
 Builder = Callable[[dict[str, Any]], Scene]
 
 

@@ -13,6 +13,8 @@ import pytest
 import yaml
 from small_scenes import SLOPE
 
+pytestmark = pytest.mark.long
+
 ROOT = Path(__file__).resolve().parents[2]
 CACHES = shutil.ignore_patterns("__pycache__", "*.nb?")
 

@@ -167,6 +167,7 @@ def free_column() -> np.ndarray:
     return run(scene(LEVEL)).trajectory["probe_velocity_x"].values[:, 0]
 
 
+@pytest.mark.long
 def test_level_ground_moves_as_if_it_went_on(free_column: np.ndarray) -> None:
     # 0.8 to 1.1 % of the column's motion (between fixed side walls 105 to 130 %); across the shaking 0.5 % at most.
     ds = run(scene(SIDES)).trajectory
@@ -209,6 +210,7 @@ def slope(overrides: dict[str, Any]) -> Scene:
     return make_scene(merge(SLOPE, dotted(ABSORBING | overrides)))
 
 
+@pytest.mark.long
 def test_a_slope_at_rest_stays_at_rest() -> None:
     # Gravity has moved the soil by 7.7 mm.  Then every boundary particle is held by its static reaction: 0.01 mm in two seconds, by what
     # the soil was not yet at rest; the soil moves by 0.09 mm.
@@ -232,6 +234,7 @@ def test_sides_settle_with_the_soil_and_do_not_fail_it() -> None:
     assert ds.attrs["status"] == "unfailed" and not ds["failed"].values[-1].any()
 
 
+@pytest.mark.long
 def test_threads_and_restart_share_the_bits(tmp_path: Path) -> None:
     fine = {"numerics.spacing": 2.5, "numerics.time_step": 5e-4, "duration": 2.0, "motion.decay_start": 1.5, "motion.end": 2.0}
     made = slope(fine | {"soil.cohesion": 100.0, "coupling.S_R": 0.1})

@@ -172,6 +172,7 @@ def test_scenes_without_stability_are_refused(overrides: dict[str, Any], wanted:
 # ------------------------------------------------------------ closed forms
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("friction_angle", [0.0, 30.0])
 def test_factor_of_safety_of_an_endless_slope(friction_angle: float) -> None:
     """c / F cos(phi_F) + gamma H cos(theta) sin(phi_F) = gamma H sin(theta) with tan(phi_F) = tan(phi) / F.
@@ -192,6 +193,7 @@ def test_factor_of_safety_of_an_endless_slope(friction_angle: float) -> None:
     assert factor_of_safety(scene, tolerance=0.02).value == pytest.approx(brentq(excess, 0.1, 10.0), rel=0.085)
 
 
+@pytest.mark.long
 def test_rows_of_a_full_kernel_do_not_interlock() -> None:
     """The same without friction at h = 2.3 spacings.
 
@@ -203,6 +205,7 @@ def test_rows_of_a_full_kernel_do_not_interlock() -> None:
     assert factor_of_safety(layer(full)).value == pytest.approx(exact, rel=0.03)
 
 
+@pytest.mark.long
 def test_critical_strength_ratio_of_an_endless_slope() -> None:
     """S_R c = gamma H sin(theta); tolerance as above."""
     found = critical_strength_ratio(layer({"gravity.inclination": 20.0}), tolerance=0.02)
@@ -234,6 +237,7 @@ def test_factor_of_safety_of_a_vertical_cut() -> None:
 # ------------------------------------------------------------ no limit
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("find", "overrides", "wanted"),
     [

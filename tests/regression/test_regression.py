@@ -42,7 +42,7 @@ def bounds(scene: Scene) -> Bounds:
     return CHAOTIC if undamped else DAMPED[scene.numerics.precision]
 
 
-@pytest.mark.parametrize("precision", ["mixed", "double"])
+@pytest.mark.parametrize("precision", ["mixed", pytest.param("double", marks=pytest.mark.long)])
 @pytest.mark.parametrize("name", CASES)
 def test_metrics_are_those_before_the_optimisation(name: str, precision: str) -> None:
     settings = CASES[name]["settings"] | {"numerics.precision": precision}

@@ -271,6 +271,7 @@ def race(tmp_path_factory: pytest.TempPathFactory, free_block: Callable[..., Any
     return found + [outcome(process) for process in loading]
 
 
+@pytest.mark.long
 def test_each_process_gets_the_variant_it_asked_for(race: list[dict[str, Any]]) -> None:
     cubic, wendland, cubic_loaded, wendland_loaded = race
     assert cubic["compiled"] == cubic_loaded["compiled"]
@@ -283,6 +284,7 @@ def test_each_process_gets_the_variant_it_asked_for(race: list[dict[str, Any]]) 
     assert cubic["digest"] != wendland["digest"]
 
 
+@pytest.mark.long
 def test_nothing_is_saved_to_the_cache_outside_the_lock(race: list[dict[str, Any]]) -> None:
     for process in race[:2]:
         assert process["saved outside the lock"] == []
@@ -332,6 +334,7 @@ def cached(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[..., 
     return first._replace(digest=digest)
 
 
+@pytest.mark.long
 def test_compiled_and_loaded_code_give_the_same_bits(cached: Cached) -> None:
     """The first process on a machine compiles, the others of a study load."""
     assert cached.run() == ("0", cached.digest)
@@ -359,6 +362,7 @@ def empty(path: Path) -> None:
 DAMAGES: tuple[Callable[[Path], None], ...] = (truncate, garble, empty, Path.unlink)
 
 
+@pytest.mark.long
 def test_damaged_code_is_compiled_again_not_run(cached: Cached) -> None:
     """Every file of the cache is hurt in one way or another; then the same bits, and a cache that is whole again."""
     files = sorted(cached.cache.glob("*/*/*.nb?"))

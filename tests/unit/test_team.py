@@ -73,7 +73,7 @@ def many_blocks(small_slope: Builder, overrides: dict[str, Any]) -> Scene:
     return small_slope(MANY_BLOCKS | overrides)
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", ["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
 def test_number_of_threads_does_not_change_a_bit(small_slope: Builder, variant: str) -> None:
     scene = many_blocks(small_slope, VARIANTS[variant])
     one, *more = (run(scene, threads=threads) for threads in (1, 2, 3))

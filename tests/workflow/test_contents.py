@@ -71,6 +71,7 @@ def explained(folder: Path, monkeypatch: pytest.MonkeyPatch, file: str, *argumen
     return CliRunner().invoke(app, ["explain", file, *arguments, "--configfile", "study.yaml"])
 
 
+@pytest.mark.long
 def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     config = write(copied, "0.10", "0.50")
     assert planned_jobs(copied, *config, "--", TABLE) == {}
@@ -167,6 +168,7 @@ def test_what_is_traced_is_there_for_machines(finished: Path, monkeypatch: pytes
     assert numbers["runout"]["unit"] == "m" and float(numbers["runout"]["again"]) == float(numbers["runout"]["value"])
 
 
+@pytest.mark.long
 def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limits = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "changes": {"as it is": {}, "weak": {"coupling": {"S_R": 0.1}}}}
     (copied / "limits.yaml").write_text(yaml.safe_dump(limits, sort_keys=False))

@@ -24,6 +24,8 @@ from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.tables import read_csv
 
+pytestmark = pytest.mark.long
+
 FOLDER = Path("results/small/draft/sensitivity")
 SENSITIVITY: dict[str, Any] = {
     "overrides": {"outputs": {"frame_interval": 0.5}},

@@ -19,6 +19,8 @@ from sph.experiments.cost_accuracy.table import COLUMNS, read_trade
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 
+pytestmark = pytest.mark.long
+
 TRADE: dict[str, Any] = {
     "scene": "slope.yaml",
     "cases": {"S_R 0.10": {"coupling": {"S_R": 0.1}}, "S_R 0.50": {"coupling": {"S_R": 0.5}}},

@@ -22,6 +22,8 @@ from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.tables import read_csv
 
+pytestmark = pytest.mark.long
+
 TRIGGER: dict[str, Any] = {
     "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "sticky"}}},
     "amplitude": {"lowest": 0.0, "highest": 16.0, "cells": 2},

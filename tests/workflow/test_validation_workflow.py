@@ -16,6 +16,8 @@ from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.validation.table import read_validation
 
+pytestmark = pytest.mark.long
+
 LIMITS: dict[str, Any] = {
     "scene": "slope.yaml",
     "cases": {"S_R 0.10": {"coupling": {"S_R": 0.1}}},

@@ -273,6 +273,7 @@ def test_snakemakes_own_report_takes_the_page_in(copied: Path) -> None:
     assert any(name.endswith("report.html") and "data" in name for name in names), names
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("removed", "after"), [(["runs/*_gamma-1_*.nc"], 5.0), ([], 3.0)], ids=["simulating", "measuring"])
 def test_a_study_killed_with_its_jobs_is_finished_by_the_same_command(
     finished: Path, copied: Path, removed: list[str], after: float
