@@ -5,8 +5,10 @@ from __future__ import annotations
 import os
 
 import pytest
+import xarray as xr
 from hypothesis import settings
 from small_scenes import FREE_BLOCK, SLOPE, SceneBuilder
+from synthetic import synthetic, translation
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
@@ -27,3 +29,15 @@ def small_slope() -> SceneBuilder:
 def free_block() -> SceneBuilder:
     """Builder of ``FREE_BLOCK`` with dotted overrides."""
     return lambda overrides: make_scene(merge(FREE_BLOCK, dotted(overrides)))
+
+
+@pytest.fixture
+def standing() -> xr.Dataset:
+    """The paper's slope, shaken without any effect."""
+    return synthetic()
+
+
+@pytest.fixture
+def slid() -> xr.Dataset:
+    """The paper's slope with all material above the toe moved by 3 m to the left between 4 and 8 s."""
+    return synthetic(translation(-3.0))
