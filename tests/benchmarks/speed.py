@@ -23,11 +23,11 @@ from measuring import command_line, hand_out, medians, paper
 
 from sph.scene.schema import Scene
 from sph.solver.integration import kick_and_drift, make_lists
-from sph.solver.neighbours import update_pairs
+from sph.solver.neighbours import pair_terms, update_pairs
 from sph.solver.physics.coupling import update_stress
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.short_range_repulsion import add_repulsion
-from sph.solver.run import Progress
+from sph.solver.run import Progress, Run
 from sph.solver.simulation import Simulation
 from sph.solver.state import State
 
@@ -62,7 +62,7 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
         "add_repulsion": lambda n: add_repulsion(
             terms.short_range_repulsion, terms.periodic, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
-        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, terms, state.x, state.y, state.density, 0, n),
+        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, pair_terms(terms), state.x, state.y, state.density, 0, n),
     }
 
 
@@ -153,13 +153,14 @@ def joined(stages: dict[str, dict[str, Any]]) -> dict[str, Any]:
 def measure(scene: Scene, moments: int) -> dict[str, Any]:
     """Run a scene and return its speed; every number is named with its unit."""
     # Compiles or loads everything, so that the run below does not.
-    first = Simulation(scene.model_copy(update={"duration": scene.outputs.series_interval}))
+    first = Run(scene.model_copy(update={"duration": scene.outputs.series_interval}))
     first.go()
-    time_parts(first)
+    time_parts(first.simulation)
 
-    run = Simulation(scene)
+    started = Run(scene)
+    run = started.simulation
     watch = Watch(run, moments)
-    result = run.go(report=watch)
+    result = started.go(report=watch)
     attrs = result.trajectory.attrs
     particles = result.trajectory.sizes["particle"]
     elastic_steps = scene.steps(scene.gravity.duration)

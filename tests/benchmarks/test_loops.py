@@ -11,6 +11,7 @@ import pytest
 TINY = ["--spacing", "5.0", "--times", "3", "--repeats", "2"]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(loops.compiler() is None, reason="there is no C++ compiler (g++, c++ or $CXX) to compare with")
 def test_the_numbers_agree_with_each_other(script: Any) -> None:
     found, printed = script("loops.py", *TINY)

@@ -24,6 +24,7 @@ def agrees(stage: dict[str, Any]) -> None:
     assert stage["call_us"] > 0
 
 
+@pytest.mark.long
 def test_the_numbers_agree_with_each_other(script: Any) -> None:
     # The scene's motion would end after the run; that is allowed.
     found, printed = script("speed.py", *TINY)

@@ -184,7 +184,7 @@ def test_too_little_memory_is_a_message(monkeypatch: pytest.MonkeyPatch, gravity
     def starve(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("sph.solver.run.place_particles", starve)
+    monkeypatch.setattr("sph.solver.simulation.place_particles", starve)
     assert "not enough memory" in refused("run", gravity_file.with_name("slope.yaml"))
 
 

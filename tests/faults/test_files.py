@@ -248,6 +248,7 @@ def test_every_name_that_the_file_system_takes_will_do(tmp_path: Path, letter: s
     assert path.read_text() == path.name and list(tmp_path.iterdir()) == [path]
 
 
+@pytest.mark.long
 def test_a_run_with_the_longest_name(tmp_path: Path, scene_file: Path) -> None:
     path = tmp_path / f"{'x' * 252}.nc"
     result = call("run", scene_file, "--until", "gravity", "--checkpoint", 1e-9, "--out", path)

@@ -179,6 +179,7 @@ def test_level_ground_moves_as_if_it_went_on(free_column: np.ndarray) -> None:
     assert energy_gap(ds) < 0.02
 
 
+@pytest.mark.long
 def test_dashpots_without_a_free_field_brake_the_ground(free_column: np.ndarray) -> None:
     started = Run(scene(SIDES))
     simulation = started.simulation
@@ -223,6 +224,7 @@ def test_a_slope_at_rest_stays_at_rest() -> None:
     assert later[soil].max() < 0.1 * settled
 
 
+@pytest.mark.long
 def test_sides_settle_with_the_soil_and_do_not_fail_it() -> None:
     # Soil that settles beside fixed walls hangs on them, and fails when it is shaken at a tenth of g; the slope itself stands.
     shaking = {"kind": "tapered_sine", "amplitude": 1.0, "start": 2.0, "ramp": 0.5, "decay_start": 3.0, "end": 4.0}

@@ -63,7 +63,7 @@ class Closed:
             self.drift = np.maximum(self.drift, np.abs(momenta(self.particles, self.state) - self.start))
 
 
-PRECISIONS = ("mixed", "double")
+PRECISIONS = ("mixed", pytest.param("double", marks=pytest.mark.long))
 
 
 @pytest.fixture(scope="module", params=PRECISIONS)
@@ -136,9 +136,10 @@ def collapse(sides: str, corrected: bool, precision: str) -> dict[str, np.ndarra
     return {name: ds[name].values for name in ds.data_vars if ds[name].dims == ("sample",)}
 
 
+DOUBLE = pytest.param("sticky", False, "double", marks=pytest.mark.long)
 VARIANTS = pytest.mark.parametrize(
     ("sides", "corrected", "precision"),
-    [("sticky", False, "mixed"), ("sticky", False, "double"), ("free_slip", False, "mixed"), ("sticky", True, "mixed")],
+    [("sticky", False, "mixed"), DOUBLE, ("free_slip", False, "mixed"), ("sticky", True, "mixed")],
 )
 
 

@@ -78,6 +78,7 @@ def test_a_wave_is_reflected_by_the_ratio_of_impedances() -> None:
     assert transmitted / 0.01 == pytest.approx(2 * z_below / (z_below + z_above), abs=0.04)
 
 
+@pytest.mark.long
 def test_momentum_and_energy_of_layers_that_are_stirred(free_block: Any) -> None:
     scene = free_block(
         {

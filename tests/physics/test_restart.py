@@ -27,7 +27,7 @@ def paused(path: Path, result: Result) -> Path:
     return path
 
 
-@pytest.mark.parametrize("variant", VARIANTS)
+@pytest.mark.parametrize("variant", ["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
 def test_trunk_and_branch_equal_an_unbranched_run(tmp_path: Path, small_slope: Builder, variant: str) -> None:
     extra = VARIANTS[variant]
     trunk, branch = small_slope(TRUNK | extra), small_slope(BRANCH | extra)

@@ -126,6 +126,7 @@ def test_both_reductions_of_strength() -> None:
     assert (weakened(scene, 0.5).soil.cohesion, weakened(scene, 0.5).soil.friction_angle) == (50.0, 15.0)
 
 
+@pytest.mark.long
 def test_a_run_that_diverges_has_failed() -> None:
     trial = stand(static_scene(layer({"soil.youngs_modulus": 1.0}), FailureRule()), FailureRule(), 1.0)
     assert trial.status == "diverged" and not trial.stands

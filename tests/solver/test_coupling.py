@@ -61,7 +61,7 @@ def phases(n: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarr
     return phase, beta
 
 
-@pytest.fixture(params=VARIANTS)
+@pytest.fixture(params=["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
 def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
     scene = free_block(
         {"geometry.width": 20.0, "geometry.height": 20.0, "soil.cohesion": 150.0, "coupling.S_R": 0.25, "coupling.gamma": 10.0}

@@ -95,6 +95,7 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
     assert planned_jobs(copied, *config, "--", TABLE) == {}
 
 
+@pytest.mark.long
 def test_with_dates_alone_records_are_not_mixed_either(copied: Path) -> None:
     """``--rerun-triggers mtime`` makes Snakemake blind to contents and to new values: what does not belong together is refused."""
     replace(copied, "strong.csv")

@@ -7,11 +7,13 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 from test_workflow import ROOT, snakemake
 
 import sph
 
 
+@pytest.mark.long
 def test_the_documentation_builds_without_a_warning(tmp_path: Path) -> None:
     (tmp_path / "config").symlink_to(ROOT / "config")
     result = snakemake(tmp_path, "--cores", "1", "--", "docs")

@@ -17,6 +17,8 @@ from sph.storage import trajectory
 from sph.study.plan import load_study
 from sph.study.tables import read_study, read_table
 
+pytestmark = pytest.mark.long
+
 BASE: dict[str, Any] = {"scene": "slope.yaml", "fidelity": "draft", "fidelities": {"draft": {}}}
 GRID = {"study": "grid", "grid": {"soil.cohesion": ["20", "150"], "motion.frequency": ["1.0", "2.0"]}}
 CASES = {

@@ -41,6 +41,7 @@ def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_the_amplitude_scales_both_components(shaken: Path) -> None:
     for name, peak in zip(RUNS, (0.1, 8.0), strict=True):
         ds = trajectory.read_run(shaken / name)

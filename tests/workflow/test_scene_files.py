@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
 import yaml
 from test_workflow import STUDY, planned_jobs, snakemake
 
@@ -23,6 +24,7 @@ SCENE: dict[str, Any] = {
 GRAVITY = "results/small/draft/stages/gravity.nc"
 
 
+@pytest.mark.long
 def test_a_change_of_the_file_runs_the_simulations_again(tmp_path: Path) -> None:
     (tmp_path / "scenes").mkdir()
     (tmp_path / "config").mkdir()

@@ -246,6 +246,7 @@ def copied(finished: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(finished, tmp_path / "study"))
 
 
+@pytest.mark.long
 def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
     made = copied / "results" / "small" / "draft" / "sensitivity" / "morris.csv"
     made.parent.mkdir()
@@ -266,6 +267,7 @@ def test_every_result_in_snakemakes_report_has_a_caption_a_category_and_a_label(
         assert caption and (path.parent / caption[1]).is_file() and 'category="' in written and 'labels={"shows": "' in written
 
 
+@pytest.mark.long
 def test_snakemakes_own_report_takes_the_page_in(copied: Path) -> None:
     result = snakemake(copied, *write_config(copied), "--report", "report.zip")
     assert result.returncode == 0, result.stderr
@@ -307,13 +309,16 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     reason = f"{stage.relative_to(copied)}: cannot be read as a trajectory"
     assert reason in result.stderr + result.stdout
     log = (folder / "logs" / "S_R-0.10_gamma-1_amplitude-8.0.log").read_text()
-    assert log.count("\n") == 2 and log.startswith("process ") and reason in log and "delete it and run again" in log
+    first, said, last = log.splitlines()
+    assert json.loads(first)["record"] == "process" and reason in said and "delete it and run again" in said
+    assert reason in json.loads(last)["reason"] and json.loads(last)["record"] == "failed"
     assert before and all(path.read_bytes() == data for path, data in before.items())
     # The remedy is the one that the line names.
     stage.unlink()
     assert snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN).returncode == 0
 
 
+@pytest.mark.long
 def test_results_from_the_future(finished: Path, copied: Path) -> None:
     """A clock that was wrong: inputs newer than now are worked up once, and to the same result."""
     stage = copied / "results" / "small" / "draft" / "stages" / "amplitude-8.0.nc"

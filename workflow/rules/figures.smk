@@ -46,7 +46,7 @@ rule study_figure:
             f"{RESULTS}/figures/{{figure}}.png",
             caption="../report/study_figure.rst",
             category="Figures",
-            labels={"shows": "every run: {figure}"},
+            labels={"shows": "all runs, {figure}"},
         ),
         pdf=f"{RESULTS}/figures/{{figure}}.pdf",
     log:

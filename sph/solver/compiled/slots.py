@@ -9,6 +9,7 @@ import functools
 from collections.abc import Callable
 from typing import Any
 
+import numba
 from numba.extending import overload
 
 from sph.solver.compiled.jit import OPTIONS, jit
@@ -22,7 +23,7 @@ def slot(function: Function) -> Any:
 
     @functools.wraps(function)
     def from_python(*arguments: Any) -> Any:
-        return compiled(*arguments)
+        return (own[type(arguments[0])] if numba.config.DISABLE_JIT else compiled)(*arguments)  # type: ignore[attr-defined]
 
     compiled = jit(lambda *arguments: from_python(*arguments))
 
