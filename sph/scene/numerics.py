@@ -67,9 +67,9 @@ class Numerics(Section):
         "mixed: kernel gradients are kept in single precision, all fields and sums in double; double: all in double", default="mixed"
     )
     artificial_viscosity: ArtificialViscosity | None = key("pairwise artificial viscosity", default=ArtificialViscosity())
-    artificial_stress: ArtificialStress | None = key("cure of numerical fracture of solids under tension", default=None)
+    artificial_stress: ArtificialStress | None = key("against numerical fracture of solids under tension", default=None)
     gradient_correction: GradientCorrection | None = key("corrected velocity gradients", default=None)
-    short_range_repulsion: ShortRangeRepulsion | None = key("cure of particle pairing", default=ShortRangeRepulsion())
+    short_range_repulsion: ShortRangeRepulsion | None = key("against pairing of particles", default=ShortRangeRepulsion())
 
     @property
     def smoothing_length(self) -> float:

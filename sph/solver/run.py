@@ -25,6 +25,7 @@ from sph.solver.restart import restart_of, take_over
 from sph.solver.simulation import TURNS, Simulation
 from sph.solver.state import FAILED
 from sph.storage import trajectory
+from sph.storage.trajectory import Status
 
 Until = Literal["end", "gravity", "first_failure"]
 
@@ -40,7 +41,7 @@ class Progress(NamedTuple):
 
 
 class Result(NamedTuple):
-    """A run's trajectory, its restart state and its status (see ``trajectory.STATUSES``)."""
+    """A run's trajectory, its restart state and its status (see ``sph.storage.trajectory.Status``)."""
 
     trajectory: xr.Dataset
     restart: xr.Dataset
@@ -66,7 +67,7 @@ class Run:
         take_over(self.simulation, old, trajectory.read_restart(path), path)
         self.recording.take_over(old)
         if old.attrs["status"] == "diverged":
-            self.ended = ("diverged", str(old.attrs["status_reason"]))
+            self.ended = (Status.DIVERGED, str(old.attrs["status_reason"]))
         self.earlier_wall_time = float(old.attrs["wall_time_s"])
         self.earlier_particle_steps = int(old.attrs["particle_steps"])
 
@@ -98,14 +99,17 @@ class Run:
             failed, done = simulation.advance_steps(block)
             if saved is not None and failed:
                 simulation.go_back(saved)
-                status, reason = "paused", "before the first failure"
+                status, reason = Status.PAUSED, "before the first failure"
                 break
             if done == block:
                 self._record()
                 status, reason = self.ended
             wrong = trouble(scene, simulation.particles, simulation.state, recording.series, jumped=done < block)
             if wrong:
-                status, reason = "diverged", f"{wrong}, at {simulation.time:.4f} s; {likely_cause(scene, recording.largest_ratio(), wrong)}"
+                status, reason = (
+                    Status.DIVERGED,
+                    f"{wrong}, at {simulation.time:.4f} s; {likely_cause(scene, recording.largest_ratio(), wrong)}",
+                )
                 break
             if report is not None:
                 steps = (simulation.steps_made - first_steps_made) * simulation.state.x.size
@@ -121,7 +125,7 @@ class Run:
             if checkpoint is not None and not status:
                 paused = clock.perf_counter()
                 steps = (simulation.steps_made - first_steps_made) * simulation.state.x.size
-                checkpoint(functools.partial(self._result, "paused", "checkpoint", paused - started, steps))
+                checkpoint(functools.partial(self._result, Status.PAUSED, "checkpoint", paused - started, steps))
                 started += clock.perf_counter() - paused
         if not status:
             rest = self._rest()
@@ -129,7 +133,7 @@ class Run:
             if done_all:
                 status, reason = self._finished(rest)
             else:
-                status, reason = "paused", "at the end of the gravity stage"
+                status, reason = Status.PAUSED, "at the end of the gravity stage"
             if rest and recording.frames["time"][-1] < simulation.time:
                 recording.add_frame()
         elapsed = clock.perf_counter() - started
@@ -139,8 +143,8 @@ class Run:
         """Status and reason of a run that has reached its duration or came to ``rest``."""
         unshaken = float(np.mean(self.simulation.scene.gravity.failed(self.simulation.state.t_f[: self.simulation.particles.n_soil])))
         if unshaken > 0.0:
-            return "failed_unshaken", "; ".join(filter(None, (f"{unshaken:.2%} of the soil yields under gravity alone", rest)))
-        return "complete" if np.any(self.simulation.state.phase == FAILED) else "unfailed", rest
+            return Status.FAILED_UNSHAKEN, "; ".join(filter(None, (f"{unshaken:.2%} of the soil yields under gravity alone", rest)))
+        return Status.COMPLETE if np.any(self.simulation.state.phase == FAILED) else Status.UNFAILED, rest
 
     def _rest(self) -> str:
         """Why the run may end here, or empty."""
@@ -163,14 +167,14 @@ class Run:
     def _adapt(self) -> None:
         reason = self.simulation.adapt()
         if reason:
-            self.ended = ("diverged", reason)
+            self.ended = (Status.DIVERGED, reason)
 
     def _result(self, status: str, reason: str, elapsed: float, particle_steps: int) -> Result:
         simulation = self.simulation
         wall_time = self.earlier_wall_time + elapsed
         total = self.earlier_particle_steps + particle_steps
         attrs = {
-            "status": status,
+            "status": str(status),
             "status_reason": reason,
             "wall_time_s": wall_time,
             "particle_steps": total,
