@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -22,6 +23,8 @@ from sph.storage.trajectory import scene_of
 
 OUTSIDE = 0.45
 """Inches beside the axes of a profile that ticks and labels need; only sets the figure's height."""
+LONG_TITLE, LINE = 72, 0.17
+"""Most characters in a line of a panel's title, and the inches that another line needs."""
 
 
 def surface_line(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
@@ -138,7 +141,10 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
     limits = np.array([frame_limits(ds, frame) for ds in trajectories.values()])
     left, right, lower, upper = limits[:, 0].min(), limits[:, 1].max(), limits[:, 2].min(), limits[:, 3].max()
     panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
-    figure = Figure(figsize=(WIDTH, len(trajectories) * (panel + OUTSIDE) + 0.65), layout="compressed")
+    titles = [textwrap.wrap(with_end(title, trajectory), LONG_TITLE) for title, trajectory in trajectories.items()]
+    more_lines = sum(max(len(lines) - 1, 0) for lines in titles)
+    height = len(trajectories) * (panel + OUTSIDE) + more_lines * LINE + 0.65
+    figure = Figure(figsize=(WIDTH, height), layout="compressed")
     axes = figure.subplots(len(trajectories), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
     norm = field_norm(trajectories, field, frame)
     for ax, trajectory in zip(axes, trajectories.values(), strict=True):
@@ -147,7 +153,7 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
     for ax in axes:
         ax.set(xlim=(left, right), ylim=(lower, upper))
     axes[-1].set_xlabel("horizontal position (m)")
-    label_panels(axes, [with_end(title, trajectory) for title, trajectory in trajectories.items()])
+    label_panels(axes, ["\n".join(lines) for lines in titles])
     bar = FIELDS[field]
     figure.colorbar(
         circles, ax=list(axes), label=f"{bar.label} ({bar.units})", pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5

@@ -369,8 +369,10 @@ class Plan:
 
     @property
     def profile_titles(self) -> list[str]:
-        """Titles of the runs whose profiles are drawn."""
-        return [title_of(self.dimensions, self.study.runs[name]) for name in self.study.profile_runs]
+        """Titles of the runs whose profiles are drawn: the dimensions in which runs of the study differ."""
+        points = self.study.runs.values()
+        differ = [dimension for dimension in self.dimensions if len({point[dimension.name] for point in points}) > 1]
+        return [title_of(differ or self.dimensions, self.study.runs[name]) for name in self.study.profile_runs]
 
     @property
     def note(self) -> str:
