@@ -19,6 +19,10 @@ if os.environ.get("CI"):
     settings.load_profile("ci")
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--scenes", type=int, default=500, help="scenes that the relations between answers are tried on, in the long tests")
+
+
 @pytest.fixture(scope="session")
 def small_slope() -> SceneBuilder:
     """Builder of ``SLOPE`` with dotted overrides."""
