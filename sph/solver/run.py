@@ -182,7 +182,7 @@ class Run:
             "neighbours_mean": float((simulation.pairs.end - simulation.pairs.start).mean()),
             "active_terms": " ".join(name for name, on in simulation.wanted.items() if on),
         }
-        return Result(self.recording.dataset(attrs), restart_of(simulation), status)
+        return Result(self.recording.dataset(attrs), restart_of(simulation), str(status))
 
 
 def run(

@@ -141,7 +141,12 @@ def wanted_terms(scene: Scene) -> dict[str, bool]:
 
 
 def _held(terms):  # type: ignore[no-untyped-def]
-    """Is known to compiled code alone."""
+    """What the records say; compiled code asks their types instead, which it was compiled for."""
+    return (
+        *(type(terms.kernel) is record for _, record in _KERNELS),
+        *(type(terms.soil.fluid_law) is known.record for _, known in _LAWS),
+        *(getattr(terms, term.name) is not None for term in TERMS),
+    )
 
 
 @overload(_held)
