@@ -12,7 +12,7 @@ from typing import Any
 import numba
 from numba.extending import overload
 
-from sph.solver.compiled.jit import OPTIONS, jit
+from sph.solver.compiled.jit import OPTIONS
 
 Function = Callable[..., Any]
 
@@ -25,7 +25,7 @@ def slot(function: Function) -> Any:
     def from_python(*arguments: Any) -> Any:
         return (own[type(arguments[0])] if numba.config.DISABLE_JIT else compiled)(*arguments)  # type: ignore[attr-defined]
 
-    compiled = jit(lambda *arguments: from_python(*arguments))
+    compiled = numba.jit(**OPTIONS)(lambda *arguments: from_python(*arguments))
 
     @functools.wraps(function)
     def choose(*types: Any) -> Function:
