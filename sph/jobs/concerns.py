@@ -23,6 +23,8 @@ FEWEST_IN_HEIGHT = 12
 """Fewest particles across the height of a slope in the cost-accuracy study (README): its classes are right, its run-outs 60 % off."""
 FEWEST_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
+FEWEST_IN_LENGTH = 3
+"""Spacings in the length over which plastic strain is averaged before soil fails."""
 FEWEST_IN_WAVE = 8
 """Smoothing lengths (or spacings, where they are longer) in the shortest wavelength: one eighth is the largest element that Kuhlemeyer
 and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
@@ -101,6 +103,7 @@ def concerns(scene: Scene, particles: Particles) -> list[Concern]:
         [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
+        + short_length(scene)
         + of_motion(scene)
         + _series(scene)
         + _step(scene)
@@ -171,6 +174,21 @@ def thin_box(scene: Scene) -> list[Concern]:
             )
         ]
     return []
+
+
+def short_length(scene: Scene) -> list[Concern]:
+    """A warning if the length over which failure begins is shorter than particles can average."""
+    initiation, dx = scene.coupling.initiation, scene.numerics.spacing
+    if initiation is None or initiation.length >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
+        return []
+    return [
+        Concern(
+            "the length of initiation is short, so that the spacing decides when soil fails",
+            f"{initiation.length / dx:.2g} spacings in {initiation.length:g} m",
+            f"at least {FEWEST_IN_LENGTH}",
+            "numerics.spacing, or coupling.initiation.length",
+        )
+    ]
 
 
 def cut_off(scene: Scene) -> list[Concern]:

@@ -11,6 +11,11 @@ class ArtificialViscosity(Section):
     """Pairwise dissipation of approaching particles, signal-speed form (Monaghan 1997)."""
 
     alpha: float = key("coefficient, on V_p", ge=0, le=10, default=0.1)
+    reconstruction: Literal["none", "linear"] = key(
+        "what two particles dissipate: all of their approach, or what a linear field of velocities leaves of it",
+        source="linear: Frontiere, Raskin and Owen 2017",
+        default="none",
+    )
 
 
 class ArtificialStress(Section):

@@ -277,10 +277,10 @@ class Scene(Section):
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
         base, sides, top = walls.kinds
         slip = {"base": base.slips or top.slips, "sides": sides.slips}
-        if any(slip.values()) and walls.layers < needed:
+        if any(kind.slips or kind.reflects for kind in walls.kinds) and walls.layers < needed:
             raise ValueError(
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
-                f"a free-slip wall needs {needed}, or soil beside it fails without shaking"
+                f"a no-slip or free-slip wall needs {needed}, or soil beside it fails without shaking"
             )
         self._check_absorbing()
         for name, slips in slip.items():
@@ -309,7 +309,7 @@ class Scene(Section):
             raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
         if isinstance(self.motion, ConstantAcceleration):
             raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
-        if sides.absorbs and not (base.grips or base.absorbs):
+        if sides.absorbs and not (base.grips and not base.reflects or base.absorbs):
             raise ValueError(f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a sticky or absorbing base")
         if sides.absorbs and self.coupling.initial_state == "fluid":
             raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")

@@ -67,6 +67,25 @@ class CappedViscosity(Section):
 FluidLaw = Annotated[ElasticViscoplastic | CappedViscosity, Field(discriminator="law")]
 
 
+class Initiation(Section):
+    """Plastic slip over a length before a particle fails."""
+
+    slip: float = key(
+        "slip over the length at which strength begins to fall: in a shear test, displacement beyond the peak before the stress drops",
+        "m",
+        "Palmer and Rice 1973",
+        gt=0,
+        le=10,
+    )
+    length: float = key(
+        "length over which plastic strain is averaged, three spacings or more: the width of what yields before a slip surface forms",
+        "m",
+        "Bazant and Jirasek 2002",
+        gt=0,
+        le=1e3,
+    )
+
+
 class Coupling(Section):
     """The paper's coupling of the solid and the fluid state (Eqs. 8, 9, 14, 15)."""
 
@@ -79,6 +98,9 @@ class Coupling(Section):
     )
     gamma: float = key("rate of the loss of strength after failure", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0)
     fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
+    initiation: Initiation | None = key(
+        "plastic slip before a particle fails; null: it fails where its stress reaches the surface (the paper)", default=None
+    )
     initial_state: Literal["solid", "fluid"] = key(
         "solid: particles fail when their stress reaches the surface (the paper); fluid: all have failed long before the start",
         default="solid",

@@ -18,6 +18,8 @@ class Kind(NamedTuple):
     """soil may leave there"""
     grips: bool = False
     """its particles stand still, and soil hangs on them"""
+    reflects: bool = False
+    """its particles have no state: soil sees its own velocity reversed there, and its own stress"""
     slips: bool = False
     """its particles stand still, and soil slides along them"""
     absorbs: bool = False
@@ -40,6 +42,7 @@ class Kind(NamedTuple):
 
 KINDS = {
     "sticky": Kind("fixed side wall", grips=True),
+    "no_slip": Kind("no-slip side wall", grips=True, reflects=True),
     "free_slip": Kind("free-slip side wall", slips=True, contact=0.4),
     "absorbing": Kind("absorbing side", absorbs=True),
     "periodic": Kind(periodic=True),
@@ -79,23 +82,23 @@ class Bedrock(Section):
 class Walls(Section):
     """How the box holds the soil."""
 
-    base: Literal["sticky", "free_slip", "absorbing", "none"] = key(
-        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a frictionless floor, a half-space that takes waves up "
-        "(the motion is then that of its outcrop), or nothing",
-        source="Sec. 2.4; free_slip ours; absorbing: Joyner and Chen 1975",
+    base: Literal["sticky", "no_slip", "free_slip", "absorbing", "none"] = key(
+        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, a frictionless floor, a half-space that takes "
+        "waves up (the motion is then that of its outcrop), or nothing",
+        source="Sec. 2.4; no_slip, free_slip ours; absorbing: Joyner and Chen 1975",
         default="sticky",
     )
-    sides: Literal["sticky", "free_slip", "absorbing", "periodic", "none"] = key(
-        "side walls: fixed particles that hold the soil (the paper), a frictionless wall, level ground that goes on and takes waves up "
-        "(free field), soil that goes on periodically, or nothing",
-        source="Sec. 2.4; free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
+    sides: Literal["sticky", "no_slip", "free_slip", "absorbing", "periodic", "none"] = key(
+        "side walls: fixed particles that hold the soil (the paper), a no-slip wall, a frictionless wall, level ground that goes on and "
+        "takes waves up (free field), soil that goes on periodically, or nothing",
+        source="Sec. 2.4; no_slip, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
         default="sticky",
     )
-    top: Literal["sticky", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
+    top: Literal["sticky", "no_slip", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
     friction: WallFriction | None = key("friction on free-slip walls", default=None)
     bedrock: Bedrock | None = key("what an absorbing base stands on, below its boundary particles; null: the soil goes on", default=None)
     layers: int = key(
-        "layers of boundary particles; free-slip and absorbing walls need as many as fill the kernel's support but for one spacing",
+        "layers of boundary particles; all but sticky walls need as many as fill the kernel's support but for one spacing",
         source="Sec. 4 (2,404 particles)",
         ge=1,
         le=8,

@@ -19,10 +19,12 @@ from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.neighbours import allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.initiation import average_plastic_strain
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
-from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
+from sph.solver.physics.residual_viscosity import keep_strain_rate
+from sph.solver.state import FAILED, FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.solver.terms import active_terms, add_forces
 
 
@@ -123,14 +125,14 @@ def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
         state.x_candidates[i] = state.x[i]
         state.y_candidates[i] = state.y[i]
     candidates = find_candidates(state.x, state.y, terms.reach, terms.periodic)
-    return candidates, allocate_pairs(candidates, terms.zero, terms.artificial_stress)
+    return candidates, allocate_pairs(candidates, terms.zero, terms)
 
 
 @entry
 def make_lists(state, terms):  # type: ignore[no-untyped-def]
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.periodic)
-    pairs = allocate_pairs(candidates, terms.zero, terms.artificial_stress)
+    pairs = allocate_pairs(candidates, terms.zero, terms)
     update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
     return candidates, pairs
 
@@ -218,7 +220,8 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         mirror_velocity(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            velocity_gradients(state, pairs, terms.artificial_viscosity, terms.layers, team.gradient, first, last)
+            velocity_gradients(state, pairs, terms.artificial_viscosity, terms.no_slip, terms.layers, team.gradient, first, last)
+            keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, first, last)
             sums[block, FAILURES], internal = update_stress(
                 state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
             )
@@ -228,7 +231,17 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         mirror_stress(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            stress_accelerations(state, pairs, terms.gradient_correction, terms.layers, first, min(last, n_moving))
+            stress_accelerations(
+                state,
+                pairs,
+                terms.gradient_correction,
+                terms.layers,
+                terms.residual_viscosity,
+                team.strain_rate,
+                first,
+                min(last, n_moving),
+            )
+            average_plastic_strain(terms.initiation, state, FAILED, first, min(last, n_soil))
             rubbed = set_friction(
                 terms.wall_friction, terms.layers, terms.free_slip, terms.gradient_correction, state, pairs, mass, first, min(last, n_soil)
             )

@@ -19,11 +19,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sph.solver.boundaries.no_slip import NoSlip, add_walls, in_wall
 from sph.solver.boundaries.periodic import Periodic, column_of, columns_around, columns_of_cells, wrap
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, invert
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
+from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
 
 SMALLEST_NORM = 1e-30
 """kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -50,6 +52,8 @@ class Pairs(NamedTuple):
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
     close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
     close_end: np.ndarray  # (n,) uint32
+    wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m3; without such walls empty
+    distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
 
@@ -102,23 +106,42 @@ class PairTerms(NamedTuple):
     kernel: Kernel
     close_range: float
     cell_mass: float
-    gradient_correction: GradientCorrection | None
-    periodic: Periodic | None
-    artificial_stress: ArtificialStress | None
+    gradient_correction: GradientCorrection | None = None
+    periodic: Periodic | None = None
+    artificial_stress: ArtificialStress | None = None
+    residual_viscosity: ResidualViscosity | None = None
+    no_slip: NoSlip | None = None
 
 
 @jit
 def pair_terms(terms):  # type: ignore[no-untyped-def]
     """The coefficients that pairs depend on."""
-    return PairTerms(terms.kernel, terms.close_range, terms.cell_mass, terms.gradient_correction, terms.periodic, terms.artificial_stress)
+    return PairTerms(
+        terms.kernel,
+        terms.close_range,
+        terms.cell_mass,
+        terms.gradient_correction,
+        terms.periodic,
+        terms.artificial_stress,
+        terms.residual_viscosity,
+        terms.no_slip,
+    )
 
 
 @jit
-def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
-    """Room for the pairs of a candidate list; gradients get the type of the number ``zero``."""
+def _room(term, size):  # type: ignore[no-untyped-def]
+    """Length of an array that only a term needs."""
+    if term is None:
+        return 0
+    else:
+        return size
+
+
+@jit
+def allocate_pairs(candidates, zero, terms):  # type: ignore[no-untyped-def]
+    """Room for the pairs of a candidate list (``terms`` as for ``pair_terms``); gradients get the type of the number ``zero``."""
     n = candidates.start.size - 1
     size = candidates.neighbour.size
-    nearness = 0 if tension is None else size
     return Pairs(
         np.zeros(n, np.uint32),
         np.zeros(n, np.uint32),
@@ -131,8 +154,19 @@ def allocate_pairs(candidates, zero, tension):  # type: ignore[no-untyped-def]
         np.empty((n, 3)),
         np.empty(size, np.uint32),
         np.zeros(n, np.uint32),
-        np.full(nearness, zero),
+        np.zeros((_room(terms.no_slip, n), 2)),
+        np.full(_room(terms.residual_viscosity, size), zero),
+        np.full(_room(terms.artificial_stress, size), zero),
     )
+
+
+@jit
+def _paired(no_slip, i, j):  # type: ignore[no-untyped-def]
+    """Whether particles i and j act on each other as a pair: those of a no-slip wall do not."""
+    if no_slip is None:
+        return True
+    else:
+        return not (in_wall(no_slip, i) | in_wall(no_slip, j))
 
 
 @jit
@@ -166,7 +200,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             pairs.close[begin + close] = j
             row_dx[count] = dx
             row_dy[count] = dy
-            count += np.uint64(r_square < reach_square)
+            count += np.uint64((r_square < reach_square) & _paired(terms.no_slip, i, j))
             close += np.uint64(r_square < close_square)
         gxs, gys, inverse_norms = (
             pairs.gx[begin : begin + count],
@@ -181,6 +215,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             value, slope = value_and_slope(kernel, r)
             factor = terms.cell_mass * slope
             keep_nearness(terms.artificial_stress, pairs.nearness, begin + k, value)
+            keep_distance(terms.residual_viscosity, pairs.distance, begin + k, r)
             norm = -factor * r
             gxs[k] = factor * dx
             gys[k] = factor * dy
@@ -193,6 +228,9 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             m_xx -= gx * dx
             m_xy -= gx * dy
             m_yy -= gy * dy
+        sum_x, sum_y, m_xx, m_xy, m_yy = add_walls(
+            terms.no_slip, pairs.wall, candidates, period, kernel, terms.cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy
+        )
         pairs.start[i] = begin
         pairs.close_end[i] = begin + close
         begin += count
@@ -200,5 +238,5 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         pairs.sum_x[i] = sum_x
         pairs.sum_y[i] = sum_y
         pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = invert(
-            terms.gradient_correction, density[i], m_xx, m_xy, m_yy
+            terms.gradient_correction, terms.residual_viscosity, density[i], m_xx, m_xy, m_yy
         )

@@ -22,6 +22,7 @@ class Particles(NamedTuple):
     kind: np.ndarray  # (n,) int8: SOIL, BASE, SIDE, TOP
     mass: np.ndarray  # (n,) kg for a metre of thickness
     layer: np.ndarray  # (n,) int: 0 for the scene's own soil, k for its k-th layer
+    first_no_slip: int  # from this one on no-slip walls
     first_slip: int  # from this one on free-slip base and top
     first_slip_side: int  # from this one on free-slip side walls
     first_fixed: int  # from this one on walls that stand still; boundary particles before it follow the soil
@@ -59,20 +60,22 @@ def place_particles(scene: Scene) -> Particles:
         (sides, (*_grid(columns + layers, right), SIDE)),
     ]
     absorbing = [block for kind, block in wanted if kind.absorbs]
-    fixed = [block for kind, block in wanted if kind.grips]
+    fixed = [block for kind, block in wanted if kind.grips and not kind.reflects]
+    no_slip = [block for kind, block in wanted if kind.reflects]
     slip = [block for kind, block in wanted[:2] if kind.slips]
     slip_sides = [block for kind, block in wanted[2:] if kind.slips]
     first_fixed = sum(len(c) for c, _, _ in soil + absorbing)
-    first_slip = first_fixed + sum(len(c) for c, _, _ in fixed)
+    first_no_slip = first_fixed + sum(len(c) for c, _, _ in fixed)
+    first_slip = first_no_slip + sum(len(c) for c, _, _ in no_slip)
     first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
-    blocks = soil + absorbing + fixed + slip + slip_sides
+    blocks = soil + absorbing + fixed + no_slip + slip + slip_sides
 
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
     kinds = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
     layer = layer_index(scene, x, y)
     mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
-    return Particles(x, y, kinds, mass, layer, first_slip, first_slip_side, first_fixed)
+    return Particles(x, y, kinds, mass, layer, first_no_slip, first_slip, first_slip_side, first_fixed)
 
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:

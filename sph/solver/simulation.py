@@ -104,7 +104,7 @@ class Simulation:
     def measure_limit(self, turns: int) -> None:
         """Measure the limit of the time step as the particles lie."""
         frequency = stiffest_frequency(
-            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers"), self.team[0].gradient, turns
+            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers", "no_slip"), self.team[0].gradient, turns
         )
         if turns:
             self.limit = self.present_limit.seconds(frequency)
@@ -149,7 +149,7 @@ class Simulation:
     @property
     def list_terms(self) -> Any:
         """The terms that the lists of neighbours depend on."""
-        return only(self.terms, "gradient_correction", "periodic", "artificial_stress")
+        return only(self.terms, "gradient_correction", "periodic", "artificial_stress", "residual_viscosity", "no_slip")
 
     def elastic_energy(self) -> float:
         """Energy stored in the blended stress, J/m."""

@@ -15,7 +15,7 @@ from numba import types
 from numba.extending import overload
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries import absorbing, contact, free_slip, friction, periodic
+from sph.solver.boundaries import absorbing, contact, free_slip, friction, no_slip, periodic
 from sph.solver.boundaries.contact import add_contact
 from sph.solver.compiled.jit import jit
 from sph.solver.optional import Term
@@ -24,9 +24,11 @@ from sph.solver.physics import (
     artificial_stress,
     artificial_viscosity,
     gradient_correction,
+    initiation,
     material,
     prescribed_motion,
     rayleigh_damping,
+    residual_viscosity,
     short_range_repulsion,
 )
 from sph.solver.physics.artificial_stress import add_artificial_stress
@@ -48,6 +50,9 @@ TERMS: tuple[Term, ...] = (
     material.TERM,
     absorbing.ABSORBING_WALLS,
     absorbing.FREE_FIELD,
+    no_slip.TERM,
+    residual_viscosity.TERM,
+    initiation.TERM,
 )
 
 
@@ -60,7 +65,7 @@ class Always(NamedTuple):
     down_y: float
     n_soil: int
     n_moving: int  # the soil and the boundary particles that follow it
-    n_stressed: int  # particles with a stress of their own; free-slip walls have none
+    n_stressed: int  # particles with a stress of their own; no-slip and free-slip walls have none
     armed_from: float  # s, half a step before the end of the gravity stage
     pairs_tolerance: float  # m
     candidates_tolerance: float  # m
@@ -94,7 +99,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
         down_y=-math.cos(tilt),
         n_soil=particles.n_soil,
         n_moving=particles.first_fixed,
-        n_stressed=particles.first_slip,
+        n_stressed=particles.first_no_slip,
         armed_from=float(scene.gravity.duration - 0.5 * dt),
         pairs_tolerance=float(pairs_tolerance),
         candidates_tolerance=float(0.5 * skin),

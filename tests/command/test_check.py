@@ -49,6 +49,7 @@ def call(*arguments: object) -> Result:
 
 def test_a_sound_scene_has_no_warning() -> None:
     assert found() == []
+    assert found(**{"coupling.initiation": {"slip": 1e-3, "length": 3.0}}) == []
 
 
 @pytest.mark.parametrize(
@@ -57,6 +58,7 @@ def test_a_sound_scene_has_no_warning() -> None:
         ({"numerics.spacing": 2.0}, "across the slope's height", "numerics.spacing"),
         ({"geometry.points": [[100, 440], [160, 440], [180, 460], [195, 460]]}, "back wall is near the crest", "geometry.window"),
         ({"geometry.points": [[140, 440], [160, 440], [180, 460], [220, 460]]}, "room for the run-out", "geometry.window"),
+        ({"coupling.initiation": {"slip": 1e-3, "length": 2.9}}, "length of initiation is short", "coupling.initiation.length"),
         ({"motion.frequency": 60.0}, "shear waves of 60.1 Hz are short", "numerics.spacing"),
         ({"duration": 8.0}, "ends while the ground moves", "duration"),
         ({"numerics.time_step": 1.25e-3}, "time step is near its limit", "numerics.adaptive_step"),

@@ -143,9 +143,10 @@ def make_pairs(
 ) -> Pairs:
     kernel = make_kernel(name, h)
     candidates = find_candidates(x, y, 2 * h + skin, None)
-    pairs = allocate_pairs(candidates, zero, None)
+    terms = PairTerms(kernel, close_range, mass, correction)
+    pairs = allocate_pairs(candidates, zero, terms)
     assert pairs.gx.dtype == pairs.inverse_norm.dtype == zero.dtype
-    update_pairs(pairs, candidates, PairTerms(kernel, close_range, mass, correction, None, None), x, y, density, 0, x.size)
+    update_pairs(pairs, candidates, terms, x, y, density, 0, x.size)
     return pairs
 
 
@@ -252,8 +253,9 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     x, y = random_cloud(9, 300)
     candidates = find_candidates(x, y, 2.5, None)
     density = np.random.default_rng(9).uniform(1, 3, 300)
-    whole, parts = (allocate_pairs(candidates, SINGLE, None) for _ in range(2))
-    common = candidates, PairTerms(make_kernel("cubic_spline", 1.0), 0.9, 2.0, GradientCorrection(1e-3), None, None), x, y, density
+    terms = PairTerms(make_kernel("cubic_spline", 1.0), 0.9, 2.0, GradientCorrection(1e-3))
+    whole, parts = (allocate_pairs(candidates, SINGLE, terms) for _ in range(2))
+    common = candidates, terms, x, y, density
     update_pairs(whole, *common, 0, 300)
     for first, last in ((200, 300), (0, 7), (7, 7), (7, 200)):
         update_pairs(parts, *common, first, last)

@@ -46,6 +46,7 @@ from sph.solver.compiled.jit import compile_lock, jit
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
 from sph.solver.particles import BASE, Particles, layer_index
+from sph.solver.physics.artificial_viscosity import TERM as ARTIFICIAL_VISCOSITY
 from sph.solver.physics.kernels import Kernel, evaluate
 from sph.solver.physics.rayleigh_damping import stiffness_damping
 
@@ -180,6 +181,8 @@ def make_free_field(scene: Scene, particles: Particles, kernel: Kernel, dt: floa
     soil, wall = _soil(scene, layer), row < walls.layers
     weights = np.append(layer_weights(kernel, dx, walls.layers), 0.0)[np.minimum(row, walls.layers)]
     yields = walls.kinds.base.absorbs
+    # With linear reconstruction the motion of a column, smooth as it is, is left alone.
+    plain = numerics.artificial_viscosity if ARTIFICIAL_VISCOSITY.wanted(scene) else None
     shear_modulus = soil.density * soil.s_wave_speed**2
     modulus = soil.density * soil.p_wave_speed**2
     return FreeField(
@@ -189,7 +192,7 @@ def make_free_field(scene: Scene, particles: Particles, kernel: Kernel, dt: floa
         density=soil.density,
         modulus=np.array([shear_modulus, modulus]),
         beside=1.0 - 2.0 * shear_modulus / modulus,
-        impedance=(0.0 if numerics.artificial_viscosity is None else numerics.artificial_viscosity.alpha) * soil.impedance[1],
+        impedance=(0.0 if plain is None else plain.alpha) * soil.impedance[1],
         correction=np.concatenate([_correction(scene, rows, count) for count in nodes]),
         drag=yields * weights * _below(scene, layer).impedance / (soil.density * dx),
         mobile=np.where(wall & (not yields), 0.0, 1.0),

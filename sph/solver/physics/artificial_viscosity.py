@@ -52,12 +52,18 @@ def viscous_rate(scene: Scene, lattice: Lattice | None = None) -> float:
     return scene.numerics.artificial_viscosity.alpha * speed * volume * float(np.abs(factor * x).sum())
 
 
-def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialViscosity:
+def coefficient(scene: Scene) -> float:
+    """alpha V_p over the reference density, m4/(s kg)."""
     assert scene.numerics.artificial_viscosity is not None
-    return ArtificialViscosity(scene.numerics.artificial_viscosity.alpha * scene.soil.p_wave_speed / scene.soil.density)
+    return float(scene.numerics.artificial_viscosity.alpha * scene.soil.p_wave_speed / scene.soil.density)
 
 
-def _damping(scene: Scene, lattice: Lattice, omega: float) -> Damping:
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialViscosity:
+    return ArtificialViscosity(coefficient(scene))
+
+
+def damping(scene: Scene, lattice: Lattice, omega: float) -> Damping:
+    """What the term adds to the damping of the stiffest mode."""
     assert scene.numerics.artificial_viscosity is not None
     rate = viscous_rate(scene, lattice)
     return Damping(rate / omega, "with artificial viscosity", f"alpha = {scene.numerics.artificial_viscosity.alpha}")
@@ -66,7 +72,7 @@ def _damping(scene: Scene, lattice: Lattice, omega: float) -> Damping:
 TERM = Term(
     "artificial_viscosity",
     "numerics.artificial_viscosity",
-    lambda scene: scene.numerics.artificial_viscosity is not None,
+    lambda scene: scene.numerics.artificial_viscosity is not None and scene.numerics.artificial_viscosity.reconstruction == "none",
     _make,
-    _damping,
+    damping,
 )

@@ -21,6 +21,7 @@ from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
+from sph.solver.physics.initiation import gather_plastic_strain, has_slipped
 from sph.solver.physics.material import material_of
 from sph.solver.physics.rayleigh_damping import damping_stress
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
@@ -82,7 +83,7 @@ def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type
 
 
 @jit
-def _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
+def _update_solid(solid, initiation, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
     if solid is None:
         return 0.0, 0.0, 0.0, 0.0
     else:
@@ -92,6 +93,7 @@ def _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached
         z = state.solid_z[i] + rate_z * dt
         p_solid = limit_tension(solid, p)
         factor = return_factor(solid, p_solid, d, q, z)
+        gather_plastic_strain(initiation, state, i, factor, d, q, (p_solid - p) / bulk_modulus, shear_modulus)
         state.solid_d[i] = d * factor
         state.solid_q[i] = q * factor
         state.solid_z[i] = z * factor
@@ -134,7 +136,9 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         p = pressure(bulk, new_density, terms.reference_density)
         beta = _update_beta(fluid, state, i, soil.beta_decay)
         p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
-        p_s, d_s, q_s, z_s = _update_solid(solid, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first))
+        p_s, d_s, q_s, z_s = _update_solid(
+            solid, terms.initiation, soil.shear_modulus, bulk, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first)
+        )
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
         mean = -blend(beta, p_s, p_f) - 0.5 * z
         damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rate_z, trace)
@@ -162,7 +166,7 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
     newly_failed = 0
     for i in range(first, _last_that_fails(terms.absorbing_walls, terms.n_soil, last)):
         if state.phase[i] == UNARMED:
-            state.phase[i] = YIELDED if reached[i - first] > 0.0 else ARMED
+            state.phase[i] = YIELDED if reached[i - first] > 0.0 and has_slipped(terms.initiation, state, i) else ARMED
         elif state.phase[i] == HELD:
             limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
             soil = material_of(terms.layers, terms.soil, i)
@@ -170,7 +174,9 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
             demand = shear_demand(soil.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
             if reached[i - first] == 0.0 and demand <= limit * strength(soil.solid, p):
                 state.phase[i] = ARMED
-        elif state.phase[i] == YIELDED or state.phase[i] == ARMED and reached[i - first] > 0.0:
+        elif state.phase[i] == YIELDED or (
+            state.phase[i] == ARMED and reached[i - first] > 0.0 and has_slipped(terms.initiation, state, i)
+        ):
             state.t_f[i] = time if state.phase[i] == ARMED else time - terms.dt
             state.phase[i] = FAILED
             state.fluid_d[i] = state.solid_d[i]

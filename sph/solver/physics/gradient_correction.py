@@ -21,8 +21,16 @@ class GradientCorrection(NamedTuple):
 
 
 @jit
-def invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Inverse of the moment matrix over density; the identity where it is off or too singular."""
+def invert(term, residual_viscosity, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
+    """Inverse of the moment matrix over density for the terms that use it; the identity without them or where it is too singular."""
+    if term is None:
+        return _invert(residual_viscosity, density, m_xx, m_xy, m_yy)
+    else:
+        return _invert(term, density, m_xx, m_xy, m_yy)
+
+
+@jit
+def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
     if term is None:
         return 1.0, 0.0, 1.0
     else:

@@ -12,14 +12,16 @@ needs no loop, because sum_j g_ij is kept with the pairs.
 
 from __future__ import annotations
 
+from sph.solver.boundaries.no_slip import add_wall_gradient
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.physics.artificial_viscosity import add_dissipation, viscous_acceleration
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.material import lightness
+from sph.solver.physics.residual_viscosity import add_residual, keep_residual
 
 
 @jit
-def velocity_gradients(state, pairs, term, layers, gradient, first, last):  # type: ignore[no-untyped-def]
+def velocity_gradients(state, pairs, term, walls, layers, gradient, first, last):  # type: ignore[no-untyped-def]
     """Sums of (v_j - v_i) g into ``gradient`` (4, n), and the artificial viscosity's acceleration, of particles first to last."""
     vx, vy = state.vx, state.vy
     for i in rows(first, last):
@@ -38,27 +40,29 @@ def velocity_gradients(state, pairs, term, layers, gradient, first, last):  # ty
             l_yx += dvy * gx
             l_yy += dvy * gy
             sum_x, sum_y = add_dissipation(term, layers, i, j, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
-        gradient[0, i] = l_xx
-        gradient[1, i] = l_xy
-        gradient[2, i] = l_yx
-        gradient[3, i] = l_yy
+        gradient[0, i], gradient[1, i], gradient[2, i], gradient[3, i] = add_wall_gradient(
+            walls, pairs.wall, i, vx_i, vy_i, l_xx, l_xy, l_yx, l_yy
+        )
         state.viscous_x[i] = viscous_acceleration(term, sum_x) * lightness(layers, i)
         state.viscous_y[i] = viscous_acceleration(term, sum_y) * lightness(layers, i)
 
 
 @jit
-def stress_accelerations(state, pairs, term, layers, first, last):  # type: ignore[no-untyped-def]
+def stress_accelerations(state, pairs, term, layers, viscosity, strain_rate, first, last):  # type: ignore[no-untyped-def]
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(term, state)
     for i in rows(first, last):
         ax = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i]
         ay = syx[i] * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
+        sum_x = sum_y = 0.0
         for k in range(pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]
             ax += sxx[j] * gx + sxy[j] * gy
             ay += syx[j] * gx + syy[j] * gy
+            sum_x, sum_y = add_residual(viscosity, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y)
+        keep_residual(viscosity, layers, state, i, sum_x, sum_y)
         state.ax[i] = ax * lightness(layers, i) + state.viscous_x[i]
         state.ay[i] = ay * lightness(layers, i) + state.viscous_y[i]

@@ -1,0 +1,114 @@
+"""No-slip walls without particles' states: soil sees its own velocity reversed behind the face, and its own stress.
+
+With v_w = -v_i and sigma_w = sigma_i for every pair of a soil particle and one of the wall, the wall enters by one vector a particle,
+
+    b_i = 2 sum over the wall of g_ij,    L_i gains -v_i b_i / rho_i,    a_i gains sigma_i / rho_i^2 . b_i,
+
+and its particles need neither stress nor a place among the pairs.  The power of the force cancels that of the strain rate on the stress for
+every particle, so that the wall takes no energy and gives none.  Fixed particles with a stress of their own (``sticky``) hold a layer that
+slides on them by a fifth of its yield stress and less; this wall holds it by all of it (``docs/evidence/validation.md``, V7).
+
+The wall's part in the moment matrix of the corrected gradient is that of a velocity which falls linearly to the face, so that the corrected
+gradient is exact for such a field.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.boundaries.periodic import wrap
+from sph.solver.compiled.jit import jit, rows
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel, support, value_and_slope
+
+
+class NoSlip(NamedTuple):
+    """Coefficients of the term."""
+
+    first: int
+    """first particle of the walls"""
+    end: int
+    """first particle after them"""
+    bottom: float
+    """y of the faces, m; infinite where there is no such wall"""
+    top: float
+    left: float
+    """x of the faces, m"""
+    right: float
+
+
+@jit
+def in_wall(term, i):  # type: ignore[no-untyped-def]
+    """Whether particle i belongs to a no-slip wall."""
+    if term is None:
+        return False
+    else:
+        return (i >= term.first) & (i < term.end)
+
+
+@jit
+def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
+    """Vector to particle i from its image behind the face of the wall of particle j, m."""
+    if y_j < term.bottom:
+        return 0.0, 2.0 * max(y_i - term.bottom, 0.0)
+    if y_j > term.top:
+        return 0.0, 2.0 * min(y_i - term.top, 0.0)
+    if x_j < term.left:
+        return 2.0 * max(x_i - term.left, 0.0), 0.0
+    return 2.0 * min(x_i - term.right, 0.0), 0.0
+
+
+@jit
+def add_walls(term, wall, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
+    """Keep b_i in ``wall`` (n, 2), kg/m3; returns the sums of gradients and the moments of particle i with the walls' part."""
+    if term is None:
+        return sum_x, sum_y, m_xx, m_xy, m_yy
+    else:
+        reach = support(kernel)
+        b_x = b_y = 0.0
+        if not in_wall(term, i):
+            for k in rows(candidates.start[i], candidates.start[i + 1]):
+                j = candidates.neighbour[k]
+                dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
+                r_square = dx * dx + dy * dy
+                if in_wall(term, j) and r_square < reach * reach:
+                    slope = value_and_slope(kernel, math.sqrt(r_square))[1]
+                    gx, gy = 2.0 * cell_mass * slope * dx, 2.0 * cell_mass * slope * dy
+                    across, up = _from_image(term, x[i], y[i], x[j], y[j])
+                    b_x += gx
+                    b_y += gy
+                    m_xx -= 0.5 * gx * across
+                    m_xy -= 0.25 * (gx * up + gy * across)
+                    m_yy -= 0.5 * gy * up
+        wall[i, 0] = b_x
+        wall[i, 1] = b_y
+        return sum_x + b_x, sum_y + b_y, m_xx, m_xy, m_yy
+
+
+@jit
+def add_wall_gradient(term, wall, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+    """Sums of velocity differences times g of particle i with the walls' part."""
+    if term is None:
+        return l_xx, l_xy, l_yx, l_yy
+    else:
+        return l_xx - vx * wall[i, 0], l_xy - vx * wall[i, 1], l_yx - vy * wall[i, 0], l_yy - vy * wall[i, 1]
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> NoSlip:
+    columns, count = scene.lattice
+    dx = scene.numerics.spacing
+    base, sides, top = scene.walls.kinds
+    return NoSlip(
+        particles.first_no_slip,
+        particles.first_slip,
+        bottom=0.0 if base.reflects else -math.inf,
+        top=count * dx if top.reflects else math.inf,
+        left=0.0 if sides.reflects else -math.inf,
+        right=columns * dx if sides.reflects else math.inf,
+    )
+
+
+TERM = Term("no_slip", "walls.base, walls.sides, walls.top", lambda scene: any(kind.reflects for kind in scene.walls.kinds), _make)

@@ -1,0 +1,96 @@
+"""Initiation of failure over a length: a particle fails once plastic strain, averaged around it, reaches a critical value.
+
+The paper's particle fails at the moment its stress reaches the surface.  That has no length: the finer the particles, the earlier the first
+one fails, and the weaker the shaking that brings a slope down.  Here a particle at yield goes on gathering plastic strain at its full
+strength,
+
+    kappa += (1 - f) |s| / G,   |s|^2 = ((s_xx - s_yy) / 2)^2 + s_xy^2,
+
+with the factor f that returns its trial deviator to the surface; in tension kappa is at least the strain by which it has opened.  It fails
+where it is at yield and the mean over the initial arrangement of its soil
+
+    sum_j w_ij kappa_j / sum_j w_ij,   w = (1 - r^2 / l^2)^2 for r < l,
+
+reaches slip / length: soil that has slipped by ``slip`` over a band of ``length``.  Non-local averages of what softens: Bazant and Jirasek
+(2002); slip before the loss of strength: Palmer and Rice (1973).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+
+
+class Initiation(NamedTuple):
+    """Coefficients of the term."""
+
+    critical_strain: float
+    """slip over length"""
+    grid: np.ndarray
+    """(columns, rows) int32: the soil particle at each place of the initial lattice, with a margin all round; -1 where there is none"""
+    column: np.ndarray
+    """(soil,) int32: where the square of places around a particle begins in the grid"""
+    row: np.ndarray
+    weights: np.ndarray
+    """(places, places) w of the square of places around one"""
+
+
+@jit
+def gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):  # type: ignore[no-untyped-def]
+    """Gather the plastic strain of a step of particle i, from its trial deviator (d, q), its return factor and its opening strain."""
+    if term is None:
+        return
+    else:
+        slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(d * d + q * q) / shear_modulus
+        state.plastic_strain[i] = max(slipped, opening)
+
+
+@jit
+def average_plastic_strain(term, state, failed, first, last):  # type: ignore[no-untyped-def]
+    """Average the plastic strain around those of soil particles first to last that have gathered some and are not in phase ``failed``."""
+    if term is None:
+        return
+    else:
+        size = term.weights.shape[0]
+        for i in range(first, last):
+            if state.phase[i] != failed and state.plastic_strain[i] > 0.0:
+                total = weight = 0.0
+                for a in range(size):
+                    for b in range(size):
+                        j = term.grid[term.column[i] + a, term.row[i] + b]
+                        if j >= 0:
+                            weight += term.weights[a, b]
+                            total += term.weights[a, b] * state.plastic_strain[j]
+                state.mean_plastic_strain[i] = total / weight
+
+
+@jit
+def has_slipped(term, state, i):  # type: ignore[no-untyped-def]
+    """Whether particle i, at yield, fails; without the term at once."""
+    if term is None:
+        return True
+    else:
+        return state.mean_plastic_strain[i] >= term.critical_strain
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Initiation:
+    wanted, soil, dx = scene.coupling.initiation, slice(0, particles.n_soil), scene.numerics.spacing
+    assert wanted is not None
+    reach = math.ceil(wanted.length / dx)
+    offset = np.arange(-reach, reach + 1) * dx / wanted.length
+    weights = np.maximum(1.0 - offset[:, None] ** 2 - offset**2, 0.0) ** 2
+    column, row = (np.round(place[soil] / dx - 0.5).astype(np.int32) for place in (particles.x, particles.y))
+    grid = np.full((column.max() + 1 + 2 * reach, row.max() + 1 + 2 * reach), -1, np.int32)
+    grid[column + reach, row + reach] = np.arange(particles.n_soil)
+    return Initiation(wanted.slip / wanted.length, grid, column, row, weights)
+
+
+TERM = Term("initiation", "coupling.initiation", lambda scene: scene.coupling.initiation is not None, _make)

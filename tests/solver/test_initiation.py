@@ -1,0 +1,89 @@
+"""Initiation over a length: closed forms of what is gathered and averaged, and the strain at which a particle fails."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sph.scene.schema import make_scene
+from sph.solver.physics.initiation import average_plastic_strain
+from sph.solver.run import run
+from sph.solver.simulation import Simulation
+from sph.solver.state import FAILED
+
+BLOCK = {
+    "name": "block",
+    "duration": 5.0,
+    "geometry": {"shape": "block", "width": 20.0, "height": 20.0},
+    "coupling": {"initiation": {"slip": 0.01, "length": 2.5}},
+}
+
+
+def test_the_average_by_hand() -> None:
+    # One particle in the middle has a strain of 1.  With l = 2.5 spacings the weights are 1 at itself, (1 - 1/6.25)^2 = 0.7056 at four
+    # neighbours, (1 - 2/6.25)^2 = 0.4624 at four diagonal ones, (1 - 4/6.25)^2 = 0.1296 at four two away, (1 - 5/6.25)^2 = 0.04 at eight.
+    simulation = Simulation(make_scene(BLOCK))
+    state, terms = simulation.state, simulation.terms
+    middle = 10 * 20 + 10
+    state.plastic_strain[middle] = 1.0
+    state.plastic_strain[middle + 1] = 1e-300  # asks for its average
+    average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+    total = 1.0 + 4 * 0.7056 + 4 * 0.4624 + 4 * 0.1296 + 8 * 0.04
+    assert state.mean_plastic_strain[middle] == pytest.approx(1.0 / total, rel=1e-12)
+    assert state.mean_plastic_strain[middle + 1] == pytest.approx(0.7056 / total, rel=1e-12)
+    assert np.count_nonzero(state.mean_plastic_strain) == 2
+
+
+def test_the_average_ends_at_the_surface() -> None:
+    # In the corner a quarter of the neighbours is there: the mean is over those.
+    simulation = Simulation(make_scene(BLOCK))
+    state, terms = simulation.state, simulation.terms
+    state.plastic_strain[: terms.n_soil] = 0.25
+    average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+    np.testing.assert_allclose(state.mean_plastic_strain[: terms.n_soil], 0.25, rtol=1e-12)
+
+
+def test_failed_particles_keep_theirs() -> None:
+    simulation = Simulation(make_scene(BLOCK))
+    state, terms = simulation.state, simulation.terms
+    state.plastic_strain[: terms.n_soil] = 0.25
+    state.phase[: terms.n_soil] = FAILED
+    average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+    assert not state.mean_plastic_strain.any()
+
+
+@pytest.mark.parametrize("slip", [0.02, 0.04])
+def test_strain_at_failure(slip: float) -> None:
+    # Simple shear at 0.1 1/s of a block without weight, armed after 0.01 s: the deviator reaches c cos(phi) at the strain
+    # c cos(phi) / G (pressure stays 0), and from there on all of the shear is plastic: kappa = rate (t - t_y).  It fails at
+    # slip / length more strain, to two time steps and the initial elastic half step.
+    rate, length, dt = 0.1, 4.0, 1e-4
+    scene = make_scene(
+        {
+            "name": "shear",
+            "duration": 0.6,
+            "geometry": {"shape": "block", "width": 10.0, "height": 10.0},
+            "walls": {"base": "none", "sides": "none"},
+            "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
+            "soil": {"cohesion": 150.0, "friction_angle": 20.0},
+            "coupling": {"initiation": {"slip": slip, "length": length}},
+            "damping": None,
+            "prescribed_velocity_gradient": {"xy": rate},
+            "numerics": {
+                "time_step": dt,
+                "artificial_viscosity": None,
+                "short_range_repulsion": None,
+                "gradient_correction": {"min_determinant": 0.01},
+            },
+            "probes": {},
+            "outputs": {"frame_interval": 0.6, "series_interval": 0.01},
+        }
+    )
+    result = run(scene)
+    t_y = 150e3 * math.cos(math.radians(20.0)) / scene.soil.shear_modulus_si / rate
+    expected = t_y + slip / length / rate
+    t_f = result.trajectory["t_f"].values[result.trajectory["kind"].values == 0]
+    print(f"fails at {np.median(t_f):.4f} s, expected {expected:.4f} s")
+    assert np.median(t_f) == pytest.approx(expected, abs=3 * dt)
