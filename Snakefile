@@ -8,9 +8,11 @@ from snakemake.utils import min_version
 
 import sph
 from sph.figures import STUDY_FIGURES, caption as caption_of
+from sph.page.paper import sections_of
+from sph.page.sections import certain
+from sph.paper.study import load_study
 from sph.study.planned import planned, sources
 from sph.study.sampling import chosen_runs
-from sph.study.plan import load_study
 from sph.experiments.trigger.design import load_trigger, plan_of
 from sph.scene.configuration import check_files
 from sph.solver.compiled.jit import solver_digest
@@ -36,8 +38,8 @@ PLAN = load_study(
     workflow.is_main_process,
 )
 RESULTS = PLAN.folder
-# A study over other dimensions than the paper's has a figure of all its runs.
-FIGURES_OF_ALL = [] if PLAN.study.of_the_paper else list(STUDY_FIGURES)
+# What the page shows: of these files every study has some, one over the paper's dimensions its claims and Figures 1-7.
+SECTIONS = sections_of(PLAN.study)
 # Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
 RUN = "{folder}/runs/{run}.nc"
 TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
@@ -50,11 +52,13 @@ ANALYSIS = sources(
     "study/*.py",
     "experiments/**/*.py",
     "experiments/measured/*.csv",
-    "paper/*.py",
 )
 DRAWING = ANALYSIS + sources("figures/*.py")
-PAGE = DRAWING + sources(
-    "page/*.*", "command/reference.py", "validation/measured/*.csv"
+PAPER = sources("paper/*.py")
+PAGE = (
+    DRAWING
+    + PAPER
+    + sources("page/*.*", "command/reference.py", "validation/measured/*.csv")
 )
 
 
@@ -68,23 +72,18 @@ wildcard_constraints:
 
 
 rule all:
-    """Everything: tables, figures, the page of them all; for a study over the paper's dimensions also its claims."""
+    """Everything: tables, figures, the page of them all."""
     input:
         f"{RESULTS}/report.html",
         f"{RESULTS}/study.nc",
         f"{RESULTS}/study.csv",
-        [f"{RESULTS}/claims.csv"] * PLAN.study.of_the_paper,
-        expand(
-            "{results}/figures/{figure}.{kind}",
-            results=RESULTS,
-            figure=PLAN.study.figures_made + FIGURES_OF_ALL,
-            kind=["png", "pdf"],
-        ),
+        certain(RESULTS, SECTIONS, [".png", ".pdf"]),
 
 
 include: "workflow/rules/resources.smk"
 include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/paper.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/cost_accuracy.smk"
 include: "workflow/rules/validation.smk"

@@ -41,8 +41,8 @@ The way through the house:
 These names are the public interface and keep their meaning from version to version; `CHANGELOG.md` says where one does not.  The
 modules are open to read and to use without that promise.  A scene (`sph.scene`) goes through the solver (`sph.solver`, a term of physics
 and a kind of wall a file) into a trajectory (`sph.storage`), and from there into numbers (`sph.measures`).  `sph.study` and
-`sph.experiments` plan many runs, `sph.paper` decides the paper's claims, `sph.stability` searches, `sph.validation` holds the reference
-cases, `sph.figures` draws, `sph.page` writes the report, `sph.command` is the command.
+`sph.experiments` plan many runs, `sph.stability` searches, `sph.figures` draws, `sph.paper` holds the paper's study with its claims and
+figures, `sph.validation` the reference cases, `sph.page` writes the report, `sph.command` is the command.
 """
 
 from importlib import import_module
@@ -58,7 +58,8 @@ _HOMES = {
         "sph.solver.checkpoint": "run_to_file",
         "sph.storage.trajectory": "read_run scene_of",
         "sph.measures.metrics": "measure MetricSettings",
-        "sph.study.plan": "load_study Plan",
+        "sph.paper.study": "load_study",
+        "sph.study.plan": "Plan",
         "sph.study.tables": "read_study read_table",
         "sph.stability.safety": "factor_of_safety critical_strength_ratio yield_acceleration",
         "sph.stability.search": "Search",
@@ -72,6 +73,7 @@ _HOMES = {
 if TYPE_CHECKING:
     from sph.measures.metrics import MetricSettings as MetricSettings
     from sph.measures.metrics import measure as measure
+    from sph.paper.study import load_study as load_study
     from sph.scene.schema import Scene as Scene
     from sph.scene.schema import load_scene as load_scene
     from sph.scene.schema import make_scene as make_scene
@@ -95,7 +97,6 @@ if TYPE_CHECKING:
     from sph.storage.trajectory import read_run as read_run
     from sph.storage.trajectory import scene_of as scene_of
     from sph.study.plan import Plan as Plan
-    from sph.study.plan import load_study as load_study
     from sph.study.tables import read_study as read_study
     from sph.study.tables import read_table as read_table
 else:

@@ -177,7 +177,7 @@ class Project:
     @functools.cached_property
     def _searched(self) -> dict[str, tuple[Plan, Point | None]]:
         """The same of what the search for critical amplitudes has asked for."""
-        if not self.plan.study.of_the_paper:
+        if not self.plan.study.is_grid_over(GRID):
             return {}
         asked: dict[str, dict[str, Point]] = {folder: {} for folder in self.trigger.plans}
         for _, _, folder, point in self.trigger.asked(self.folder):

@@ -36,14 +36,15 @@ from sph.experiments.trigger.design import Trigger
 from sph.experiments.trigger.maps import CELLS, SHARES
 from sph.experiments.trigger.points import POINTS
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
+from sph.paper.study import AnyStudy
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import named_sections, sections
-from sph.study.plan import Study
 from sph.study.tables import VALUES
+from sph.study.verdicts import HOLDS, MISSES
 from sph.validation.suite import Validation
-from sph.validation.table import HOLDS, MISSES, SHIPPED_VALIDATION, VALIDATION, read_validation
+from sph.validation.table import SHIPPED_VALIDATION, VALIDATION, read_validation
 
 
 def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
@@ -297,7 +298,7 @@ KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
 VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
 TABLES: dict[str, Callable[[], Reference]] = {
     "scene": lambda: Reference(KEY_HEAD, list(key_rows(Scene))),
-    "study": lambda: Reference(KEY_HEAD, list(key_rows(Study))),
+    "study": lambda: Reference(KEY_HEAD, list(key_rows(AnyStudy))),
     "trade_keys": lambda: Reference(KEY_HEAD, list(key_rows(Trade))),
     "validation_keys": lambda: Reference(KEY_HEAD, list(key_rows(Validation))),
     "limits_keys": lambda: Reference(KEY_HEAD, list(key_rows(Limits))),

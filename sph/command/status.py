@@ -29,11 +29,12 @@ from rich.text import Text
 
 import sph
 from sph.jobs.log import read_log
+from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml, without_files
 from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import finite, parse_json
 from sph.storage.files import beside
-from sph.study.plan import Plan, load_study
+from sph.study.plan import Plan
 from sph.study.sampling import chosen_runs
 
 REFRESH = 2.0

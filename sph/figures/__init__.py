@@ -1,8 +1,8 @@
-"""Figures 1-7 of the paper and the plot of one trajectory; a function draws, it does not derive quantities.
+"""Figures of studies and experiments and the plot of one trajectory; a function draws, it does not derive quantities.
 
-* ``arrangement``: what goes in: geometry, motion, initial particles (Figs. 1-3)
-* ``profile``: particles of a frame, drawn to size (Figs. 3-5)
-* ``history``: motion of a probe against time (Figs. 6-7)
+* ``arrangement``: what goes in: geometry, motion, initial particles
+* ``profile``: particles of a frame, drawn to size
+* ``history``: motion of a probe against time
 * ``overview``: one trajectory at a chosen time (``sph plot``)
 * ``film``: one trajectory through time (``sph animate``)
 * ``scene``: a scene before it is run (``sph check``)
@@ -21,37 +21,30 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
-from sph.figures.history import figure_gamma_histories, figure_strength_histories
 from sph.figures.overview import plot_trajectory
 from sph.figures.profile import figure_profiles
 from sph.figures.study import figure_study
 from sph.figures.style import save
+from sph.study.plan import INPUT_FIGURES, PROFILES
 
 __all__ = [
-    "FIGURES",
+    "RUN_FIGURES",
     "STUDY_FIGURES",
     "caption",
     "figure_arrangement",
-    "figure_gamma_histories",
     "figure_geometry",
     "figure_motion",
     "figure_profiles",
-    "figure_strength_histories",
     "figure_study",
     "plot_trajectory",
     "save",
 ]
 
-FIGURES: dict[int, Callable[..., Figure]] = {
-    1: figure_geometry,
-    2: figure_motion,
-    3: figure_arrangement,
-    4: figure_profiles,
-    5: figure_profiles,
-    6: figure_strength_histories,
-    7: figure_gamma_histories,
+RUN_FIGURES: dict[str, Callable[..., Figure]] = {
+    **dict(zip(INPUT_FIGURES, (figure_geometry, figure_motion, figure_arrangement), strict=True)),
+    PROFILES: figure_profiles,
 }
-"""The function of each of the paper's figures."""
+"""Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
 

@@ -1,4 +1,4 @@
-"""What goes into a simulation: geometry, motion, initial particles (Figs. 1-3)."""
+"""What goes into a simulation: geometry, motion, initial particles."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ SOIL_COLOUR = "#d9c9a8"
 def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     """Geometry of the slope, its material and the box that holds it; A is the particle at the crest edge whose motion is followed.
 
-    ``trajectory`` of any run of the scene (Fig. 1).  Raises ValueError for a shape without a slope.
+    ``trajectory`` of any run of the scene.  Raises ValueError for a shape without a slope.
     """
     scene = scene_of(trajectory)
     geometry = scene.geometry
@@ -139,7 +139,7 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     """Horizontal acceleration of the box against time; gravity is brought on before the shaking starts, and the run goes on
     after it has ended.
 
-    ``trajectory`` of any run of the scene (Fig. 2).
+    ``trajectory`` of any run of the scene.
     """
     scene = scene_of(trajectory)
     figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
@@ -170,7 +170,7 @@ def figure_arrangement(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     """Initial arrangement of the particles, coloured by height; the particles of the box are white.  A is the particle at the
     crest edge.
 
-    ``trajectory`` of any run of the scene; its first frame is drawn (Fig. 3).
+    ``trajectory`` of any run of the scene; its first frame is drawn.
     """
     soil, box = (int((trajectory["kind"].values == 0).sum()), int((trajectory["kind"].values != 0).sum()))
     figure = stack_of_profiles({f"{soil} soil particles, {box} particles of the box": trajectory}, 0, "initial_height")

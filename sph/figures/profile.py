@@ -1,4 +1,4 @@
-"""Particles of a frame, drawn to their physical size (Figs. 3-5)."""
+"""Particles of a frame, drawn to their physical size."""
 
 from __future__ import annotations
 
@@ -166,8 +166,7 @@ def figure_profiles(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") 
     """Profiles of the slope at the end of the run, coloured by the initial height of the particles; particles of the box are
     white, the line is the initial surface, A is the particle at the original crest edge.
 
-    ``trajectories`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": ds, ...}``: Fig. 4 with three S_R, Fig. 5 with two γ.
-    Raises ValueError without trajectories.
+    ``trajectories`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": ds, ...}``.  Raises ValueError without trajectories.
     """
     figure = stack_of_profiles(trajectories, -1, "initial_height")
     add_note(figure, [scene_of(ds) for ds in trajectories.values()], fidelity)

@@ -101,6 +101,7 @@ class MetricSettings(Section):
 
 
 GRID = ("S_R", "gamma", "amplitude")
+"""The dimensions that have short names: those of a study's variables, of which a study may have others (``sph.study.dimensions``)."""
 
 
 def _number(name: str, units: str, text: str) -> Variable:

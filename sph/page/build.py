@@ -21,16 +21,15 @@ from sph.command.reference import Strong
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.measures.metrics import CLASSES
 from sph.page.explorer import explorer
-from sph.page.sections import Drawing, Section, of, sections_of
+from sph.page.sections import Drawing, Section, of
 from sph.page.tables import Code, Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
-from sph.paper.claims import FAILS, HOLDS, NOT_COVERED, NOT_YET
 from sph.scene.strict_json import finite, parse_json
 from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.storage.trajectory import Status, scene_of
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.study.tables import EXPECTED, Layout, read_table
-from sph.validation.table import MISSES
+from sph.study.verdicts import FAILS, HOLDS, MISSES, NOT_COVERED, NOT_YET
 
 LARGEST = 10_000_000
 """Largest page, characters; the runs are kept in as much detail as fits."""
@@ -41,7 +40,7 @@ DATA = "@@data@@"
 MOST_VALUES = 12
 """Most values of a dimension that a cell holds."""
 OVER = {"S_R": "strength ratio S_R", "gamma": "rate of the loss of strength γ", "amplitude": "amplitude of shaking"}
-"""The paper's dimensions in a sentence."""
+"""The dimensions with short names in a sentence."""
 LEGENDS = {name: words[0].upper() + words[1:] for name, words in OVER.items()}
 EXPECTED_NAMES = [row.name for row in EXPECTED]
 MARKS: dict[str, str] = {
@@ -63,6 +62,7 @@ class StudyFiles(NamedTuple):
     runs: Mapping[str, str]  # files of those that the page shows, by name: all but in a large study
     stages: Sequence[tuple[str, str]]  # gravity stage and pre-failure run of each run shown, in the same order
     files: Sequence[str]  # of the sections
+    sections: Sequence[Section]
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
     probe: str = "A"
 
@@ -110,17 +110,16 @@ class Cost(NamedTuple):
     particle_steps_per_second: tuple[float, float]  # slowest and fastest run
 
 
-def write_page(path: Path | str, study: StudyFiles, sections: Sequence[Section] | None = None) -> int:
+def write_page(path: Path | str, study: StudyFiles) -> int:
     """Write the page of a study, whole or not at all; returns its size in bytes."""
-    page = build_page(study, sections).encode("utf-8")
+    page = build_page(study).encode("utf-8")
     with whole(path) as temporary:
         temporary.write_bytes(page)
     return len(page)
 
 
-def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, largest: int = LARGEST) -> str:
-    """HTML of the page of a study, at most ``largest`` characters unless tables and figures alone take more; ``sections`` are those of
-    a study over the paper's dimensions by default.
+def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
+    """HTML of the page of a study, at most ``largest`` characters unless tables and figures alone take more.
 
     Raises ValueError for a file that cannot be read and for a table whose rows are not the runs of the study.
     """
@@ -155,7 +154,7 @@ def build_page(study: StudyFiles, sections: Sequence[Section] | None = None, lar
         columns=[column.heading for column in columns],
         run_rows=list(zip(files, rows, (table["diverged"] > 0) | (table["failed_unshaken"] > 0), strict=True)),
         expected=expected_sentence(scene) if len(whole_table[EXPECTED_NAMES].drop_duplicates()) == 1 else "differs, see all runs",
-        parts=[found_part(section, study) for section in (sections_of(True) if sections is None else sections)],
+        parts=[found_part(section, study) for section in study.sections],
         cost=cost_of(whole_table, study),
         versions=versions_of(runs),
     )

@@ -1,18 +1,20 @@
 """What the page shows besides the runs: sections of tables and figures, found at paths below ``results/<study>``.
 
-A section whose files do not exist names the command that makes them.  To add one, add a row to ``SECTIONS``.
+A section whose files do not exist names the command that makes them.  To add one, add a row to ``OF_EVERY_STUDY``.  What
+only the paper's study shows is in ``sph.page.paper``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path, PurePath
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
-from sph.figures import FIGURES, STUDY_FIGURES, figure_profiles
+from sph.figures import RUN_FIGURES, STUDY_FIGURES
 from sph.figures import caption as caption_of
 from sph.figures.trigger import MAPPED
 from sph.storage.trajectory import Variable
+from sph.study.plan import PROFILES
 
 Held = TypeVar("Held")
 
@@ -36,70 +38,50 @@ class Section(NamedTuple):
     variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
     measured: Mapping[str, str] = {}  # caption by name in sph.command.reference.TABLES: what the release holds
     always: bool = False  # made with every study
-    of_the_paper: bool | None = None  # only for studies over the paper's dimensions, or only for others; None: for all
 
 
 MAP = "Map over strength ratio and amplitude."
 
 
-def numbered(number: int) -> Drawing:
-    """One of the paper's figures."""
-    return Drawing(f"Figure {number}", caption_of(FIGURES[number]))
+def drawings(figures: Mapping[str, Callable[..., Any]], names: Mapping[str, str]) -> dict[str, Drawing]:
+    """Figures of a study by their patterns; ``names`` by those of their files, and so the functions."""
+    return {f"{{fidelity}}/figures/{file}.png": Drawing(name, caption_of(figures[file])) for file, name in names.items()}
 
 
-SECTIONS: tuple[Section, ...] = (
-    Section(
-        "The paper's claims",
-        "Each claim is turned into a test on numbers; a claim that fails is shown as such.",
-        "snakemake --cores 2",
-        tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
-        always=True,
-        of_the_paper=True,
-    ),
-    Section(
-        "Figures",
-        "Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
-        "snakemake --cores 2",
-        figures={f"{{fidelity}}/figures/fig{number}.png": numbered(number) for number in FIGURES},
-        always=True,
-        of_the_paper=True,
-    ),
-    Section(
-        "Figures",
-        "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
-        "snakemake --cores 2",
-        figures={
-            **{f"{{fidelity}}/figures/{name}.png": Drawing(name.capitalize(), caption_of(draw)) for name, draw in STUDY_FIGURES.items()},
-            "{fidelity}/figures/profiles.png": Drawing("Profiles", caption_of(figure_profiles)),
-            **{f"{{fidelity}}/figures/fig{number}.png": numbered(number) for number in (1, 2, 3)},
-        },
-        always=True,
-        of_the_paper=False,
-    ),
-    Section(
-        "Trigger",
-        "The amplitude of shaking at which the slope begins to fail, bracketed by a run that stands and one that fails.",
-        "snakemake --cores 2 trigger",
-        tables={
-            "*/trigger/claim.csv": "What the search says of the paper's claim",
-            "*/trigger/trigger.csv": "Critical amplitudes",
-            "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
-        },
-        figures={"*/trigger/figures/trigger.png": Drawing("Trigger", "Critical amplitude of shaking against strength ratio.")},
-        of_the_paper=True,
-    ),
-    Section(
-        "Maps",
-        "Displacement and class over strength ratio, rate of the loss of strength and amplitude.",
-        "snakemake --cores 2 maps",
-        tables={"*/trigger/shares.csv": "Shares of strength ratio and rate that reach each class"},
-        figures={
-            "*/trigger/figures/shares.png": Drawing("Shares", "Shares of strength ratio and rate that reach each class."),
-            "*/trigger/figures/map-class.png": Drawing("Map of the class", MAP),
-            **{f"*/trigger/figures/map-{name}.png": Drawing(f"Map of the {name}", MAP) for name in MAPPED},
-        },
-        of_the_paper=True,
-    ),
+def numbered(count: int) -> dict[str, str]:
+    """Names of figures with numbers by those of their files."""
+    return {f"fig{number}": f"Figure {number}" for number in range(1, count + 1)}
+
+
+FIGURES = Section(
+    "Figures",
+    "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
+    "snakemake --cores 2",
+    figures=drawings(STUDY_FIGURES | RUN_FIGURES, {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | numbered(3)),
+    always=True,
+)
+TRIGGER = Section(
+    "Trigger",
+    "The amplitude of shaking at which the slope begins to fail, bracketed by a run that stands and one that fails.",
+    "snakemake --cores 2 trigger",
+    tables={
+        "*/trigger/trigger.csv": "Critical amplitudes",
+        "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
+    },
+    figures={"*/trigger/figures/trigger.png": Drawing("Trigger", "Critical amplitude of shaking against strength ratio.")},
+)
+MAPS = Section(
+    "Maps",
+    "Displacement and class over strength ratio, rate of the loss of strength and amplitude.",
+    "snakemake --cores 2 maps",
+    tables={"*/trigger/shares.csv": "Shares of strength ratio and rate that reach each class"},
+    figures={
+        "*/trigger/figures/shares.png": Drawing("Shares", "Shares of strength ratio and rate that reach each class."),
+        "*/trigger/figures/map-class.png": Drawing("Map of the class", MAP),
+        **{f"*/trigger/figures/map-{name}.png": Drawing(f"Map of the {name}", MAP) for name in MAPPED},
+    },
+)
+OF_EVERY_STUDY: tuple[Section, ...] = (
     Section(
         "Sensitivity",
         "Which parameters decide the answers.",
@@ -148,15 +130,11 @@ SECTIONS: tuple[Section, ...] = (
         measured={"limits": "One choice changed at a time"},
     ),
 )
-"""The sections in their order on the page."""
+SECTIONS = (FIGURES, *OF_EVERY_STUDY)
+"""The sections of a study of any dimensions, in their order on the page."""
 
 
-def sections_of(of_the_paper: bool) -> list[Section]:
-    """The sections of a study over the paper's dimensions, or over others."""
-    return [section for section in SECTIONS if section.of_the_paper in (None, of_the_paper)]
-
-
-def existing(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:
+def existing(folder: Path | str, sections: Iterable[Section]) -> list[str]:
     """Files of all sections that exist, for the page of a folder ``results/<study>/<fidelity>``; sorted within each pattern."""
     folder = Path(folder)
     return [
@@ -168,11 +146,13 @@ def existing(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list
     ]
 
 
-def certain(folder: Path | str, sections: Iterable[Section] = SECTIONS) -> list[str]:
-    """Files that every study makes, of sections with ``always``."""
-    folder = Path(folder)
-    patterns = [pattern for section in sections if section.always for pattern in (*section.tables, *section.figures)]
-    return [str(folder.parent / pattern.format(fidelity=folder.name)) for pattern in patterns]
+def certain(folder: Path | str, sections: Iterable[Section], kinds: Sequence[str] = (".png",)) -> list[str]:
+    """Files that every study makes, of sections with ``always``; figures as files of all ``kinds``."""
+    folder, found = Path(folder), list[str]()
+    for section in (section for section in sections if section.always):
+        figures = [str(Path(pattern).with_suffix(kind)) for pattern in section.figures for kind in kinds]
+        found += [str(folder.parent / pattern.format(fidelity=folder.name)) for pattern in (*section.tables, *figures)]
+    return found
 
 
 def of(patterns: Mapping[str, Held], files: Iterable[str], folder: Path | str) -> Iterator[tuple[str, Held]]:

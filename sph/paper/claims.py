@@ -20,8 +20,8 @@ from sph.measures.metrics import COLLAPSE, DAMAGED, MINOR, UNDETERMINED
 from sph.scene.configuration import Section, key
 from sph.storage.trajectory import Status
 from sph.study.tables import write_csv
+from sph.study.verdicts import FAILS, HOLDS, NOT_COVERED, NOT_YET
 
-HOLDS, FAILS, NOT_YET, NOT_COVERED = "holds", "fails", "not yet", "not covered"
 COLUMNS = ("claim", "statement", "test", "measured", "verdict")
 
 PAPER_S_R = (0.10, 0.25, 0.50)  # Figs. 4 and 6

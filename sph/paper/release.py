@@ -12,9 +12,10 @@ import pandas as pd
 
 import sph
 from sph.measures.metrics import GRID
-from sph.paper.claims import COLUMNS, NOT_YET
+from sph.paper.claims import COLUMNS
 from sph.storage.trajectory import Variable
 from sph.study.tables import count_column, number_column, read_csv, read_table, text_column, write_csv
+from sph.study.verdicts import NOT_YET
 
 MEASURED = Path(__file__).parents[1] / "experiments" / "measured"
 STUDY = Path("results/paper")

@@ -1,4 +1,4 @@
-"""The dimensions of a study: keys of the scene by their dotted paths, or by the paper's short names, and values as written.
+"""The dimensions of a study: keys of the scene by their dotted paths, of three by a short name, and values as written.
 
 A value stays the string that it was written as, so that file names and labels are what the user wrote; it becomes a number, a word
 or null once, in the scene and in the study's tables.
@@ -21,8 +21,8 @@ from sph.scene.configuration import Section
 from sph.scene.schema import Scene
 from sph.storage.trajectory import Variable
 
-GRID_KEYS = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
-"""The scene keys that the paper's dimensions set, by their short names."""
+SHORT_NAMES = dict(zip(GRID, ("coupling.S_R", "coupling.gamma", "motion.amplitude"), strict=True))
+"""The scene keys that have short names as dimensions, by these."""
 CASE = "case"
 """Dimension of a study that is a list of runs, and the column of their names."""
 NUMBER = re.compile(r"[+-]?[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
@@ -33,7 +33,7 @@ AXES: tuple[Variable, ...] = (
     Variable("gamma", ("gamma",), "f8", "s-1", "rate of the loss of strength, Eq. 9"),
     Variable("amplitude", ("amplitude",), "f8", "m s-2", "amplitude of the ground acceleration"),
 )
-"""The paper's dimensions in a study's tables."""
+"""The dimensions with short names in a study's tables."""
 
 
 def as_written(value: Any) -> Any:
@@ -91,7 +91,7 @@ class Dimension(NamedTuple):
 
 def scene_key(name: str) -> str:
     """The dotted scene key of a dimension."""
-    return GRID_KEYS.get(name, name)
+    return SHORT_NAMES.get(name, name)
 
 
 def title_of(dimensions: Iterable[Dimension], point: Mapping[str, str]) -> str:
@@ -100,7 +100,7 @@ def title_of(dimensions: Iterable[Dimension], point: Mapping[str, str]) -> str:
 
 
 def in_order(names: Iterable[str]) -> list[str]:
-    """Dimensions in the order of file names and tables: the paper's first, then as written."""
+    """Dimensions in the order of file names and tables: those with short names first, then as written."""
     names = list(names)
     return [name for name in GRID if name in names] + [name for name in names if name not in GRID]
 
@@ -125,7 +125,7 @@ def check_names(where: str, names: Iterable[str]) -> None:
     for name in names:
         key = scene_key(name)
         if not any(_matches(key, known) for known in scene_keys()):
-            near = difflib.get_close_matches(key, [*GRID_KEYS, *scene_keys()], 1, 0.5)
+            near = difflib.get_close_matches(key, [*SHORT_NAMES, *scene_keys()], 1, 0.5)
             raise ValueError(f"{where}.{name}: there is no such key in a scene" + (f"; the nearest is {near[0]}" if near else ""))
         if key in keys:
             raise ValueError(f"{where}: {keys[key]} and {name} set the same key")

@@ -1,8 +1,8 @@
 """A study: one scene with some of its keys varied, at a fidelity (``config/config.yaml``).
 
-The runs are a grid of values, a list of cases or a sample (``sph.study.sampling``); a dimension is any key of the scene, the paper's
-three by their short names.  Values stay the strings they were written as (``sph.study.dimensions``).  ``load_study`` builds and
-validates the scene of every run, so that a typo is refused before any work.  What runs share is simulated once (``sph.study.stages``).
+The runs are a grid of values, a list of cases or a sample (``sph.study.sampling``); a dimension is any key of the scene, three of
+which have short names.  Values stay the strings they were written as (``sph.study.dimensions``).  ``load_study`` builds and validates
+the scene of every run, so that a typo is refused before any work.  What runs share is simulated once (``sph.study.stages``).
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -20,7 +20,6 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sph.measures.fields import check_probe
 from sph.measures.metrics import GRID, MetricSettings
-from sph.paper.claims import ClaimSettings
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, scene_files, validated
 from sph.scene.schema import Scene, make_scene
 from sph.study.dimensions import (
@@ -60,19 +59,10 @@ def _dimensions_kept(grid: Any) -> Any:
 
 
 class FigureCases(Section):
-    """Which runs figures show: Figs. 4-7 at the amplitude of the claims, values as in the grid; profiles of any study by name."""
+    """Which runs figures show."""
 
-    strengths: Axis = key("S_R of Figs. 4 and 6", source="Figs. 4, 6", default=("0.10", "0.25", "0.50"))
-    gamma: Number = key("gamma of Figs. 4 and 6", "1/s", "Figs. 4, 6", default="100")
-    compared_gammas: Axis = key("gammas of Figs. 5 and 7", "1/s", "Figs. 5, 7", default=("100", "1"))
-    compared_strengths: Axis = key(
-        "S_R of the panels of Fig. 7, the first also of Fig. 5",
-        source="Fig. 7: 0.25 in the text, 0.35 in the caption",
-        default=("0.25", "0.35"),
-    )
     runs: tuple[str, ...] = key(
-        "runs, by the names of their files without suffix, whose profiles a study without the paper's three dimensions shows; "
-        "none: four, evenly through the study",
+        "runs, by the names of their files without suffix, whose profiles are drawn; none: four, evenly through the study",
         default=(),
         max_length=12,
     )
@@ -96,9 +86,8 @@ class Study(Section):
     )
     sample: Sample | None = key("instead of a grid: runs that fill ranges of the dimensions", default=None)
     fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key("scene keys that each fidelity sets, by name")
-    figures: FigureCases = key("runs shown in Figs. 4-7", default=FigureCases())
+    figures: FigureCases = key("runs shown in figures", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
-    claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
     trade: str = key("file of the study that 'snakemake trade' runs, searched for like the scene", default="config/trade.yaml")
     validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
     limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
@@ -142,15 +131,14 @@ class Study(Section):
         """The dimensions, in the order of file names and tables."""
         return in_order(self.grid or (self.sample.ranges if self.sample else self.cases[0] if self.cases else ()))
 
-    @property
-    def of_the_paper(self) -> bool:
-        """Whether the study is a grid over exactly the paper's three dimensions, which its claims and Figs. 4-7 need."""
-        return self.grid is not None and self.names == list(GRID)
+    def is_grid_over(self, names: Sequence[str]) -> bool:
+        """Whether the study is a grid over exactly these dimensions."""
+        return self.grid is not None and self.names == in_order(names)
 
-    def needs_the_paper(self, what: str) -> None:
-        """ValueError where the study is not a grid over the paper's dimensions."""
-        if not self.of_the_paper:
-            raise ValueError(f"{what} need a grid over exactly {', '.join(GRID)}; study {self.study!r} varies {', '.join(self.names)}")
+    def needs_grid_over(self, names: Sequence[str], what: str) -> None:
+        """ValueError, which says ``what`` needs it, where the study is not a grid over exactly these dimensions."""
+        if not self.is_grid_over(names):
+            raise ValueError(f"{what} need a grid over exactly {', '.join(names)}; study {self.study!r} varies {', '.join(self.names)}")
 
     @functools.cached_property
     def values(self) -> dict[str, tuple[str, ...]]:
@@ -187,11 +175,6 @@ class Study(Section):
         """Name of the file of a run of the study."""
         return next(name for name, own in self.runs.items() if own == point) if self.numbered else point_name(point)
 
-    @property
-    def figures_made(self) -> list[str]:
-        """Figures of the study, but for those of all runs (``sph.figures.STUDY_FIGURES``)."""
-        return [f"fig{number}" for number in (range(1, 8) if self.of_the_paper else range(1, 4))] + OF_ANY * (not self.of_the_paper)
-
     def shown_runs(self, most: int, chosen: Sequence[str] = ()) -> list[str]:
         """Names of at most ``most`` runs, evenly through the study, with the ``chosen`` ones, in the order of the tables."""
         names = list(self.runs)
@@ -206,62 +189,30 @@ class Study(Section):
     def page_runs(self) -> list[str]:
         """Names of the runs that the page shows."""
         few = len(self.runs) <= MOST_SHOWN
-        return list(self.runs) if few else self.shown_runs(MOST_SHOWN, [] if self.of_the_paper else self.profile_runs)
+        return list(self.runs) if few else self.shown_runs(MOST_SHOWN, self.figure_files.get(PROFILES, []))
 
     @property
     def figure_files(self) -> dict[str, list[str]]:
-        """Names of the runs from which the figures are drawn, but for the one of all runs."""
-        numbered = [figure for figure in self.figures_made if figure not in OF_ANY]
-        found = {figure: [self.name_of(point) for _, point in self.figure_runs(int(figure[3:]))] for figure in numbered}
-        return found if self.of_the_paper else found | {"profiles": self.profile_runs}
+        """Names of the runs from which a figure is drawn, by the name of its file; ValueError where the study lacks what one needs.
+
+        The figures of all runs (``sph.figures.STUDY_FIGURES``) are not among them.
+        """
+        return dict.fromkeys(INPUT_FIGURES, list(self.runs)[:1]) | {PROFILES: self.profile_runs}
 
     @property
     def profile_runs(self) -> list[str]:
         """Names of the runs whose profiles are drawn."""
-        return self.shown_runs(PROFILES if not self.figures.runs else 0, self.figures.runs)
-
-    @property
-    def reference_amplitude(self) -> str:
-        """Label of the amplitude at which claims are tested and figures drawn; ValueError if the grid lacks it."""
-        return self.label("amplitude", str(self.claims.amplitude))
-
-    def label(self, name: str, value: str) -> str:
-        """The grid's own writing of a number; ValueError if the grid lacks it."""
-        for label in self.values[name]:
-            if value_of(label) == float(value):
-                return label
-        raise ValueError(f"grid.{name}: {value} is needed by the figures, the grid has {', '.join(self.values[name])}")
-
-    def figure_runs(self, figure: int) -> Iterator[tuple[tuple[str, ...], dict[str, str]]]:
-        """Titles (panel, then curve) and point of every run that a figure shows.
-
-        Figs. 1-3 show what goes in and need one run without a title.  ValueError where the study lacks what the figure needs.
-        """
-        cases = self.figures
-        if figure <= 3 and not self.of_the_paper:
-            yield (), next(iter(self.runs.values()))
-            return
-        self.needs_the_paper("Figures 4 to 7")
-        if figure <= 3:
-            pairs = [(cases.strengths[0], cases.gamma)]
-        elif figure in (4, 6):
-            pairs = [(S_R, cases.gamma) for S_R in cases.strengths]
-        else:
-            strengths = cases.compared_strengths if figure == 7 else cases.compared_strengths[:1]
-            pairs = [(S_R, gamma) for S_R in strengths for gamma in cases.compared_gammas]
-        for wanted_S_R, wanted_gamma in pairs:
-            S_R, gamma = self.label("S_R", wanted_S_R), self.label("gamma", wanted_gamma)
-            first, second = f"$S_R$ = {S_R}", f"γ = {gamma} s⁻¹"
-            titles = () if figure <= 3 else (first, second) if figure == 7 else (f"{first}, {second}",)
-            yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self.reference_amplitude}
+        return self.shown_runs(FEW_PROFILES if not self.figures.runs else 0, self.figures.runs)
 
 
-OF_ANY = ["profiles"]
-"""Figures of a study without the paper's dimensions."""
+INPUT_FIGURES = ("fig1", "fig2", "fig3")
+"""Figures of what goes in, which need one run: geometry, motion, initial particles."""
+PROFILES = "profiles"
+"""The figure of some runs at their end."""
+FEW_PROFILES = 4
+"""Runs that it shows where the study does not choose them."""
 MOST_SHOWN = 200
 """Most runs that the page shows, evenly through the study."""
-PROFILES = 4
-"""Profiles of such a study where it does not choose them."""
 
 
 class Plan:
@@ -292,10 +243,10 @@ class Plan:
         return self.scene(**self.point(name))
 
     def point(self, name: str) -> Point:
-        """Point of a run by the name of its file; over the paper's dimensions also of one of the trigger's that the study lacks."""
+        """Point of a run by the name of its file; over the dimensions of the trigger also of one of its runs that the study lacks."""
         if name in self.study.runs:
             return self.study.runs[name]
-        found = named_point(name, GRID) if self.study.of_the_paper else None
+        found = named_point(name, GRID) if self.study.is_grid_over(GRID) else None
         if found is None:
             raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
         return found
@@ -319,7 +270,7 @@ class Plan:
         """Scene of a gravity stage or a shared pre-failure run by the name of its file; also of one that the trigger shares."""
         if name in self._shared.points:
             return self.scene(**self._shared.points[name])
-        found = named_point(name, GRID[2:]) if self.study.of_the_paper else None
+        found = named_point(name, GRID[2:]) if self.study.is_grid_over(GRID) else None
         if found is not None:
             return self.scene(**found)
         raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
@@ -424,17 +375,27 @@ class Plan:
         return scene
 
 
-def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
+def read_study(data: Mapping[str, Any], origin: str) -> Study:
+    """Validate the keys of a study; ValueError names ``origin``, key and value."""
+    return validated(Study, data, origin)
+
+
+def load_study(
+    config: Mapping[str, Any] | Path | str,
+    folders: Sequence[Path] = (Path(),),
+    check: bool = True,
+    read: Callable[[Mapping[str, Any], str], Study] = read_study,
+) -> Plan:
     """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
 
-    ``folders`` are searched in order for the scene file and a file of cases.
+    ``folders`` are searched in order for the scene file and a file of cases; ``read`` makes the study of the keys, of any kind.
     """
     origin = "config" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(config)
     cases = data["cases"] if isinstance(data.get("cases"), str) else None
     if cases is not None:
         data = {**data, "cases": read_cases(folders, cases)}
-    study = validated(Study, data, origin)
+    study = read(data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
     plan = Plan(study, read_scene(scene), str(scene))
     if check:

@@ -3,8 +3,8 @@
 Runs share the gravity stage if they agree in every key that acts before the shaking, and the pre-failure run (``trunk`` in file names) if
 they agree in all keys but ``sph.solver.run.BRANCH_KEYS``.
 
-A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``trunk_soil.cohesion-20_motion.frequency-1``; the
-paper's are ``gravity`` and ``amplitude-6.0``), or, where runs are numbered, after the first run that needs it.
+A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``trunk_soil.cohesion-20_motion.frequency-1``; over
+S_R, gamma and amplitude they are ``gravity`` and ``amplitude-6.0``), or, where runs are numbered, after the first run that needs it.
 """
 
 from __future__ import annotations

@@ -100,7 +100,7 @@ CASE_COLUMN = Variable(CASE, (CASE,), "str", "1", "name of the run: its file is 
 
 
 def study_rows(rows: Sequence[Mapping[str, Any]], layout: Layout | None = None) -> pd.DataFrame:
-    """Frame of a study or a part of it, values of its dimensions kept as strings; by default over the paper's dimensions.
+    """Frame of a study or a part of it, values of its dimensions kept as strings; by default over the dimensions with short names.
 
     Raises ValueError for no rows, a missing or unknown column, and a value of a dimension that is no number where all are to be.
     """

@@ -10,11 +10,11 @@ import pandas as pd
 
 from sph.storage.trajectory import Status, Variable
 from sph.study.tables import number_column, read_csv, text_column
+from sph.study.verdicts import HOLDS, MISSES
 from sph.validation import CASES
 from sph.validation.level import Found, Level
 from sph.validation.suite import Case
 
-HOLDS, MISSES = "holds", "misses"
 SHIPPED_VALIDATION = Path(__file__).with_name("measured") / "validation.csv"
 """Table measured for this release, by ``snakemake validation``."""
 NO_ORDER_BELOW = 1e-6

@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 from sph.command.cli import app
 from sph.command.reference import MARKED, TABLES, Reference, Strong, command_lines, filled, key_rows, markdown
 from sph.experiments.cost_accuracy.design import Trade
+from sph.paper.study import AnyStudy
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
-from sph.study.plan import Study
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -52,7 +52,7 @@ def test_commands_are_those_of_the_command_line() -> None:
     assert {"sph yield-acceleration SCENE", "--watch", "--json"} <= set(shown)
 
 
-@pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (Study, 25), (Trade, 15)])
+@pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (AnyStudy, 25), (Trade, 15)])
 def test_every_key_says_what_it_is(model: type[Section], keys: int) -> None:
     rows = list(key_rows(model))
     assert len(rows) > keys

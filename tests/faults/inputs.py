@@ -14,10 +14,10 @@ from sph.experiments.assumptions import Limits
 from sph.experiments.cost_accuracy.design import Trade
 from sph.experiments.sensitivity.design import Sensitivity
 from sph.experiments.trigger.design import Trigger
+from sph.paper.study import AnyStudy
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
-from sph.study.plan import Study
 from sph.validation.suite import Validation
 
 TINY: dict[str, Any] = {
@@ -157,7 +157,7 @@ VALIDATION = {
 }
 MODELS = {
     "scene": Scene,
-    "study": Study,
+    "study": AnyStudy,
     "trade": Trade,
     "limits": Limits,
     "sensitivity": Sensitivity,

@@ -16,20 +16,18 @@ from matplotlib.figure import Figure
 from synthetic import step_ramp, synthetic, translation
 
 from sph.figures import (
-    FIGURES,
+    RUN_FIGURES,
+    STUDY_FIGURES,
     caption,
     figure_arrangement,
-    figure_gamma_histories,
     figure_geometry,
     figure_motion,
     figure_profiles,
-    figure_strength_histories,
     figure_study,
     plot_trajectory,
     save,
 )
 from sph.figures.profile import field_norm
-from sph.figures.style import LINE_STYLES
 from sph.measures.fields import FIELDS, displacement
 from sph.measures.metrics import UNDETERMINED
 from sph.solver.particles import SOIL
@@ -53,9 +51,8 @@ def texts(figure: Figure) -> str:
     return "\n".join(text.get_text() for text in figure.findobj(matplotlib.text.Text))
 
 
-def test_every_figure_of_the_paper_has_a_function_and_a_caption() -> None:
-    assert sorted(FIGURES) == [1, 2, 3, 4, 5, 6, 7]
-    for draw in FIGURES.values():
+def test_every_figure_of_a_study_has_a_caption() -> None:
+    for draw in (RUN_FIGURES | STUDY_FIGURES).values():
         assert len(caption(draw)) > 60 and "\n" not in caption(draw) and "ValueError" not in caption(draw)
 
 
@@ -148,38 +145,9 @@ def test_geometry_of_a_slope_with_periodic_sides() -> None:
     assert "side wall" not in texts(figure_geometry(periodic)).replace("periodic side walls", "")
 
 
-def test_histories_show_the_vertical_displacement_named_and_told_apart_without_colour() -> None:
-    runs = {f"S_R = {depth}": synthetic(translation(-1.0, -depth), step_ramp(4.0, 8.0)) for depth in (5.0, 3.0, 1.0)}
-    figure = figure_strength_histories(runs)
-    ax = axes(figure)
-    curves = ax.lines[:3]
-    assert [curve.get_ydata()[-1] for curve in curves] == pytest.approx([-5.0, -3.0, -1.0])
-    assert curves[0].get_xdata()[0] == pytest.approx(3.0)
-    legend = ax.get_legend()
-    assert legend is not None and [text.get_text() for text in legend.get_texts()] == list(runs)
-    assert len({str(curve.get_linestyle()) + str(curve._dash_pattern) for curve in curves}) == 3
-    band = ax.patches[0].get_extents().transformed(ax.transData.inverted())
-    assert (band.x0, band.x1) == pytest.approx((3.0, 10.0))
-
-
-def test_more_curves_than_line_styles_still_draw(slid: xr.Dataset) -> None:
-    figure = figure_strength_histories({str(number): slid for number in range(len(LINE_STYLES) + 2)})
-    assert len(axes(figure).lines) == len(LINE_STYLES) + 3
-
-
-def test_gamma_panels(slid: xr.Dataset, standing: xr.Dataset) -> None:
-    figure = figure_gamma_histories({"S_R = 0.25": {"γ = 100": slid, "γ = 1": standing}, "S_R = 0.35": {"γ = 100": slid}})
-    assert [len(ax.lines) for ax in figure.axes] == [3, 2]
-    assert "(b) S_R = 0.35" in texts(figure)
-
-
-def test_figures_without_data_or_with_an_unknown_probe_are_refused(slid: xr.Dataset) -> None:
+def test_profiles_without_data_are_refused() -> None:
     with pytest.raises(ValueError, match="trajectories"):
         figure_profiles({})
-    with pytest.raises(ValueError, match="trajectories"):
-        figure_strength_histories({})
-    with pytest.raises(ValueError, match="probe: 'B'"):
-        figure_gamma_histories({"": {"γ = 1": slid}}, probe="B")
 
 
 @pytest.mark.parametrize("field", FIELDS)
@@ -248,10 +216,8 @@ def test_drawing_leaves_matplotlibs_settings_alone(slid: xr.Dataset) -> None:
 def test_a_diverged_run_says_so_in_its_figures() -> None:
     runs = {"sound": synthetic(translation(-1.0)), "broken": synthetic(translation(-2.0), status="diverged")}
     end = f"broken, diverged at {float(runs['broken']['sample_time'][-1]):.3g} s"
-    profiles, histories = figure_profiles(runs), figure_strength_histories(runs)
-    assert end in texts(profiles) and end in texts(histories) and texts(profiles).count("diverged") == 1
-    crosses = [line for line in axes(histories).lines if line.get_marker() == "x"]
-    assert len(crosses) == 1 and crosses[0].get_xdata()[0] == float(runs["broken"]["sample_time"][-1])
+    profiles = texts(figure_profiles(runs))
+    assert end in profiles and profiles.count("diverged") == 1
 
 
 @pytest.mark.parametrize("turned", [False, True])

@@ -11,7 +11,8 @@ from synthetic import Displacement, study_row, synthetic
 
 from sph.measures.metrics import METRIC_BY_NAME, measure
 from sph.page.build import StudyFiles
-from sph.page.sections import certain, existing, sections_of
+from sph.page.paper import PAPER_SECTIONS
+from sph.page.sections import certain, existing
 from sph.paper.claims import write_claims
 from sph.scene.schema import Scene
 from sph.storage import trajectory
@@ -70,7 +71,7 @@ def made_study() -> StudyFiles:
     for name, seconds in {"gravity": 0.5, "amplitude-4.0": 0.75, "amplitude-6.0": 1.0}.items():
         gravity.attrs["wall_time_s"] = seconds
         trajectory.write(f"{FOLDER}/stages/{name}.nc", gravity)
-    for path in certain(FOLDER, sections_of(True)):
+    for path in certain(FOLDER, PAPER_SECTIONS):
         if path.endswith(".png"):
             Path(path).parent.mkdir(exist_ok=True)
             Image.linear_gradient("L").save(path)
@@ -78,7 +79,7 @@ def made_study() -> StudyFiles:
     by_name = {Path(run).stem: run for run in runs}
     return StudyFiles(
         "made", "up", FOLDER, f"{FOLDER}/study.csv", layout, DIMENSIONS, 4, by_name, stages,
-        existing(FOLDER, sections_of(True)), {"fig4": runs[1:3]},
+        existing(FOLDER, PAPER_SECTIONS), PAPER_SECTIONS, {"fig4": runs[1:3]},
     )  # fmt: skip
 
 

@@ -93,7 +93,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
 def test_nothing_that_a_file_holds_becomes_markup(study: StudyFiles) -> None:
     Path(FOLDER, "trigger").mkdir()
     Path(FOLDER, "trigger", "claim.csv").write_text(f'name,note\n"{HOSTILE}",**bold**\n')
-    page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER), probe="A"))
+    page = build_page(study._replace(name=HOSTILE, files=existing(FOLDER, study.sections), probe="A"))
     words = Words(page)
     assert TITLE in words.text and HOSTILE in words.text
     assert [tag for tag, _ in words.elements].count("script") == 2 and not any("onerror" in attrs for _, attrs in words.elements)
@@ -123,8 +123,8 @@ def test_a_section_names_its_command_until_its_files_exist(study: StudyFiles) ->
         path = Path(FOLDER).with_name(name) / "sensitivity" / "morris.csv"
         path.parent.mkdir(parents=True)
         path.write_text(f"parameter,share\n{name},0.123456789\n")
-        assert str(path) in existing(FOLDER)
-    after = Words(build_page(study._replace(files=existing(FOLDER)))).text
+        assert str(path) in existing(FOLDER, study.sections)
+    after = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text
     assert "snakemake --cores 2 sensitivity" not in after and "0.1235" in after
     assert after.count("results/made/up/sensitivity/morris.csv") == after.count("results/made/other/sensitivity/morris.csv") == 1
 

@@ -9,9 +9,10 @@ import pytest
 
 import sph
 from sph.paper import release
-from sph.paper.claims import CLAIMS, HOLDS, NOT_YET
+from sph.paper.claims import CLAIMS
 from sph.paper.release import agreement, compared_fidelities, duration, measured_claims, read_measured, write_time
 from sph.study.tables import VALUES, Layout, write_csv
+from sph.study.verdicts import HOLDS, NOT_YET
 
 POINTS = [("0.10", "100", "6.0"), ("0.25", "100", "6.0"), ("0.50", "100", "6.0")]
 

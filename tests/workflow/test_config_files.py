@@ -12,8 +12,8 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.paper.study import load_study
 from sph.scene.schema import Scene, make_scene
-from sph.study.plan import load_study
 
 OTHER = """
 configfile: "{file}"

@@ -9,10 +9,13 @@ import pytest
 import yaml
 
 from sph.experiments.trigger.design import load_trigger
+from sph.figures import RUN_FIGURES
+from sph.paper import figures
+from sph.paper.study import AnyStudy, PaperStudy, load_study, paper_study
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
-from sph.study.plan import Plan, Study, load_study
+from sph.study.plan import Plan, Study
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -20,6 +23,11 @@ GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_tex
 
 def plan(overrides: dict[str, Any]) -> Plan:
     return load_study(merge(GOOD, overrides), [ROOT])
+
+
+def paper(overrides: dict[str, Any]) -> PaperStudy:
+    """The shipped study with some keys changed."""
+    return paper_study(plan(overrides).study, "this test")
 
 
 def test_the_shipped_study_covers_the_papers_cases() -> None:
@@ -42,7 +50,7 @@ def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:
     chosen = plan({"grid": {"S_R": ["0.10", 0.25, "0.350", 0.5]}, "figures": {"strengths": [0.1]}})
     assert chosen.study.grid is not None and chosen.study.grid["S_R"] == ("0.10", "0.25", "0.350", "0.5")
     assert chosen.built(S_R="0.10", gamma="1", amplitude="4.0").coupling.S_R == 0.1
-    assert [point["S_R"] for _, point in chosen.study.figure_runs(4)] == ["0.10"]
+    assert [point["S_R"] for _, point in paper_study(chosen.study, "this").figure_runs(4)] == ["0.10"]
 
 
 def test_stages_do_not_depend_on_what_they_are_shared_by() -> None:
@@ -57,7 +65,7 @@ def test_a_fidelity_lays_its_keys_over_the_scene() -> None:
 
 
 def test_figure_7_shows_the_strength_of_the_text_and_of_the_caption() -> None:
-    runs = list(plan({}).study.figure_runs(7))
+    runs = list(paper({}).figure_runs(7))
     assert [(point["S_R"], point["gamma"]) for _, point in runs] == [("0.25", "100"), ("0.25", "1"), ("0.35", "100"), ("0.35", "1")]
 
 
@@ -116,8 +124,8 @@ def test_a_grid_over_any_keys() -> None:
     ], "numbers increase, words stay in their order"
     scene = chosen.built(**chosen.study.runs["S_R-0.5_numerics.kernel-wendland_c2_soil.cohesion-20"])
     assert (scene.coupling.S_R, scene.soil.cohesion, scene.numerics.kernel) == (0.5, 20.0, "wendland_c2")
-    assert [axis.dtype for axis in chosen.layout.axes] == ["f8", "str", "f8"] and not chosen.study.of_the_paper
-    assert chosen.study.figures_made == ["fig1", "fig2", "fig3", "profiles"]
+    assert [axis.dtype for axis in chosen.layout.axes] == ["f8", "str", "f8"]
+    assert list(chosen.study.figure_files) == [*RUN_FIGURES] == ["fig1", "fig2", "fig3", "profiles"]
 
 
 def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:
@@ -240,6 +248,22 @@ def test_refusals_of_free_studies_name_key_and_value(runs: dict[str, Any], wante
 
 def test_what_needs_the_papers_dimensions_says_so() -> None:
     chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]})
-    for ask in (lambda: list(chosen.study.figure_runs(4)), lambda: load_trigger(chosen, [ROOT]), lambda: chosen.study.needs_the_paper("x")):
+    for ask in (lambda: load_trigger(chosen, [ROOT]), lambda: paper_study(chosen.study, "the claims")):
         with pytest.raises(ValueError, match=r"need a grid over exactly S_R, gamma, amplitude; study 'paper' varies S_R, soil.cohesion"):
             ask()
+
+
+def test_the_keys_of_the_paper_are_read_and_left_alone_in_other_studies() -> None:
+    """They stand in the configuration that a study is laid over."""
+    keys = {"claims": {"amplitude": 5.0}, "figures": {"strengths": ["0.9"]}}
+    chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]}, **keys).study
+    assert type(chosen) is AnyStudy and list(chosen.figure_files)[-1] == "profiles"
+    with pytest.raises(ValueError, match="claims.amplitude"):
+        free(grid={"S_R": [0.1]}, claims={"amplitude": -1.0})
+
+
+def test_every_figure_of_the_paper_has_its_runs() -> None:
+    shown = paper({}).figure_files
+    assert list(shown) == list(figures.FIGURES)
+    assert shown["fig1"] == shown["fig2"] == shown["fig3"] == ["S_R-0.10_gamma-100_amplitude-6.0"] == shown["fig4"][:1]
+    assert [len(shown[f"fig{number}"]) for number in range(4, 8)] == [3, 2, 3, 4]

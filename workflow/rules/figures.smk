@@ -1,15 +1,16 @@
-# Purpose: Figures 1-7 of the paper; of a study over other dimensions Figs. 1-3, its results against them and some profiles.
-# Inputs:  the runs each figure shows (config: figures, claims.amplitude), study.csv; the drawing code.
-# Outputs: figures/fig1 to fig7, study, profiles, PNG and PDF
+# Purpose: what goes into a study (Figs. 1-3), its results against its dimensions and some profiles.
+# Inputs:  the runs each figure shows (config: figures.runs), study.csv; the drawing code.
+# Outputs: figures/fig1 to fig3, study, profiles, PNG and PDF
 
 
 rule figure:
-    """Draw a figure: 1-3 show what goes in, 4-5 profiles at the end, 6-7 the motion of particle A."""
+    """Draw a figure of what goes in: geometry, motion, initial particles."""
     input:
-        runs=lambda wildcards: [
-            RUN.format(folder=RESULTS, run=PLAN.study.name_of(point))
-            for _, point in PLAN.study.figure_runs(int(wildcards.number))
-        ],
+        runs=lambda wildcards: expand(
+            RUN,
+            folder=RESULTS,
+            run=PLAN.study.figure_files[f"fig{wildcards.number}"],
+        ),
     output:
         png=report(
             f"{RESULTS}/figures/fig{{number}}.png",
@@ -21,17 +22,15 @@ rule figure:
     log:
         f"{RESULTS}/logs/fig{{number}}.log",
     wildcard_constraints:
-        number="[1-7]",
+        number="[1-3]",
     params:
         sources=SOLVER + DRAWING,
-        figure=lambda wildcards: int(wildcards.number),
+        figure=lambda wildcards: f"fig{wildcards.number}",
         scenes=lambda wildcards: [
-            planned(PLAN.scene(**point))
-            for _, point in PLAN.study.figure_runs(int(wildcards.number))
+            planned(PLAN.run_scene(run))
+            for run in PLAN.study.figure_files[f"fig{wildcards.number}"]
         ],
-        titles=lambda wildcards: [
-            list(titles) for titles, _ in PLAN.study.figure_runs(int(wildcards.number))
-        ],
+        titles=[],
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/figures/draw_figure.py"
@@ -80,11 +79,11 @@ rule profiles:
         f"{RESULTS}/logs/profiles.log",
     params:
         sources=SOLVER + DRAWING,
-        figure=4,
+        figure="profiles",
         scenes=lambda wildcards: [
             planned(PLAN.run_scene(run)) for run in PLAN.study.profile_runs
         ],
-        titles=lambda wildcards: [[title] for title in PLAN.profile_titles],
+        titles=lambda wildcards: PLAN.profile_titles,
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/figures/draw_figure.py"

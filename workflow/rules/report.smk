@@ -1,10 +1,8 @@
 # Purpose: one page for the browser that holds the whole study and needs no network.
 # Inputs:  study.csv, claims.csv, figures, all runs and stages; the tables and figures of other targets that exist
-#          (sph/page/sections.py lists them); the page's sources and the tables that the release holds.
+#          (sph/page/sections.py and paper.py list them); the page's sources and the tables that the release holds.
 # Outputs: report.html
-from sph.page.sections import certain, existing, sections_of
-
-SECTIONS = sections_of(PLAN.study.of_the_paper)
+from sph.page.sections import existing
 
 
 rule page:
@@ -48,6 +46,6 @@ rule page:
             figure: expand(RUN, folder=RESULTS, run=runs)
             for figure, runs in PLAN.study.figure_files.items()
         },
-        of_the_paper=PLAN.study.of_the_paper,
+        sections=lambda wildcards: SECTIONS,
     script:
         "../scripts/report/write_page.py"

@@ -1,6 +1,6 @@
 # Purpose: from runs to numbers.
 # Inputs:  runs/*.nc; the analysis' sources.
-# Outputs: stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv, claims.csv
+# Outputs: stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv
 
 
 rule yield_acceleration:
@@ -80,24 +80,3 @@ rule study:
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/study/join_study.py"
-
-
-rule claims:
-    """Decide the paper's twelve claims by numbers."""
-    input:
-        study=lambda wildcards: PLAN.study.needs_the_paper("the claims")
-        or f"{RESULTS}/study.nc",
-    output:
-        report(
-            f"{RESULTS}/claims.csv",
-            caption="../report/claims.rst",
-            category="Tables",
-            labels={"shows": "the claims"},
-        ),
-    log:
-        f"{RESULTS}/logs/claims.log",
-    params:
-        sources=ANALYSIS,
-        settings=PLAN.study.claims.model_dump(),
-    script:
-        "../scripts/study/decide_claims.py"

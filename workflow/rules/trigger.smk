@@ -134,7 +134,7 @@ rule trigger_table:
     log:
         "{folder}/trigger/logs/trigger.log",
     params:
-        sources=SEARCHING + ANALYSIS,
+        sources=SEARCHING + ANALYSIS + PAPER,
         scenes=lambda wildcards: TRIGGER().scenes,
         slopes=lambda wildcards: [
             planned(PLANS(folder).slope) for folder in TRIGGER().searched.values()

@@ -18,9 +18,9 @@ import pandas as pd
 from sph.experiments.trigger.design import reached
 from sph.experiments.trigger.points import POINT, WANTED, names
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
-from sph.paper.claims import FAILS, HOLDS
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, count_column, number_column, read_csv, text_column
+from sph.study.verdicts import FAILS, HOLDS
 
 BRACKETED, AT_LOWEST, NEVER, UNDECIDED = "bracketed", "reached at the lowest", "not reached at the highest", "all diverged"
 """Outcomes of a search."""

@@ -20,7 +20,7 @@ from sph.experiments.base import Label, Overrides, check_file_names, check_known
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES, GRID
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
-from sph.study.dimensions import GRID_KEYS, point_name
+from sph.study.dimensions import SHORT_NAMES, point_name
 from sph.study.plan import Axis, Plan, Point
 from sph.study.planned import Planned, planned
 
@@ -82,7 +82,7 @@ class Trigger(Section):
     def _known(self) -> Trigger:
         check_file_names("cases", self.cases)
         for case, overrides in self.cases.items():
-            for name, dotted_key in GRID_KEYS.items():
+            for name, dotted_key in SHORT_NAMES.items():
                 section, last = dotted_key.split(".")
                 if last in (overrides.get(section) or {}):
                     raise ValueError(f"cases.{case}: {dotted_key} is what is searched, see {name}")
@@ -267,7 +267,7 @@ def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
 
 def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
     """Validate the configuration that a study names, and scenes at the ends of its lattices; ValueError names file, key and value."""
-    study.study.needs_the_paper("trigger and maps")
+    study.study.needs_grid_over(GRID, "trigger and maps")
     path = study.study.trigger
     return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path)
 

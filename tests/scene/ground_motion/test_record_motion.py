@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.page.tables import key_rows
+from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_scene, scene_files
 from sph.scene.ground_motion import motion_of, read_motion
 from sph.scene.ground_motion.record import processed
@@ -23,7 +24,6 @@ from sph.scene.loading import make_loading
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.newmark import sliding_block
 from sph.study.baseline import newmark_amplitude
-from sph.study.plan import load_study
 
 INTERVAL = 0.005
 TIME = np.arange(400) * INTERVAL

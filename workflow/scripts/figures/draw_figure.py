@@ -1,29 +1,25 @@
-"""Draw one of Figures 1-7, or profiles of other runs."""
+"""Draw a figure of one run, or of some."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from sph.figures import FIGURES, save
+from sph.figures import RUN_FIGURES, save
 from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
 
 
 def draw_figure(
-    number: int,
+    name: str,
     paths_to_runs: Sequence[str],
     scenes: Sequence[Planned],
-    titles: Sequence[Sequence[str]],
+    titles: Sequence[str],
     fidelity: str,
     paths_to_pictures: Sequence[str],
 ) -> None:
-    """Draw a figure from runs of planned scenes; ``titles`` name each run: nothing, its panel, or its panel and its curve."""
+    """Draw one of ``RUN_FIGURES`` from runs of planned scenes; ``titles`` name each run, none where the figure shows one."""
     runs = [scene.read(path) for path, scene in zip(paths_to_runs, scenes, strict=True)]
-    shown: Any = runs[0]
-    if titles[0]:
-        shown = {}
-        for (*panel, last), run in zip(titles, runs, strict=True):
-            (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
-    save(FIGURES[number](shown, fidelity=fidelity), *paths_to_pictures)
+    shown: Any = dict(zip(titles, runs, strict=True)) if titles else runs[0]
+    save(RUN_FIGURES[name](shown, fidelity=fidelity), *paths_to_pictures)
 
 
 if __name__ == "__main__":

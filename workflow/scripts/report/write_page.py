@@ -4,7 +4,6 @@ from pathlib import Path
 
 from sph.jobs.log import Job, job_log
 from sph.page.build import StudyFiles, attributes, write_page
-from sph.page.sections import sections_of
 
 if __name__ == "__main__":
     snakemake: Job
@@ -23,8 +22,9 @@ if __name__ == "__main__":
             dict(zip(params.names, given.runs, strict=True)),
             params.stages,
             given.files,
+            params.sections,
             params.shown,
             params.probe,
         )
-        size = write_page(snakemake.output[0], study, sections_of(params.of_the_paper))
+        size = write_page(snakemake.output[0], study)
         print(f"{snakemake.output[0]}: {size / 1e6:.1f} MB", file=log)

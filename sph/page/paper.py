@@ -1,0 +1,31 @@
+"""What the page shows of the paper's study: its claims, and Figures 1 to 7 in the place of those of any study."""
+
+from __future__ import annotations
+
+from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, SECTIONS, TRIGGER, Section, drawings, numbered
+from sph.paper import figures
+from sph.paper.study import PaperStudy
+from sph.study.plan import Study
+
+PAPER_SECTIONS: tuple[Section, ...] = (
+    Section(
+        "The paper's claims",
+        "Each claim is turned into a test on numbers; a claim that fails is shown as such.",
+        "snakemake --cores 2",
+        tables={"{fidelity}/claims.csv": "Claim, test, what was measured, verdict"},
+        always=True,
+    ),
+    FIGURES._replace(
+        text="Figures 1 to 7 of the paper as this study gives them. The note in each says from which scene and resolution it comes.",
+        figures=drawings(figures.FIGURES, numbered(7)),
+    ),
+    TRIGGER._replace(tables={"*/trigger/claim.csv": "What the search says of the paper's claim", **TRIGGER.tables}),
+    MAPS,
+    *OF_EVERY_STUDY,
+)
+"""The sections in their order on the page."""
+
+
+def sections_of(study: Study) -> tuple[Section, ...]:
+    """The sections of a study's page: the paper's, or those of any."""
+    return PAPER_SECTIONS if isinstance(study, PaperStudy) else SECTIONS

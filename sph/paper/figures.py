@@ -1,0 +1,65 @@
+"""Figures 1-7 of the paper: the first three and the profiles are those of any study, the motion of particle A is here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from sph.figures import RUN_FIGURES, figure_profiles
+from sph.figures.history import draw_vertical_histories
+from sph.figures.style import WIDTH, add_note, label_panels, styled
+from sph.storage.trajectory import scene_of
+from sph.study.plan import INPUT_FIGURES
+
+
+def _histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str, fidelity: str) -> Figure:
+    if not panels or not all(panels.values()):
+        raise ValueError("trajectories: a figure of histories needs at least one in every panel")
+    figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+    axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
+    for ax, trajectories in zip(axes, panels.values(), strict=True):
+        lines = draw_vertical_histories(ax, trajectories, probe)
+        ax.margins(y=0.14)
+        if len(panels) > 1:
+            ax.legend(handles=lines, loc="upper left", bbox_to_anchor=(0.0, -0.2), ncols=len(lines), handlelength=3.2, borderaxespad=0)
+    if len(panels) == 1:
+        axes[0].legend(handles=lines, loc="center left", bbox_to_anchor=(1.01, 0.5), handlelength=3.2)
+    axes[0].set_ylabel(f"vertical displacement of {probe} (m)")
+    if len(panels) > 1:
+        label_panels(axes, panels)
+    add_note(figure, [scene_of(ds) for trajectories in panels.values() for ds in trajectories.values()], fidelity)
+    return figure
+
+
+@styled
+def figure_strength_histories(trajectories: Mapping[str, xr.Dataset], probe: str = "A", fidelity: str = "") -> Figure:
+    """Vertical displacement of particle A at the original crest edge for several strength ratios, since the end of the gravity
+    stage and relative to the box; the band is the interval of shaking.
+
+    ``trajectories`` by curve name, e.g. ``{"S_R = 0.10": ds, ...}`` (Fig. 6).  Raises ValueError without trajectories and for
+    an unknown probe.
+    """
+    return _histories({"": trajectories}, probe, fidelity)
+
+
+@styled
+def figure_gamma_histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str = "A", fidelity: str = "") -> Figure:
+    """Vertical displacement of particle A at the original crest edge for fast and slow loss of strength (γ), since the end of the
+    gravity stage and relative to the box; the band is the interval of shaking.  The paper's text gives S_R = 0.25, its caption 0.35.
+
+    ``panels`` by title, e.g. ``{"S_R = 0.25": {"γ = 100": ds, "γ = 1": ds}, ...}`` (Fig. 7).  Raises ValueError for an empty
+    panel and an unknown probe.
+    """
+    return _histories(panels, probe, fidelity)
+
+
+FIGURES: dict[str, Callable[..., Figure]] = {
+    **{name: RUN_FIGURES[name] for name in INPUT_FIGURES},
+    "fig4": figure_profiles,
+    "fig5": figure_profiles,
+    "fig6": figure_strength_histories,
+    "fig7": figure_gamma_histories,
+}
+"""The function of each figure, by the name of its file."""
