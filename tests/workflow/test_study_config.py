@@ -240,6 +240,10 @@ def test_refusals_of_free_studies_name_key_and_value(runs: dict[str, Any], wante
 
 def test_what_needs_the_papers_dimensions_says_so() -> None:
     chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]})
-    for ask in (lambda: list(chosen.study.figure_runs(4)), lambda: load_trigger(chosen, [ROOT]), lambda: chosen.study.needs_the_paper("x")):
+    for ask in (
+        lambda: list(chosen.study.figure_runs(4)),
+        lambda: load_trigger("config/trigger.yaml", chosen, [ROOT]),
+        lambda: chosen.study.needs_the_paper("x"),
+    ):
         with pytest.raises(ValueError, match=r"need a grid over exactly S_R, gamma, amplitude; study 'paper' varies S_R, soil.cohesion"):
             ask()

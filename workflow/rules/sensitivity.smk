@@ -20,13 +20,13 @@ SAMPLE_OF = {
 DESIGNS = functools.cache(
     functools.partial(
         load_sensitivity,
-        PLAN.study.sensitivity,
+        PLAN.study.file_of("sensitivity"),
         PLAN,
         FOLDERS,
         check=workflow.is_main_process,
     )
 )
-EXPERIMENTS[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
+RUN_OF[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
 
 
 wildcard_constraints:
