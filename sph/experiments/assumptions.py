@@ -99,4 +99,12 @@ def _measure(rows: Sequence[tuple[str, str]], read: Callable[[str], xr.Dataset],
     return {"limits.csv": limits_table(rows, [read(run_name(change, case)) for change, case in rows], settings)}
 
 
-EXPERIMENT = Experiment("limits", "Limits", Limits, load_limits, _measure, {"limits.csv": Table(LIMITS, "every change")})
+EXPERIMENT = Experiment(
+    "limits",
+    "Limits",
+    "What the answers rest on: A's displacement and the run-out with one choice changed at a time, over those of the scene as it is.",
+    Limits,
+    load_limits,
+    _measure,
+    {"limits.csv": Table(LIMITS, "every change")},
+)

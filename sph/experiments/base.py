@@ -53,8 +53,9 @@ class Run(NamedTuple):
 class Design(Protocol):
     """An experiment with its configuration read and its scenes checked."""
 
-    runs: dict[str, Run]
-    """by file name without suffix"""
+    @property
+    def runs(self) -> Mapping[str, Run]:
+        """By file name without suffix."""
 
     @property
     def parameters(self) -> Any:
@@ -76,6 +77,8 @@ class Experiment(NamedTuple):
     """the target, the folder below ``results`` and the file in ``config``"""
     title: str
     """its section in Snakemake's report"""
+    about: str
+    """what its results show: their caption in the report, but for those that have one of their own in ``workflow/report``"""
     keys: type[Section]
     """of its configuration"""
     load: Callable[[str, Plan, Sequence[Path]], Design]

@@ -269,4 +269,13 @@ def _measure(rows: Sequence[Row], read: Callable[[str], xr.Dataset], settings: M
     return {"extremes.csv": extremes_table(rows, read)}
 
 
-EXPERIMENT = Experiment("extremes", "Extremes", Extremes, load_extremes, _measure, {"extremes.csv": Table(EXTREMES, "every run")})
+EXPERIMENT = Experiment(
+    "extremes",
+    "Extremes",
+    "How far the solver can be pushed: one key at a time to the ends of its range. "
+    "Every run ends valid, diverged or refused, with a reason.",
+    Extremes,
+    load_extremes,
+    _measure,
+    {"extremes.csv": Table(EXTREMES, "every run")},
+)

@@ -11,11 +11,15 @@ from sph.figures import experiment_figures
 check_known("config: experiments", PLAN.study.experiments, NAMES)
 
 
-def shown(path, title, label, *captions):
-    """A result in the report, with the first of the captions that there is."""
-    files = [SPH.parent / "workflow" / "report" / f"{name}.rst" for name in captions]
-    caption = next((f"../report/{file.name}" for file in files if file.is_file()), None)
-    return report(path, caption=caption, category=title, labels={"shows": label})
+def shown(path, title, label, own):
+    """A result in the report, with a caption of its own where there is one."""
+    known = (SPH.parent / "workflow" / "report" / f"{own}.rst").is_file()
+    return report(
+        path,
+        caption=f"../report/{own if known else 'experiment'}.rst",
+        category=title,
+        labels={"shows": label},
+    )
 
 
 for experiment in EXPERIMENTS.values():
@@ -56,7 +60,6 @@ for experiment in EXPERIMENTS.values():
                         title,
                         table.shows,
                         f"{name}_{Path(file).stem}",
-                        name,
                     )
                     if table.shows
                     else f"{folder}/{file}"
@@ -68,6 +71,7 @@ for experiment in EXPERIMENTS.values():
         params:
             sources=SOLVER + ANALYSIS,
             experiment=name,
+            about=experiment.about,
             parameters=lambda wildcards, design=design: design().parameters,
             scenes=lambda wildcards, design=design: {
                 key: planned(run.scene) for key, run in design().runs.items()
@@ -96,7 +100,6 @@ for experiment in EXPERIMENTS.values():
                     title,
                     "figure" if own else f"figure {figure}",
                     f"{name}_figure",
-                    name,
                 ),
                 pdf=f"{folder}/figures/{figure}.pdf",
             log:
@@ -104,6 +107,7 @@ for experiment in EXPERIMENTS.values():
             params:
                 sources=DRAWING,
                 experiment=name,
+                about=experiment.about,
                 figure=figure,
             script:
                 "../scripts/experiments/draw.py"

@@ -35,6 +35,8 @@ def _measure(ladder: LadderParameters, read: Callable[[str], xr.Dataset], settin
 EXPERIMENT = Experiment(
     "trade",
     "Ladder",
+    "What each saving of computing time costs: one row a rung and case, with deviations from the reference. "
+    "Every column is defined in docs/experiments/cost-accuracy.md.",
     Trade,
     load_trade,
     _measure,
