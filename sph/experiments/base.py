@@ -86,7 +86,7 @@ class Experiment(NamedTuple):
     measure: Callable[[Any, Callable[[str], xr.Dataset], MetricSettings], Mapping[str, pd.DataFrame | xr.Dataset]]
     """the tables by file name, from the design's parameters, what reads a run by its name, and the study's thresholds"""
     tables: Mapping[str, Table]
-    """by file name, .csv or .nc; figures are drawn from all that are .csv (``sph.figures.experiment_figures``)"""
+    """by file name, .csv or .nc, one of them <name>.csv; figures are drawn from all that are .csv (``sph.figures.experiment_figures``)"""
 
     @property
     def folder(self) -> str:

@@ -461,7 +461,8 @@ def _with_experiments(data: Mapping[str, Any], origin: str, warn: bool) -> Mappi
             raise ValueError(f"{origin}: {name}: is now experiments.{name}, which is there as well; leave one")
     if warn:
         wanted = one_line(", ".join(f"{name}: {file}" for name, file in former.items()))
-        warnings.warn(f"{origin}: write experiments: {{{wanted}}}; as keys of the study they end with the next release", FutureWarning, 3)
+        # Of this module: a warning of the frame above it, which may be the Snakefile, does not come through Snakemake.
+        warnings.warn(f"{origin}: write experiments: {{{wanted}}}; as keys of the study they end with the next release", FutureWarning, 2)
     return {name: value for name, value in data.items() if name not in former} | {"experiments": {**former, **named}}
 
 
