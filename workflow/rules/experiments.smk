@@ -1,6 +1,6 @@
 # Purpose: the experiments whose runs stand alone, each a target: what a saving of time costs in accuracy (`snakemake --cores 2 trade`),
 #          what the answers rest on (`limits`), how far the solver can be pushed (`extremes`).
-# Inputs:  a file of configuration each (config: experiments); the sources of solver, analysis and drawing.
+# Inputs:  config/<name>.yaml (config: experiments); the sources of solver, analysis and drawing.
 # Outputs: results/<name>: runs/**/*.nc, tables, figures/*
 import functools
 
@@ -12,7 +12,9 @@ check_known("config: experiments", PLAN.study.experiments, NAMES)
 
 
 def shown(path, title, label, own):
-    """A result in the report, with a caption of its own where there is one."""
+    """A result in the report, with a caption of its own where there is one; without a label it stays out."""
+    if not label:
+        return path
     known = (SPH.parent / "workflow" / "report" / f"{own}.rst").is_file()
     return report(
         path,
@@ -54,15 +56,8 @@ for experiment in EXPERIMENTS.values():
             ],
         output:
             [
-                (
-                    shown(
-                        f"{folder}/{file}",
-                        title,
-                        table.shows,
-                        f"{name}_{Path(file).stem}",
-                    )
-                    if table.shows
-                    else f"{folder}/{file}"
+                shown(
+                    f"{folder}/{file}", title, table.shows, f"{name}_{Path(file).stem}"
                 )
                 for file, table in experiment.tables.items()
             ],

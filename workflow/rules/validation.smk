@@ -1,5 +1,5 @@
 # Purpose: the reference cases: does the solver give the numbers that are known? (`snakemake --cores 2 validation`)
-# Inputs:  the suite (config: experiments); the sources of solver, analysis and drawing.
+# Inputs:  config/validation.yaml (config: experiments); the sources of solver, analysis and drawing.
 # Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv
 import functools
 
