@@ -42,7 +42,9 @@ RESULTS = PLAN.folder
 SECTIONS = sections_of(PLAN.study)
 # Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
 RUN = "{folder}/runs/{run}.nc"
-TRIGGER = functools.cache(functools.partial(load_trigger, PLAN, FOLDERS))
+TRIGGER = functools.cache(
+    functools.partial(load_trigger, PLAN.study.file_of("trigger"), PLAN, FOLDERS)
+)
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the contents of the sources of each stage are its parameters.
 SOLVER = solver_digest()
@@ -85,10 +87,8 @@ include: "workflow/rules/study.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/paper.smk"
 include: "workflow/rules/report.smk"
-include: "workflow/rules/cost_accuracy.smk"
+include: "workflow/rules/experiments.smk"
 include: "workflow/rules/validation.smk"
-include: "workflow/rules/assumptions.smk"
-include: "workflow/rules/robustness.smk"
 include: "workflow/rules/sensitivity.smk"
 include: "workflow/rules/trigger.smk"
 include: "workflow/rules/docs.smk"

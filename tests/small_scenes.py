@@ -6,7 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from sph.measures.metrics import PROBE, MetricSettings
 from sph.scene.schema import Scene
+from sph.study.plan import Plan, Study
 
 SceneBuilder = Callable[[dict[str, Any]], Scene]
 """Makes a scene from dotted overrides."""
@@ -37,3 +39,17 @@ FREE_BLOCK: dict[str, Any] = {
 PAPER = Path(__file__).parents[1] / "config" / "scenes" / "paper.yaml"
 DRAFT: dict[str, Any] = {"numerics": {"spacing": 1.6666667, "smoothing_ratio": 1.3, "time_step": 2e-3}}
 """The paper's slope as the fidelity draft has it, but for the tolerance of its gradients: 959 particles, a second a run."""
+
+
+def study_plan(fidelities: dict[str, Any] | None = None, probe: str = PROBE) -> Plan:
+    """A study of ``SLOPE``, for an experiment that takes fidelities and probe from it."""
+    known = fidelities or {"paper": {}}
+    study = Study(
+        study="small",
+        scene="slope.yaml",
+        fidelity=next(iter(known)),
+        grid={"S_R": ("0.10",)},
+        fidelities=known,
+        metrics=MetricSettings(probe=probe),
+    )
+    return Plan(study, SLOPE, "slope.yaml")

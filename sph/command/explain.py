@@ -19,14 +19,10 @@ import xarray as xr
 
 import sph
 from sph.command.status import located_plan
-from sph.experiments.assumptions import FOLDER as LIMITS_FOLDER
-from sph.experiments.assumptions import LIMITS, LimitRuns, load_limits
-from sph.experiments.base import file_name
-from sph.experiments.cost_accuracy.design import FOLDER as TRADE_FOLDER
-from sph.experiments.cost_accuracy.design import Ladder, load_trade
+from sph.experiments.assumptions import LIMITS, run_name
 from sph.experiments.cost_accuracy.table import TRADE, measured_run
-from sph.experiments.robustness import EXTREMES, ExtremeRuns, load_extremes, measure_extreme
-from sph.experiments.robustness import FOLDER as EXTREMES_FOLDER
+from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.robustness import EXTREMES, measure_extreme
 from sph.experiments.sensitivity.design import SensitivityPlan, chosen_factors, load_sensitivity
 from sph.experiments.sensitivity.tables import sample_columns
 from sph.experiments.study_row import run_values
@@ -48,6 +44,9 @@ from sph.validation.suite import Suite, load_suite
 
 SEARCH = "yield_acceleration"
 """File of the search whose result the rows of a study share, without suffix."""
+TRADE_FOLDER, LIMITS_FOLDER, EXTREMES_FOLDER = (EXPERIMENTS[name].folder for name in ("trade", "limits", "extremes"))
+ALONE = (*(each.folder for each in EXPERIMENTS.values()), VALIDATION_FOLDER)
+"""Folders of results that belong to no study."""
 OF_ALL = {"wall_time", "particle_steps_per_second"}
 """Columns of its table that are medians over repeats."""
 
@@ -113,37 +112,31 @@ class Project:
         self.folder, self.plan = folder, located_plan(results, configfile)[0]
         self._folders = [folder, Path(sph.__file__).parents[1]]
         self._known: dict[str, dict[str, Mapping[str, Any]]] = {}
+        self._designs: dict[str, Any] = {}
 
     @functools.cached_property
     def trigger(self) -> TriggerPlan:
         """The searches for critical amplitudes."""
-        return load_trigger(self.plan, self._folders)
+        return load_trigger(self.plan.study.file_of("trigger"), self.plan, self._folders)
 
     @functools.cached_property
     def sensitivity(self) -> SensitivityPlan:
         """The designs of the sensitivity analysis."""
-        return load_sensitivity(self.plan.study.sensitivity, self.plan, self._folders, check=False)
+        return load_sensitivity(self.plan.study.file_of("sensitivity"), self.plan, self._folders, check=False)
 
-    @functools.cached_property
-    def ladder(self) -> Ladder:
-        """The cost-accuracy study."""
-        study = self.plan.study
-        return load_trade(study.trade, study.fidelities, self._folders, study.metrics.probe)
+    def design(self, name: str) -> Any:
+        """An experiment whose runs stand alone, with its configuration read."""
+        if name not in self._designs:
+            self._designs[name] = EXPERIMENTS[name].load(self.plan.study.file_of(name), self.plan, self._folders)
+        return self._designs[name]
 
-    @functools.cached_property
-    def limits(self) -> LimitRuns:
-        """The changes, one at a time."""
-        return load_limits(self.plan.study.limits, self._folders, self.plan.study.metrics.probe)
-
-    @functools.cached_property
-    def extremes(self) -> ExtremeRuns:
-        """The sweeps."""
-        return load_extremes(self.plan.study.extremes, self._folders)
+    def _scenes(self, name: str) -> dict[str, Mapping[str, Any]]:
+        return {run: at.scene for run, at in self.design(name).runs.items()}
 
     @functools.cached_property
     def suite(self) -> Suite:
         """The reference cases."""
-        return load_suite(self.plan.study.validation, self._folders)
+        return load_suite(self.plan.study.file_of("validation"), self.plan, self._folders)
 
     def scene(self, file: str) -> Scene:
         """The scene planned for a file, relative to the working folder; ValueError where none is."""
@@ -155,11 +148,9 @@ class Project:
     def _mapping(self, file: str) -> Mapping[str, Any]:
         """The scene planned for a file, looked up among those planned for all; KeyError where there is none."""
         alone: dict[str, Callable[[], Mapping[str, Mapping[str, Any]]]] = {
-            TRADE_FOLDER: lambda: self.ladder.runs,
-            LIMITS_FOLDER: lambda: self.limits.runs,
-            EXTREMES_FOLDER: lambda: self.extremes.runs,
-            VALIDATION_FOLDER: lambda: {name: run.scene for name, run in self.suite.runs.items()},
+            each.folder: functools.partial(self._scenes, each.name) for each in EXPERIMENTS.values()
         }
+        alone[VALIDATION_FOLDER] = lambda: {name: run.scene for name, run in self.suite.runs.items()}
         alone[f"{self.plan.folder}/sensitivity"] = lambda: self.sensitivity.all_scenes(self._factors)
         for folder, runs in alone.items():
             if Path(folder) in Path(file).parents:
@@ -214,7 +205,7 @@ class Project:
                 lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
             )
         if file == f"{TRADE_FOLDER}/trade.csv":
-            runs_of = {(rung.knob, rung.rung, rung.case): rung.runs for rung in self.ladder.rows}
+            runs_of = {(rung.knob, rung.rung, rung.case): rung.runs for rung in self.design("trade").rows}
             return Table(
                 TRADE,
                 ["knob", "rung", "case"],
@@ -225,11 +216,11 @@ class Project:
             return Table(
                 LIMITS,
                 ["change", "case"],
-                lambda row: [f"{LIMITS_FOLDER}/runs/{file_name(row['change'])}/{file_name(row['case'])}.nc"],
+                lambda row: [f"{LIMITS_FOLDER}/runs/{run_name(row['change'], row['case'])}.nc"],
                 lambda runs: measure(runs[0], settings),
             )
         if file == f"{EXTREMES_FOLDER}/extremes.csv":
-            rows = {(row.sweep, row.value, row.case): row for row in self.extremes.rows}
+            rows = {(row.sweep, row.value, row.case): row for row in self.design("extremes").rows}
             return Table(
                 EXTREMES,
                 ["sweep", "value", "case"],
@@ -265,7 +256,7 @@ def located(file: Path) -> tuple[Path, str, Path | None]:
         raise ValueError(f"{file}: lies in no folder 'results', so that nothing is planned for it; 'sph info {file}' shows its scene")
     folder = Path(*path.parts[:at])
     relative = path.relative_to(folder)
-    alone = str(Path(*relative.parts[:2])) in (TRADE_FOLDER, LIMITS_FOLDER, EXTREMES_FOLDER, VALIDATION_FOLDER)
+    alone = str(Path(*relative.parts[:2])) in ALONE
     if alone and folder != Path.cwd():
         raise ValueError(f"{file}: belongs to no study; give the command in {folder}, where the configuration is")
     return folder, relative.as_posix(), None if alone else Path(*path.parts[: at + 3])

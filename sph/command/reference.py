@@ -6,6 +6,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 import math
 import re
@@ -19,14 +20,15 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from sph.experiments.assumptions import LIMITS, Limits, read_limits
 from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
+from sph.experiments.assumptions import read_limits
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import percent
 from sph.experiments.cost_accuracy.convergence import CONVERGENCE
-from sph.experiments.cost_accuracy.design import PRESETS, Trade
-from sph.experiments.cost_accuracy.table import QUANTITIES, TRADE, Summary, summary
-from sph.experiments.robustness import EXTREMES, REFUSED, TIME_STEP, Extremes, read_extremes
+from sph.experiments.cost_accuracy.design import PRESETS
+from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, summary
+from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.robustness import REFUSED, TIME_STEP, read_extremes
 from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
@@ -296,38 +298,44 @@ FIDELITY_HEAD = (
 CASE_HEAD = ("case", "quantity", "computed", "reference", "error, coarse to fine", "tolerance", "order", "verdict", "cost")
 KEY_HEAD = ("key", "unit", "default", "allowed", "source", "meaning")
 VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
+
+
+def _keys(model: type[BaseModel]) -> Reference:
+    return Reference(KEY_HEAD, list(key_rows(model)))
+
+
+def _variables(columns: Iterable[Variable]) -> Reference:
+    return Reference(VARIABLE_HEAD, list(variable_rows(columns)))
+
+
 TABLES: dict[str, Callable[[], Reference]] = {
-    "scene": lambda: Reference(KEY_HEAD, list(key_rows(Scene))),
-    "study": lambda: Reference(KEY_HEAD, list(key_rows(AnyStudy))),
-    "trade_keys": lambda: Reference(KEY_HEAD, list(key_rows(Trade))),
-    "validation_keys": lambda: Reference(KEY_HEAD, list(key_rows(Validation))),
-    "limits_keys": lambda: Reference(KEY_HEAD, list(key_rows(Limits))),
-    "extremes_keys": lambda: Reference(KEY_HEAD, list(key_rows(Extremes))),
-    "sensitivity_keys": lambda: Reference(KEY_HEAD, list(key_rows(Sensitivity))),
-    "failure_rule": lambda: Reference(KEY_HEAD, list(key_rows(FailureRule))),
-    "validation_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(VALIDATION))),
-    "extremes_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(EXTREMES))),
-    "sample_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(SAMPLE))),
-    "morris_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(MORRIS))),
-    "tornado_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(TORNADO))),
-    "sobol_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(SOBOL))),
-    "cross_validation_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CROSS_VALIDATION))),
-    "confirmation_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CONFIRMED))),
-    "trigger_keys": lambda: Reference(KEY_HEAD, list(key_rows(Trigger))),
-    "trigger_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CRITICAL))),
-    "points_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(POINTS))),
-    "confirm_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CONFIRM))),
-    "cells_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CELLS))),
-    "shares_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(SHARES))),
-    "limits_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(LIMITS))),
+    "scene": lambda: _keys(Scene),
+    "study": lambda: _keys(AnyStudy),
+    **{f"{each.name}_keys": functools.partial(_keys, each.keys) for each in EXPERIMENTS.values()},
+    **{f"{each.name}_variables": functools.partial(_variables, each.tables[f"{each.name}.csv"].columns) for each in EXPERIMENTS.values()},
+    "validation_keys": lambda: _keys(Validation),
+    "sensitivity_keys": lambda: _keys(Sensitivity),
+    "failure_rule": lambda: _keys(FailureRule),
+    "validation_variables": lambda: _variables(VALIDATION),
+    "sample_variables": lambda: _variables(SAMPLE),
+    "morris_variables": lambda: _variables(MORRIS),
+    "tornado_variables": lambda: _variables(TORNADO),
+    "sobol_variables": lambda: _variables(SOBOL),
+    "cross_validation_variables": lambda: _variables(CROSS_VALIDATION),
+    "confirmation_variables": lambda: _variables(CONFIRMED),
+    "trigger_keys": lambda: _keys(Trigger),
+    "trigger_variables": lambda: _variables(CRITICAL),
+    "points_variables": lambda: _variables(POINTS),
+    "confirm_variables": lambda: _variables(CONFIRM),
+    "cells_variables": lambda: _variables(CELLS),
+    "shares_variables": lambda: _variables(SHARES),
     "validation": lambda: Reference(CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION)))),
     "limits": lambda: _limits_table(read_limits()),
     "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),
     "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_extremes()))),
-    "trajectory": lambda: Reference(VARIABLE_HEAD, list(variable_rows(VARIABLES))),
-    "metrics": lambda: Reference(VARIABLE_HEAD, list(variable_rows(VALUES))),
-    "trade_variables": lambda: Reference(VARIABLE_HEAD, list(variable_rows(TRADE))),
-    "convergence": lambda: Reference(VARIABLE_HEAD, list(variable_rows(CONVERGENCE))),
+    "trajectory": lambda: _variables(VARIABLES),
+    "metrics": lambda: _variables(VALUES),
+    "convergence": lambda: _variables(CONVERGENCE),
     "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,

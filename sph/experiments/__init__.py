@@ -5,7 +5,8 @@
 * ``sensitivity``: which parameters decide the results (``snakemake sensitivity``)
 * ``assumptions``: what the choices behind a scene do (``snakemake limits``)
 * ``robustness``: how far the solver can be pushed (``snakemake extremes``)
-* ``base``: what they share: keys, names of files, the check of every scene before any work
+* ``base``: what they share: what one is, keys, names of files, the check of every scene before any work
+* ``registry``: those whose runs stand alone, which the workflow makes by one file of rules
 * ``study_row``: the row of a study's table, with the error to expect
 * ``measured``: what they gave for the release
 """

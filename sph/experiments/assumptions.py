@@ -5,7 +5,7 @@ The first change is the reference, the scene as it is.  The table measured for t
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,14 +13,13 @@ import pandas as pd
 import xarray as xr
 from pydantic import model_validator
 
-from sph.experiments.base import Cases, Label, Overrides, check_file_names, checked, file_name
+from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, checked, file_name
 from sph.measures.metrics import METRIC_BY_NAME, PROBE, MetricSettings, measure
 from sph.scene.configuration import found_file, key, merge, read_scene, read_yaml, validated
 from sph.storage.trajectory import Variable
+from sph.study.plan import Plan
 from sph.study.tables import ROW, read_csv
 
-FOLDER = "results/limits"
-"""Where the results go, relative to the working folder."""
 SHIPPED = Path(__file__).with_name("measured") / "limits.csv"
 """Table measured for this release."""
 QUANTITIES = ("displacement_magnitude", "runout")
@@ -49,23 +48,34 @@ class Limits(Cases):
 
 
 class LimitRuns:
-    """The scene of every run, by file name without suffix, and the change and case it belongs to."""
+    """Every run by file name without suffix, and the change and case it belongs to."""
 
     def __init__(self, limits: Limits, base: Mapping[str, Any], origin: str, probe: str = PROBE) -> None:
-        self.runs: dict[str, dict[str, Any]] = {}
+        self.runs: dict[str, Run] = {}
         self.rows: list[tuple[str, str]] = []
         for change, settings in limits.changes.items():
             for case, point in limits.cases.items():
                 scene = merge(merge(merge(base, limits.overrides), point), settings)
                 checked(scene, f"{origin}: change {change!r}, case {case!r}", probe)
-                self.runs[f"{file_name(change)}/{file_name(case)}"] = scene
+                self.runs[run_name(change, case)] = Run(scene)
                 self.rows.append((change, case))
 
+    @property
+    def parameters(self) -> list[tuple[str, str]]:
+        """Change and case of every row."""
+        return self.rows
 
-def load_limits(path: Path | str = "config/limits.yaml", folders: Sequence[Path] = (Path(),), probe: str = PROBE) -> LimitRuns:
-    """Validate the configuration and every scene, which has the ``probe`` that is measured; ValueError names file, key and value."""
-    limits = validated(Limits, read_yaml(found_file(folders, str(path), "limits")), str(path))
-    return LimitRuns(limits, read_scene(found_file(folders, limits.scene, f"{path}: scene")), str(path), probe)
+
+def run_name(change: str, case: str) -> str:
+    """File name of a run, without suffix."""
+    return f"{file_name(change)}/{file_name(case)}"
+
+
+def load_limits(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> LimitRuns:
+    """Validate the configuration and every scene; ValueError names file, key and value."""
+    limits = validated(Limits, read_yaml(found_file(folders, path, "limits")), path)
+    scene = read_scene(found_file(folders, limits.scene, f"{path}: scene"))
+    return LimitRuns(limits, scene, path, study.study.metrics.probe)
 
 
 def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
@@ -83,3 +93,18 @@ def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], se
 def read_limits(path: Path | str = SHIPPED) -> pd.DataFrame:
     """Table from its CSV; ValueError names a file that is none."""
     return read_csv(path, LIMITS, "the limits")
+
+
+def _measure(rows: Sequence[tuple[str, str]], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> dict[str, pd.DataFrame]:
+    return {"limits.csv": limits_table(rows, [read(run_name(change, case)) for change, case in rows], settings)}
+
+
+EXPERIMENT = Experiment(
+    "limits",
+    "Limits",
+    "What the answers rest on: A's displacement and the run-out with one choice changed at a time, over those of the scene as it is.",
+    Limits,
+    load_limits,
+    _measure,
+    {"limits.csv": Table(LIMITS, "every change")},
+)

@@ -1,19 +1,24 @@
-"""What experiments share: the keys of a configuration, names of files, and the check of every scene before any work."""
+"""What experiments share: what one is, the keys of a configuration, names of files, and the check of every scene before any work."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Mapping
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple, Protocol
 
+import pandas as pd
+import xarray as xr
 from pydantic import Field, model_validator
 
 from sph.measures.fields import check_probe
+from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, key
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
-from sph.study.plan import NAME
+from sph.storage.trajectory import Variable
+from sph.study.plan import NAME, Plan
 
 Overrides = dict[str, Any]
 Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
@@ -43,6 +48,50 @@ class Run(NamedTuple):
     """or the search that makes many runs of the scene (``sph.stability.record.SEARCHES``)"""
     enforce_limit: bool = True
     """whether a time step above its limit is refused"""
+
+
+class Design(Protocol):
+    """An experiment with its configuration read and its scenes checked."""
+
+    @property
+    def runs(self) -> Mapping[str, Run]:
+        """By file name without suffix."""
+
+    @property
+    def parameters(self) -> Any:
+        """What measuring needs beside the runs.  The job gets it pickled, and runs again when its ``repr`` changes."""
+
+
+class Table(NamedTuple):
+    """A table that an experiment writes."""
+
+    columns: Sequence[Variable]
+    shows: str = ""
+    """what it is called in Snakemake's report; empty: it is not in there"""
+
+
+class Experiment(NamedTuple):
+    """An experiment whose runs stand alone; ``sph.experiments.registry`` lists them, and the workflow makes what is listed there."""
+
+    name: str
+    """the target, the folder below ``results`` and the file in ``config``"""
+    title: str
+    """its section in Snakemake's report"""
+    about: str
+    """what its results show: their caption in the report, but for those that have one of their own in ``workflow/report``"""
+    keys: type[Section]
+    """of its configuration"""
+    load: Callable[[str, Plan, Sequence[Path]], Design]
+    """from the file of its configuration, the study and the folders that are searched in order; ValueError names file, key and value"""
+    measure: Callable[[Any, Callable[[str], xr.Dataset], MetricSettings], Mapping[str, pd.DataFrame | xr.Dataset]]
+    """the tables by file name, from the design's parameters, what reads a run by its name, and the study's thresholds"""
+    tables: Mapping[str, Table]
+    """by file name, .csv or .nc, one of them <name>.csv; figures are drawn from all that are .csv (``sph.figures.experiment_figures``)"""
+
+    @property
+    def folder(self) -> str:
+        """Where the results go, relative to the working folder."""
+        return f"results/{self.name}"
 
 
 def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> Scene:

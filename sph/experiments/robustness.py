@@ -17,22 +17,19 @@ import xarray as xr
 from pydantic import Field, model_validator
 from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
-from sph.experiments.base import Cases, Label, Overrides, check_file_names, check_known, file_name
-from sph.measures.metrics import energy_gap, largest_mass, outline_area
+from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, check_known, file_name
+from sph.measures.metrics import MetricSettings, energy_gap, largest_mass, outline_area
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import SOIL
 from sph.solver.time_step import check_time_step, limits
 from sph.storage.trajectory import Variable, scene_of
+from sph.study.plan import Plan
 from sph.study.tables import ROW, number_column, read_csv
 
-FOLDER = "results/extremes"
-"""Where the results go, relative to the working folder."""
 TIME_STEP = "time step over limit"
 """Name of the sweep over fixed time steps."""
-TIME_STEP_FOLDER = f"{file_name(TIME_STEP)}/"
-"""Folder of its runs, whose steps may lie above the limit."""
 SHIPPED = Path(__file__).with_name("measured") / "extremes.csv"
 """Table measured for this release."""
 REFUSED = "refused"
@@ -120,11 +117,11 @@ def labelled(values: tuple[Any, ...] | Mapping[str, Any]) -> dict[str, Any]:
 
 
 class ExtremeRuns:
-    """Every row of the table, and the scene of every run by file name without suffix."""
+    """Every row of the table, and every run by file name without suffix."""
 
     def __init__(self, extremes: Extremes, scenes: Mapping[str, Mapping[str, Any]], origin: str) -> None:
         self.rows: list[Row] = []
-        self.runs: dict[str, dict[str, Any]] = {}
+        self.runs: dict[str, Run] = {}
         for label, sweep in extremes.sweeps.items():
             base = scenes[sweep.scene] if sweep.scene else merge(scenes[extremes.scene], extremes.overrides)
             check_known(f"{origin}: sweeps.{label}.cases", sweep.cases, extremes.cases)
@@ -149,8 +146,13 @@ class ExtremeRuns:
         except ValueError as error:
             refused = str(error)
         runs = () if refused else tuple(f"{stem}_{number}" for number in range(1, repeats + 1))
-        self.runs |= dict.fromkeys(runs, scene)
+        self.runs |= dict.fromkeys(runs, Run(scene, enforce_limit=sweep != TIME_STEP))
         self.rows.append(Row(sweep, value, case, symmetric, refused, runs))
+
+    @property
+    def parameters(self) -> list[Row]:
+        """The rows."""
+        return self.rows
 
 
 def fixed_step(scene: Mapping[str, Any], factor: float) -> dict[str, Any]:
@@ -175,12 +177,15 @@ def fixed_step(scene: Mapping[str, Any], factor: float) -> dict[str, Any]:
     )
 
 
-def load_extremes(path: Path | str = "config/extremes.yaml", folders: Sequence[Path] = (Path(),)) -> ExtremeRuns:
-    """Validate the configuration; ValueError names file, key and value.  Values that the schema refuses are rows, not errors."""
-    extremes = validated(Extremes, read_yaml(found_file(folders, str(path), "extremes")), str(path))
+def load_extremes(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> ExtremeRuns:
+    """Validate the configuration; ValueError names file, key and value.  Values that the schema refuses are rows, not errors.
+
+    It takes nothing from the study.
+    """
+    extremes = validated(Extremes, read_yaml(found_file(folders, path, "extremes")), path)
     names = {extremes.scene, *(sweep.scene for sweep in extremes.sweeps.values() if sweep.scene)}
     scenes = {name: read_scene(found_file(folders, name, f"{path}: scene")) for name in names}
-    return ExtremeRuns(extremes, scenes, str(path))
+    return ExtremeRuns(extremes, scenes, path)
 
 
 # ---------------------------------------------------------------- measuring
@@ -258,3 +263,19 @@ def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd
 def read_extremes(path: Path | str = SHIPPED) -> pd.DataFrame:
     """Table from its CSV; ValueError names a file that is none."""
     return read_csv(path, EXTREMES, "the extremes")
+
+
+def _measure(rows: Sequence[Row], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> dict[str, pd.DataFrame]:
+    return {"extremes.csv": extremes_table(rows, read)}
+
+
+EXPERIMENT = Experiment(
+    "extremes",
+    "Extremes",
+    "How far the solver can be pushed: one key at a time to the ends of its range. "
+    "Every run ends valid, diverged or refused, with a reason.",
+    Extremes,
+    load_extremes,
+    _measure,
+    {"extremes.csv": Table(EXTREMES, "every run")},
+)

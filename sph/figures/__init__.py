@@ -15,9 +15,12 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from importlib.util import find_spec
 from typing import Any
 
+import pandas as pd
 from matplotlib.figure import Figure
 
 from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
@@ -31,6 +34,7 @@ __all__ = [
     "RUN_FIGURES",
     "STUDY_FIGURES",
     "caption",
+    "experiment_figures",
     "figure_arrangement",
     "figure_geometry",
     "figure_motion",
@@ -47,6 +51,13 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
 """Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
+
+
+def experiment_figures(name: str) -> Mapping[str, Callable[[Mapping[str, pd.DataFrame]], Figure]]:
+    """Figures of an experiment by the names of their files, functions of its tables by file name: ``FIGURES`` of the module here that has
+    the experiment's name; none where there is no such module."""
+    module = f"{__name__}.{name}"
+    return getattr(import_module(module), "FIGURES", {}) if find_spec(module) else {}
 
 
 def caption(figure: Callable[..., Any]) -> str:

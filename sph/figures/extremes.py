@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -89,3 +89,7 @@ def _short(value: str) -> str:
         return number if len(number) <= 6 else f"{float(value):.0e}"
     except ValueError:
         return value.removesuffix("_spline")[:8]
+
+
+FIGURES: dict[str, Callable[[Mapping[str, pd.DataFrame]], Figure]] = {"extremes": lambda tables: figure_extremes(tables["extremes.csv"])}
+"""The figure of the experiment."""

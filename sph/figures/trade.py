@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -105,3 +105,10 @@ def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure
     figure.legend(handles=handles, loc="outside upper center", ncols=len(cases), handlelength=3.2)
     write_note(figure, f"made on {table['machine'].iloc[0]}")
     return figure
+
+
+FIGURES: dict[str, Callable[[Mapping[str, pd.DataFrame]], Figure]] = {
+    "tradeoff": lambda tables: figure_tradeoff(tables["trade.csv"]),
+    "convergence": lambda tables: figure_convergence(tables["convergence.csv"], tables["trade.csv"]),
+}
+"""The figures of the experiment."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import functools
 import itertools
 import math
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -20,7 +21,7 @@ from pydantic import BeforeValidator, Field, model_validator
 
 from sph.measures.fields import check_probe
 from sph.measures.metrics import GRID, MetricSettings
-from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, scene_files, validated
+from sph.scene.configuration import Section, dotted, found_file, key, merge, one_line, read_scene, read_yaml, scene_files, validated
 from sph.scene.schema import Scene, make_scene
 from sph.study.dimensions import (
     CASE,
@@ -88,12 +89,9 @@ class Study(Section):
     fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key("scene keys that each fidelity sets, by name")
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
-    trade: str = key("file of the study that 'snakemake trade' runs, searched for like the scene", default="config/trade.yaml")
-    validation: str = key("file of the reference cases that 'snakemake validation' runs, likewise", default="config/validation.yaml")
-    limits: str = key("file of the changes that 'snakemake limits' runs, likewise", default="config/limits.yaml")
-    extremes: str = key("file of the sweeps that 'snakemake extremes' runs, likewise", default="config/extremes.yaml")
-    sensitivity: str = key("file of the factors that 'snakemake sensitivity' varies, likewise", default="config/sensitivity.yaml")
-    trigger: str = key("file of the searches that 'snakemake trigger' and 'snakemake maps' run, likewise", default="config/trigger.yaml")
+    experiments: dict[str, str] = key(
+        "file of an experiment, by the name of its target, searched for like the scene; of others config/<name>.yaml", default={}
+    )
 
     @model_validator(mode="after")
     def _known(self) -> Study:
@@ -139,6 +137,10 @@ class Study(Section):
         """ValueError, which says ``what`` needs it, where the study is not a grid over exactly these dimensions."""
         if not self.is_grid_over(names):
             raise ValueError(f"{what} need a grid over exactly {', '.join(names)}; study {self.study!r} varies {', '.join(self.names)}")
+
+    def file_of(self, experiment: str) -> str:
+        """File that configures an experiment, as written."""
+        return self.experiments.get(experiment, f"config/{experiment}.yaml")
 
     @functools.cached_property
     def values(self) -> dict[str, tuple[str, ...]]:
@@ -395,7 +397,7 @@ def load_study(
     cases = data["cases"] if isinstance(data.get("cases"), str) else None
     if cases is not None:
         data = {**data, "cases": read_cases(folders, cases)}
-    study = read(data, origin)
+    study = read(_with_experiments(data, origin, check), origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
     plan = Plan(study, read_scene(scene), str(scene))
     if check:
@@ -403,6 +405,26 @@ def load_study(
         sources: list[Path | str] = [scene, *scene_files(plan.scene()), *([] if cases is None else [found_file(folders, cases, "cases")])]
         _check_apart(sources, Path(folders[0], "results", study.study), origin)
     return plan
+
+
+FORMER_KEYS = ("trade", "validation", "limits", "extremes", "sensitivity", "trigger")
+"""Experiments whose files the study named by keys of its own; taken until the next release."""
+
+
+def _with_experiments(data: Mapping[str, Any], origin: str, warn: bool) -> Mapping[str, Any]:
+    """A configuration with former keys put below ``experiments``, and a FutureWarning if so; ValueError where both name a file."""
+    former = {name: data[name] for name in FORMER_KEYS if name in data}
+    named = data.get("experiments", {})
+    if not former or not isinstance(named, Mapping):
+        return data
+    for name in former:
+        if name in named:
+            raise ValueError(f"{origin}: {name}: is now experiments.{name}, which is there as well; leave one")
+    if warn:
+        wanted = one_line(", ".join(f"{name}: {file}" for name, file in former.items()))
+        # Of this module: a warning of the frame above it, which may be the Snakefile, does not come through Snakemake.
+        warnings.warn(f"{origin}: write experiments: {{{wanted}}}; as keys of the study they end with the next release", FutureWarning, 2)
+    return {name: value for name, value in data.items() if name not in former} | {"experiments": {**former, **named}}
 
 
 def _check_apart(sources: Iterable[Path | str], results: Path, origin: str) -> None:

@@ -12,8 +12,9 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import model_validator
 
-from sph.experiments.base import Label, Name, Overrides, check_file_names, check_known, checked, file_name
+from sph.experiments.base import Label, Name, Overrides, Run, check_file_names, check_known, checked, file_name
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
+from sph.study.plan import Plan
 from sph.study.planned import planned
 from sph.validation import CASES, PROBES
 
@@ -62,9 +63,8 @@ class Validation(Section):
 
 
 class Planned(NamedTuple):
-    """One run of the suite."""
+    """One run of a case."""
 
-    case: str
     run: str
     level: str
     scene: dict[str, Any]
@@ -72,11 +72,12 @@ class Planned(NamedTuple):
 
 
 class Suite:
-    """A suite with its scene files read: the scene of every run, by file name without suffix."""
+    """A suite with its scene files read: every run, by file name without suffix."""
 
     def __init__(self, validation: Validation, scenes: Mapping[str, Mapping[str, Any]], origin: str) -> None:
         self.cases = validation.cases
-        self.runs: dict[str, Planned] = {}
+        self.runs: dict[str, Run] = {}
+        self._of: dict[str, dict[str, Planned]] = {name: {} for name in self.cases}
         self._sizes: dict[tuple[str, str], float] = {}
         for name, case in self.cases.items():
             for level, finer in case.levels.items():
@@ -86,13 +87,15 @@ class Suite:
                     built = checked(scene, where)
                     if len(built.probes) < PROBES.get(name, 0):
                         raise ValueError(f"{where}: probes: {len(built.probes)}, this case measures at the first {PROBES[name]}")
-                    self.runs[f"{name}/{run}/{file_name(level)}"] = Planned(name, run, level, scene)
+                    path = f"{name}/{run}/{file_name(level)}"
+                    self.runs[path] = Run(scene, case.by)
+                    self._of[name][path] = Planned(run, level, scene)
                 section, field = case.size.split(".")
                 self._sizes[name, level] = float(getattr(getattr(built, section), field))
 
     def of(self, case: str) -> dict[str, Planned]:
         """The runs of a case, by file name."""
-        return {path: planned for path, planned in self.runs.items() if planned.case == case}
+        return self._of[case]
 
     def files(self, case: str) -> list[str]:
         """File names of the case's runs; a case of functions alone leaves none."""
@@ -112,8 +115,8 @@ class Suite:
         }
 
 
-def load_suite(path: Path | str = "config/validation.yaml", folders: Sequence[Path] = (Path(),)) -> Suite:
-    """Validate a suite and every scene in it; ValueError names file, key and value.  ``folders`` are searched in order for the files."""
-    validation = validated(Validation, read_yaml(found_file(folders, str(path), "validation")), str(path))
+def load_suite(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> Suite:
+    """Validate a suite and every scene in it; ValueError names file, key and value.  It takes nothing from the study."""
+    validation = validated(Validation, read_yaml(found_file(folders, path, "validation")), path)
     scenes = {name: read_scene(found_file(folders, case.scene, f"{path}: cases.{name}.scene")) for name, case in validation.cases.items()}
-    return Suite(validation, scenes, str(path))
+    return Suite(validation, scenes, path)

@@ -33,7 +33,7 @@ HEAD = "case,S_R,gamma,amplitude,round\n"
 @pytest.fixture
 def study(tmp_path: Path) -> tuple[Plan, Path]:
     (tmp_path / "config").mkdir()
-    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8")) | {"trigger": "mine.yaml"}
+    config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8")) | {"experiments": {"trigger": "mine.yaml"}}
     (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
     (tmp_path / "mine.yaml").write_text(yaml.safe_dump(TRIGGER, sort_keys=False))
     return located_plan(tmp_path / "results" / "paper" / "draft", None)

@@ -57,6 +57,22 @@ save(STUDY_FIGURES["exceedance"](pd.DataFrame({"displacement_magnitude": [0.1, 2
 shown = [drawing for section in SECTIONS for pattern, drawing in section.figures.items() if pattern.endswith("/exceedance.png")]
 assert len(shown) == 1 and caption(STUDY_FIGURES["exceedance"]).startswith("Share of the runs")
 """,
+    "An experiment": """
+import re, subprocess, sys
+from synthetic import synthetic
+from sph.command.reference import TABLES
+from sph.experiments.registry import EXPERIMENTS
+from sph.measures.metrics import MetricSettings
+done = subprocess.run([sys.executable, "-m", "snakemake", "--dry-run", "duration"], capture_output=True, text=True, check=True)
+assert re.findall(r"^(experiment_run|duration_table|duration) +([0-9]+)$", done.stdout[done.stdout.rindex("Job stats:"):], re.M) == [
+    ("experiment_run", "6"), ("duration_table", "1"), ("duration", "1")
+]
+assert "results/duration/runs/S_R-0.25/5-s.nc" in done.stdout and "results/duration/duration.csv" in done.stdout
+rows = [("S_R-0.25/5-s", "S_R 0.25", 5.0)]
+table = EXPERIMENTS["duration"].measure(rows, lambda name: synthetic(), MetricSettings())["duration.csv"]
+assert table["longer"].tolist() == [5.0] and table["collapse_class"].tolist() == ["stable"]
+assert [row[0] for row in TABLES["duration_variables"]().rows] == list(table.columns)
+""",
 }
 """What must hold once the change of a section is made."""
 
@@ -74,11 +90,14 @@ def test_every_change_is_checked() -> None:
 
 @pytest.mark.parametrize("title", CHECKS)
 def test_the_change_of_a_section(title: str, tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "sph", tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
+    for part in ("sph", "workflow", "config"):
+        shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "Snakefile", tmp_path)
     diff = changes()[title]
     files = re.findall(r"^\+\+\+ b/(\S+)", diff, re.M)
     assert 1 <= len(files) <= MOST_FILES
     number = re.search(rf"\| \[[^]]+\]\(#{title.lower().replace(' ', '-')}\) \| (\d+)", PAGE)
     assert number and int(number[1]) == len(files), "the table of the page says how many"
     subprocess.run(["git", "apply", "-p1", "--unidiff-zero", "-"], input=diff, text=True, cwd=tmp_path, check=True)
-    subprocess.run([sys.executable, "-c", CHECKS[title]], cwd=tmp_path, env=os.environ | {"PYTHONPATH": str(tmp_path)}, check=True)
+    found = os.pathsep.join([str(tmp_path), str(ROOT / "tests")])
+    subprocess.run([sys.executable, "-c", CHECKS[title]], cwd=tmp_path, env=os.environ | {"PYTHONPATH": found}, check=True)

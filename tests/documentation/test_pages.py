@@ -17,6 +17,7 @@ import typer
 from snakemake.cli import get_argument_parser
 
 from sph.command.cli import app
+from sph.experiments.registry import EXPERIMENTS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
@@ -26,7 +27,8 @@ PAGES = [
 ]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
 RULES = {rule for path in ROOT.glob("workflow/rules/*.smk") for rule in re.findall(r"^rule (\w+):", path.read_text(), re.MULTILINE)} | {
-    "all"
+    "all",
+    *EXPERIMENTS,
 }
 FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 

@@ -66,10 +66,10 @@ def runs_of(made: Ladder, **changes: Mapping[str, Any]) -> dict[str, dict[str, A
     """What was measured of every run; ``changes`` by the rung's file name with '/' and '-' as '_'."""
     by_name = {"preset/draft": "spacing/5-m"}
     runs = {}
-    for name, scene in made.runs.items():
+    for name, run in made.runs.items():
         rung = name.rpartition("/")[0]
         like = by_name.get(rung, rung)
-        displacement = DISPLACEMENTS[like] * (1.0 if scene["coupling"]["S_R"] == 0.1 else 0.1)
+        displacement = DISPLACEMENTS[like] * (1.0 if run.scene["coupling"]["S_R"] == 0.1 else 0.1)
         fixed = {
             "status": "complete",
             "collapse_class": "collapse" if displacement > 2.5 else "damaged",
@@ -83,7 +83,7 @@ def runs_of(made: Ladder, **changes: Mapping[str, Any]) -> dict[str, dict[str, A
             "particle_steps_per_second": 1e7,
             "particles": 100,
             "steps": 15000,
-            "spacing": scene["numerics"]["spacing"],
+            "spacing": run.scene["numerics"]["spacing"],
         }
         runs[name] = {metric.name: float("nan") for metric in METRICS} | fixed | changes.get(rung.replace("/", "_").replace("-", "_"), {})
     return runs

@@ -13,6 +13,7 @@ import pandas as pd
 import pytest
 import yaml
 from matplotlib.figure import Figure
+from small_scenes import study_plan
 from synthetic import PAPER, synthetic, translation
 from synthetic_ladder import FIDELITIES, SCENE, TRADE, ladder, ladder_frame, runs_of
 from typer.testing import CliRunner, Result
@@ -68,17 +69,17 @@ def row_of(frame: pd.DataFrame, knob: str, rung: str, case: str = "weak") -> Map
 class TestConfiguration:
     def test_the_shipped_ladder_is_valid_and_covers_the_presets(self) -> None:
         config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-        shipped = load_trade("config/trade.yaml", config["fidelities"], [ROOT])
+        shipped = load_trade("config/trade.yaml", study_plan(config["fidelities"]), [ROOT])
         assert {row.rung for row in shipped.rows if row.knob == "preset"} == {"draft", "standard", "paper", "fine"}
         assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
         assert all(row.runs and set(row.runs) <= set(shipped.runs) for row in shipped.rows)
         contents = [
-            make_scene(made).model_dump_json(exclude={"name", "title"}) for name, made in shipped.runs.items() if name.endswith("_1")
+            make_scene(made.scene).model_dump_json(exclude={"name", "title"}) for name, made in shipped.runs.items() if name.endswith("_1")
         ]
         assert len(set(contents)) == len(contents), "equal scenes are run once"
 
     def test_the_settings_of_every_shipped_rung_survive_the_command_line(self) -> None:
-        for row in load_trade("config/trade.yaml", {"paper": {}}, [ROOT]).rows:
+        for row in load_trade("config/trade.yaml", study_plan(), [ROOT]).rows:
             assert parse_settings([f"{name}={' '.join(shlex.split(text))}" for name, text in flat(row.settings)]) == row.settings
 
     def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
@@ -90,7 +91,7 @@ class TestConfiguration:
         assert rows["spacing", "1.5 m", "weak"] == ("spacing/1.5-m/weak_1",) and ("spacing", "1.5 m", "strong") not in rows
 
     def test_a_rung_lies_over_its_knob_and_a_case_over_both(self) -> None:
-        made = ladder({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"]
+        made = ladder({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"].scene
         assert made["numerics"] == {"spacing": 3.0, "time_step": 1e-3, "smoothing_ratio": 1.3, "neighbour_skin": 0.6}
         assert made["coupling"] == {"S_R": 0.5} and made["duration"] == 12.0
 
@@ -127,11 +128,11 @@ class TestConfiguration:
     def test_files_are_searched_for_and_named_when_absent(self, tmp_path: Path) -> None:
         (tmp_path / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
         with pytest.raises(ValueError, match=r"trade.yaml: scene: no file 'slope.yaml'"):
-            load_trade("trade.yaml", FIDELITIES, [tmp_path])
+            load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path])
         (tmp_path / "slope.yaml").write_text(yaml.safe_dump(SCENE, sort_keys=False))
-        assert load_trade("trade.yaml", FIDELITIES, [tmp_path / "elsewhere", tmp_path]).rows == ladder().rows
+        assert load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path / "elsewhere", tmp_path]).rows == ladder().rows
         with pytest.raises(ValueError, match="no file 'absent.yaml'"):
-            load_trade("absent.yaml", FIDELITIES, [tmp_path])
+            load_trade("absent.yaml", study_plan(FIDELITIES), [tmp_path])
 
 
 class TestScheme:

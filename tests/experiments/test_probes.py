@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from small_scenes import SLOPE
+from small_scenes import SLOPE, study_plan
 
 from sph.experiments.assumptions import load_limits
 from sph.experiments.cost_accuracy.design import load_trade
@@ -43,10 +43,10 @@ def unchecked(probe: str) -> Plan:
 
 LOADERS: dict[str, Callable[[Path, str], Any]] = {
     "study": lambda folder, probe: load_study(CONFIG | {"metrics": {"probe": probe}}, [ROOT]),
-    "trigger": lambda folder, probe: load_trigger(unchecked(probe), [ROOT]),
+    "trigger": lambda folder, probe: load_trigger("config/trigger.yaml", unchecked(probe), [ROOT]),
     "sensitivity": lambda folder, probe: load_sensitivity("config/sensitivity.yaml", unchecked(probe), [ROOT], check=False),
-    "limits": lambda folder, probe: load_limits("limits.yaml", [folder], probe),
-    "trade": lambda folder, probe: load_trade("trade.yaml", {"paper": {}}, [folder], probe),
+    "limits": lambda folder, probe: load_limits("limits.yaml", study_plan(probe=probe), [folder]),
+    "trade": lambda folder, probe: load_trade("trade.yaml", study_plan(probe=probe), [folder]),
 }
 
 
@@ -60,7 +60,7 @@ def test_a_probe_that_the_scene_lacks_is_refused_by_its_key(folder: Path, kind: 
 def test_a_scene_without_a_probe(folder: Path) -> None:
     (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": {}}))
     with pytest.raises(ValueError, match=r"limits\.yaml: change 'as it is', case 'one': metrics\.probe: 'A' .* of which it has none"):
-        load_limits("limits.yaml", [folder])
+        load_limits("limits.yaml", study_plan(), [folder])
 
 
 @pytest.mark.parametrize(("case", "probes"), [("V2", {"A": [1.0, 5.0]}), ("V3", {}), ("V4", {})])
@@ -69,4 +69,4 @@ def test_a_reference_case_has_the_probes_that_it_measures_at(folder: Path, case:
     data = {"title": "t", "scene": "slope.yaml", "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
     (folder / "validation.yaml").write_text(yaml.safe_dump({"cases": {case: data}}))
     with pytest.raises(ValueError, match=rf"case {case}, run 'run', level 'only': probes: {len(probes)}, this case measures at the first"):
-        load_suite("validation.yaml", [folder])
+        load_suite("validation.yaml", study_plan(), [folder])

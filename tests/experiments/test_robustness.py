@@ -10,13 +10,14 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
+from small_scenes import study_plan
 from synthetic import synthetic, translation
 
+from sph.experiments.base import file_name
 from sph.experiments.robustness import (
     EXTREMES,
     REFUSED,
     TIME_STEP,
-    TIME_STEP_FOLDER,
     asymmetry,
     extremes_table,
     fixed_step,
@@ -42,29 +43,30 @@ CONFIG: dict[str, Any] = {
 }
 
 
-def write(folder: Path, **changes: Any) -> Path:
+def write(folder: Path, **changes: Any) -> str:
     (folder / "scene.yaml").write_text(yaml.safe_dump(SCENE))
     (folder / "extremes.yaml").write_text(yaml.safe_dump(CONFIG | changes, sort_keys=False))
-    return folder / "extremes.yaml"
+    return str(folder / "extremes.yaml")
 
 
 def test_a_value_that_the_schema_refuses_is_a_row_without_runs(tmp_path: Path) -> None:
-    extremes = load_extremes(write(tmp_path), [tmp_path])
+    extremes = load_extremes(write(tmp_path), study_plan(), [tmp_path])
     first, second, *steps = extremes.rows
     assert first.runs == ("nu/weak/0.3_1", "nu/weak/0.3_2") and first.refused == ""
     assert second.runs == () and "soil.poisson_ratio" in second.refused
-    assert [row.runs for row in steps] == [(f"{TIME_STEP_FOLDER}plain/0.5_1",), (f"{TIME_STEP_FOLDER}plain/2_1",)]
-    assert extremes.runs["nu/weak/0.3_1"]["soil"]["poisson_ratio"] == 0.3
+    assert [row.runs for row in steps] == [(f"{file_name(TIME_STEP)}/plain/0.5_1",), (f"{file_name(TIME_STEP)}/plain/2_1",)]
+    assert extremes.runs["nu/weak/0.3_1"].scene["soil"]["poisson_ratio"] == 0.3
+    assert [name for name, run in extremes.runs.items() if not run.enforce_limit] == [row.runs[0] for row in steps]
 
 
 def test_sections_are_named_by_their_labels(tmp_path: Path) -> None:
     values = {"none": None, "strong": {"alpha": 0.3}}
     extremes = load_extremes(
-        write(tmp_path, sweeps={"alpha": {"scene_key": "numerics.artificial_viscosity", "values": values}}), [tmp_path]
+        write(tmp_path, sweeps={"alpha": {"scene_key": "numerics.artificial_viscosity", "values": values}}), study_plan(), [tmp_path]
     )
     assert [(row.value, row.runs[0]) for row in extremes.rows[:2]] == [("none", "alpha/weak/none_1"), ("strong", "alpha/weak/strong_1")]
-    assert extremes.runs["alpha/weak/none_1"]["numerics"]["artificial_viscosity"] is None
-    assert extremes.runs["alpha/weak/strong_1"]["numerics"]["artificial_viscosity"] == {"alpha": 0.3}
+    assert extremes.runs["alpha/weak/none_1"].scene["numerics"]["artificial_viscosity"] is None
+    assert extremes.runs["alpha/weak/strong_1"].scene["numerics"]["artificial_viscosity"] == {"alpha": 0.3}
 
 
 @pytest.mark.parametrize(
@@ -78,7 +80,7 @@ def test_sections_are_named_by_their_labels(tmp_path: Path) -> None:
 )
 def test_errors_name_the_key(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
     with pytest.raises(ValueError) as raised:
-        load_extremes(write(tmp_path, **changes), [tmp_path])
+        load_extremes(write(tmp_path, **changes), study_plan(), [tmp_path])
     assert all(word in str(raised.value) for word in words)
 
 
@@ -91,7 +93,7 @@ def test_a_fixed_step_is_a_factor_of_the_limit(factor: float) -> None:
 
 
 def test_the_shipped_extremes_are_valid() -> None:
-    extremes = load_extremes(folders=[ROOT])
+    extremes = load_extremes("config/extremes.yaml", study_plan(), [ROOT])
     assert len(extremes.rows) > 200 and len(extremes.runs) > 200
     assert {row.sweep for row in extremes.rows if row.sweep == TIME_STEP}
 
@@ -109,7 +111,7 @@ def test_penetration_and_asymmetry() -> None:
 
 
 def test_table_and_figure(tmp_path: Path) -> None:
-    extremes = load_extremes(write(tmp_path), [tmp_path])
+    extremes = load_extremes(write(tmp_path), study_plan(), [tmp_path])
     runs = {name: synthetic(translation(-3.0 if "nu" in name else -5.0)) for name in extremes.runs}
     runs["nu/weak/0.3_2"] = synthetic(translation(-3.1))
 

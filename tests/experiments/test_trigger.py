@@ -59,7 +59,7 @@ TRIGGER: dict[str, Any] = {
 
 def planned(folder: Path, changes: dict[str, Any] | None = None) -> TriggerPlan:
     (folder / "trigger.yaml").write_text(yaml.safe_dump(merge(TRIGGER, changes or {}), sort_keys=False))
-    return load_trigger(load_study(STUDY | {"trigger": "trigger.yaml"}, [folder, ROOT]), [folder])
+    return load_trigger("trigger.yaml", load_study(STUDY, [folder, ROOT]), [folder])
 
 
 def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = "100", moving: int = 0) -> pd.DataFrame:
@@ -77,7 +77,7 @@ def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = 
 
 
 def test_the_shipped_searches_are_valid() -> None:
-    trigger = load_trigger(load_study(STUDY, [ROOT]), [ROOT])
+    trigger = load_trigger("config/trigger.yaml", load_study(STUDY, [ROOT]), [ROOT])
     assert trigger.folder == "results/paper/draft" and len(trigger.scenes) == 2
     assert {"0.10", "0.25", "0.50"} <= set(trigger.trigger.S_R) and "100" in trigger.trigger.gamma, "what claim 11 needs"
 

@@ -50,6 +50,7 @@ from inputs import (
     records,
     surveys,
 )
+from small_scenes import study_plan
 from typer.testing import CliRunner
 
 from sph.command.cli import app
@@ -242,7 +243,7 @@ def study(data: Any, folder: Path) -> str:
 def trade(data: Any, folder: Path) -> str:
     """Load a ladder; every run has a file of its own in its folder."""
     write(folder / "trade.yaml", data)
-    for name in load_trade("trade.yaml", STUDY["fidelities"], [folder]).runs:
+    for name in load_trade("trade.yaml", study_plan(STUDY["fidelities"]), [folder]).runs:
         _stays(f"results/trade/runs/{name}.nc", "results/trade/runs")
     return "accepted"
 
@@ -250,7 +251,7 @@ def trade(data: Any, folder: Path) -> str:
 def limits(data: Any, folder: Path) -> str:
     """Load changes; every run has a file of its own in its folder."""
     write(folder / "limits.yaml", data)
-    found = load_limits("limits.yaml", [folder])
+    found = load_limits("limits.yaml", study_plan(), [folder])
     assert len(found.runs) == len(found.rows), "two runs with one file"
     for name in found.runs:
         _stays(f"results/limits/runs/{name}.nc", "results/limits/runs")
@@ -272,7 +273,7 @@ def sensitivity(data: Any, folder: Path) -> str:
 def trigger(data: Any, folder: Path) -> str:
     """Load searches; stages and runs of every case stay where they belong, and no two points of a search have one name."""
     write(folder / "trigger.yaml", data)
-    plan = load_trigger(load_study(STUDY | {"trigger": "trigger.yaml"}, [folder]), [folder])
+    plan = load_trigger("trigger.yaml", load_study(STUDY, [folder]), [folder])
     assert len(set(plan.folders.values())) == len(plan.plans)
     for place in plan.plans:
         _stays(place, "results")
@@ -288,7 +289,7 @@ def trigger(data: Any, folder: Path) -> str:
 def validation(data: Any, folder: Path) -> str:
     """Load a suite; every run has a file of its own in its folder."""
     write(folder / "validation.yaml", data)
-    suite = load_suite("validation.yaml", [folder])
+    suite = load_suite("validation.yaml", study_plan(), [folder])
     assert len(suite.runs) == sum(len(case.runs) * len(case.levels) for case in suite.cases.values()), "two runs with one file"
     for name in suite.runs:
         _stays(f"results/validation/runs/{name}.nc", "results/validation/runs")

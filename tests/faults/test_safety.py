@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 import yaml
+from small_scenes import study_plan
 
 from sph.experiments.assumptions import load_limits
 from sph.experiments.base import file_name
@@ -107,17 +108,17 @@ def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
     """Paths of the runs of a configuration with these labels."""
     each = {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(labels)}
     if kind == "rungs":
-        yield from load_trade(written(tmp_path / "c.yaml", knobs(*labels)), {"paper": {}}, [tmp_path, ROOT]).runs
+        yield from load_trade(written(tmp_path / "c.yaml", knobs(*labels)), study_plan(), [tmp_path, ROOT]).runs
     elif kind == "cases":
         yield from load_trade(
-            written(tmp_path / "c.yaml", knobs("r") | {"cases": each, "timed_case": labels[0]}), {"paper": {}}, [tmp_path, ROOT]
+            written(tmp_path / "c.yaml", knobs("r") | {"cases": each, "timed_case": labels[0]}), study_plan(), [tmp_path, ROOT]
         ).runs
     elif kind == "changes":
         data = {"scene": PAPER, "cases": {"one": {}}, "changes": {"as it is": {}} | each}
-        yield from load_limits(written(tmp_path / "c.yaml", data), [tmp_path, ROOT]).runs
+        yield from load_limits(written(tmp_path / "c.yaml", data), study_plan(), [tmp_path, ROOT]).runs
     elif kind == "points":
         data = {"scene": PAPER, "cases": each, "changes": {"as it is": {}, "other": {"numerics": {"spacing": 5.0}}}}
-        yield from load_limits(written(tmp_path / "c.yaml", data), [tmp_path, ROOT]).runs
+        yield from load_limits(written(tmp_path / "c.yaml", data), study_plan(), [tmp_path, ROOT]).runs
     else:
         case = {
             "title": "t",
@@ -126,7 +127,7 @@ def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
             "levels": each,
             "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}},
         }
-        yield from load_suite(written(tmp_path / "c.yaml", {"cases": {"V1": case}}), [tmp_path, ROOT]).runs
+        yield from load_suite(written(tmp_path / "c.yaml", {"cases": {"V1": case}}), study_plan(), [tmp_path, ROOT]).runs
 
 
 KINDS = ("rungs", "cases", "changes", "points", "levels")
@@ -156,7 +157,7 @@ def test_a_label_is_one_line_without_a_formula(tmp_path: Path, kind: str, label:
 def test_a_case_that_nothing_measures_is_refused(tmp_path: Path) -> None:
     case = {"title": "t", "scene": PAPER, "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
     with pytest.raises(ValueError, match=r"c\.yaml: cases: 'V99' is not one of V1, .*, V15"):
-        load_suite(written(tmp_path / "c.yaml", {"cases": {"V99": case}}), [tmp_path, ROOT])
+        load_suite(written(tmp_path / "c.yaml", {"cases": {"V99": case}}), study_plan(), [tmp_path, ROOT])
 
 
 def test_a_grid_has_an_end() -> None:
@@ -181,6 +182,7 @@ CALLS = ("eval", "exec", "compile", "__import__", "os.system", "os.popen", "yaml
 ALLOWED = {
     "sph/study/machine.py": ["subprocess"],  # a fixed command that asks macOS for the name of its processor
     "sph/figures/film.py": ["subprocess"],  # the error of ffmpeg, which matplotlib starts
+    "sph/figures/__init__.py": ["importlib", "importlib.util"],  # the module of an experiment, whose names are a fixed table
     "sph/__init__.py": ["importlib"],  # the public names, from a fixed table
     "workflow/scripts/docs/write_docs.py": ["subprocess", "importlib", "importlib.util"],  # mkdocs; all modules for pdoc
 }

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
+from small_scenes import study_plan
 
 from sph.scene.schema import make_scene
 from sph.solver.run import run
@@ -16,7 +17,7 @@ from sph.validation.level import Found, Level, Result
 from sph.validation.suite import load_suite
 from sph.validation.table import measured, verdict
 
-SUITE = load_suite(folders=[Path(__file__).parents[2]])
+SUITE = load_suite("config/validation.yaml", study_plan(), [Path(__file__).parents[2]])
 QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cases[case].quantities]
 MISSES = {
     ("V1", "worst_vertical_stress"): "rows of particles alternate; with ten rows by 23 %",

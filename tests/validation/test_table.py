@@ -11,6 +11,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+from small_scenes import study_plan
 
 from sph.scene.schema import make_scene
 from sph.validation import CASES, table
@@ -34,12 +35,12 @@ SUITE: dict[str, Any] = {
 SCENE |= {"gravity": {"ramp": 0.1, "duration": 0.1}}
 
 
-def write(folder: Path, **changes: Any) -> Path:
+def write(folder: Path, **changes: Any) -> str:
     suite = copy.deepcopy(SUITE)
     suite["cases"]["V14"] |= changes
     (folder / "scene.yaml").write_text(yaml.safe_dump(SCENE))
     (folder / "suite.yaml").write_text(yaml.safe_dump(suite, sort_keys=False))
-    return folder / "suite.yaml"
+    return str(folder / "suite.yaml")
 
 
 def test_errors_are_relative_and_absolute_where_the_reference_is_zero() -> None:
@@ -92,7 +93,7 @@ def test_rows_hold_every_level(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_suite_gives_a_scene_a_run_and_level(tmp_path: Path) -> None:
-    suite = load_suite(write(tmp_path, runs={"a": {}, "b": {"duration": 1.0}}), [tmp_path])
+    suite = load_suite(write(tmp_path, runs={"a": {}, "b": {"duration": 1.0}}), study_plan(), [tmp_path])
     assert list(suite.runs) == ["V14/a/1-m", "V14/b/1-m", "V14/a/0.5-m", "V14/b/0.5-m"]
     assert suite.sizes("V14") == [1.0, 0.5]
     assert suite.runs["V14/b/0.5-m"].scene["duration"] == 1.0 and suite.runs["V14/b/0.5-m"].scene["numerics"]["spacing"] == 0.5
@@ -110,6 +111,6 @@ def test_suite_gives_a_scene_a_run_and_level(tmp_path: Path) -> None:
 )
 def test_errors_name_the_key(tmp_path: Path, changes: dict[str, Any], words: list[str]) -> None:
     with pytest.raises(ValueError) as raised:
-        load_suite(write(tmp_path, **changes), [tmp_path])
+        load_suite(write(tmp_path, **changes), study_plan(), [tmp_path])
     for word in words:
         assert word in str(raised.value)

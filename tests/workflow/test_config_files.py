@@ -68,3 +68,21 @@ def test_numbers_in_a_list_on_snakemakes_command_line_are_text(folder: Path) -> 
     made = load_study(STUDY | {"grid": {"S_R": ["0.10"], "gamma": ["0100"], "amplitude": ["8.0"]}}, [folder], check=False)
     name = "S_R-0.10_gamma-0100_amplitude-8.0"
     assert f"runs/{name}.nc" in result.stdout and make_scene(made.run_scene(name)).coupling.gamma == 100.0
+
+
+def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path) -> None:
+    (folder / "bad.yaml").write_text(yaml.safe_dump(STUDY | {"experiments": {"limts": "mine.yaml"}}))
+    result = snakemake(folder, "--dry-run", "--configfile", "bad.yaml")
+    assert result.returncode != 0
+    assert (
+        "config: experiments: 'limts' is not one of trade, limits, extremes, validation, sensitivity, trigger"
+        in result.stdout + result.stderr
+    )
+
+
+def test_a_former_key_still_names_a_file(folder: Path) -> None:
+    (folder / "former.yaml").write_text(yaml.safe_dump(STUDY | {"limits": "absent.yaml"}))
+    result = snakemake(folder, "--dry-run", "--configfile", "former.yaml", "--", "limits")
+    text = result.stdout + result.stderr
+    assert result.returncode != 0 and "limits: no file 'absent.yaml'" in text
+    assert "FutureWarning: config: write experiments: {limits: absent.yaml}" in text

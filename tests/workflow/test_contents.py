@@ -177,7 +177,7 @@ def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monke
     steps = {"factors": [0.5], "schemes": {"plain": {}}}
     extremes = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "repeats": 1, "sweeps": {"S_R": sweep}, "time_steps": steps}
     (copied / "extremes.yaml").write_text(yaml.safe_dump(extremes, sort_keys=False))
-    config = write(copied, "0.10", "0.50", limits="limits.yaml", extremes="extremes.yaml")
+    config = write(copied, "0.10", "0.50", experiments={"limits": "limits.yaml", "extremes": "extremes.yaml"})
     tables = {"results/limits/limits.csv": 2, "results/extremes/extremes.csv": 3}
     result = snakemake(copied, "--cores", "1", *config, "--", *tables)
     assert result.returncode == 0, result.stderr

@@ -45,7 +45,7 @@ ONCE = {"sensitivity": 1, "sensitivity_morris": 1, "sensitivity_factors": 1, "se
 
 def written(folder: Path, changes: dict[str, Any] | None = None) -> tuple[str, str]:
     (folder / "sensitivity.yaml").write_text(yaml.safe_dump(merge(SENSITIVITY, changes or {}), sort_keys=False))
-    return write_config(folder, sensitivity="sensitivity.yaml", fidelities=FIDELITIES)
+    return write_config(folder, experiments={"sensitivity": "sensitivity.yaml"}, fidelities=FIDELITIES)
 
 
 @pytest.fixture(scope="module")

@@ -46,6 +46,19 @@ def test_the_shipped_studies_of_other_slopes_stand(path: Path) -> None:
         assert len(chosen.study.runs) == 12 and chosen.study.study == path.stem
 
 
+def test_a_file_of_an_experiment_is_named_below_one_key_or_found_by_the_experiments_name() -> None:
+    study = plan({"experiments": {"limits": "mine.yaml"}}).study
+    assert study.file_of("limits") == "mine.yaml" and study.file_of("trade") == "config/trade.yaml"
+
+
+def test_former_keys_are_taken_with_a_warning() -> None:
+    with pytest.warns(FutureWarning, match=r"config: write experiments: \{limits: mine\.yaml\}; as keys of the study they end"):
+        study = plan({"limits": "mine.yaml", "experiments": {"trade": "other.yaml"}}).study
+    assert study.experiments == {"limits": "mine.yaml", "trade": "other.yaml"}
+    with pytest.raises(ValueError, match=r"config: limits: is now experiments\.limits, which is there as well"):
+        plan({"limits": "mine.yaml", "experiments": {"limits": "other.yaml"}})
+
+
 def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:
     chosen = plan({"grid": {"S_R": ["0.10", 0.25, "0.350", 0.5]}, "figures": {"strengths": [0.1]}})
     assert chosen.study.grid is not None and chosen.study.grid["S_R"] == ("0.10", "0.25", "0.350", "0.5")
@@ -248,7 +261,7 @@ def test_refusals_of_free_studies_name_key_and_value(runs: dict[str, Any], wante
 
 def test_what_needs_the_papers_dimensions_says_so() -> None:
     chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]})
-    for ask in (lambda: load_trigger(chosen, [ROOT]), lambda: paper_study(chosen.study, "the claims")):
+    for ask in (lambda: load_trigger("config/trigger.yaml", chosen, [ROOT]), lambda: paper_study(chosen.study, "the claims")):
         with pytest.raises(ValueError, match=r"need a grid over exactly S_R, gamma, amplitude; study 'paper' varies S_R, soil.cohesion"):
             ask()
 

@@ -39,7 +39,7 @@ TRIGGER: dict[str, Any] = {
     },
 }
 CHANGES: dict[str, Any] = {
-    "trigger": "trigger.yaml",
+    "experiments": {"trigger": "trigger.yaml"},
     "fidelities": {"draft": {}, "standard": {"numerics": {"time_step": 5e-4}}},
     "metrics": {"stable_limit": 0.001, "minor_limit": 0.004, "damaged_limit": 0.02},
 }

@@ -37,7 +37,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
     del cases["V13"]["levels"]["2.5e-4 s"]
     (folder / "cases.yaml").write_text(yaml.safe_dump({"cases": cases}, sort_keys=False))
     (folder / "limits.yaml").write_text(yaml.safe_dump(LIMITS, sort_keys=False))
-    config = write_config(folder, validation="cases.yaml", limits="limits.yaml")
+    config = write_config(folder, experiments={"validation": "cases.yaml", "limits": "limits.yaml"})
     jobs = {"validation": 1, "experiment_run": 5, "validation_case": 3, "validation_table": 1}
     assert planned_jobs(folder, *config, "--", "validation") == jobs
     assert planned_jobs(folder, *config, "--", "limits") == {"limits": 1, "experiment_run": 2, "limits_table": 1}
@@ -85,5 +85,5 @@ def test_bad_suites_are_refused_before_any_job(validated: Path, tmp_path: Path) 
     (tmp_path / "slope.yaml").write_text((validated.parent / "slope.yaml").read_text())
     bad = LIMITS | {"changes": {"as it is": {}, "odd": {"soil": {"cohesin": 1.0}}}}
     (tmp_path / "limits.yaml").write_text(yaml.safe_dump(bad))
-    result = snakemake(tmp_path, "--cores", "1", *write_config(tmp_path, limits="limits.yaml"), "--", "limits")
+    result = snakemake(tmp_path, "--cores", "1", *write_config(tmp_path, experiments={"limits": "limits.yaml"}), "--", "limits")
     assert result.returncode != 0 and "change 'odd', case 'S_R 0.10': soil.cohesin" in result.stdout + result.stderr

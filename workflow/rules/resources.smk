@@ -5,7 +5,7 @@ from sph.experiments.base import Run
 from sph.study.cost import Needs, needs
 
 # Run of a name, by the folder of its experiment, whose file of rules puts it here.
-EXPERIMENTS = {}
+RUN_OF = {}
 
 
 def asked(scene, stage=lambda wildcards: "end"):
@@ -33,7 +33,7 @@ def searched_scene(wildcards):
 
 def experiment_run(wildcards):
     """A run of an experiment."""
-    return EXPERIMENTS[wildcards.experiment](wildcards.run)
+    return RUN_OF[wildcards.experiment](wildcards.run)
 
 
 def asking_run(wildcards):

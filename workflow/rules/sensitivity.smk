@@ -1,5 +1,5 @@
 # Purpose: which factors decide the answer (`snakemake --cores 2 sensitivity`): screening, one at a time, indices.
-# Inputs:  config: sensitivity, and the study's scene and fidelity; the sources of solver, analysis and drawing.
+# Inputs:  config/sensitivity.yaml (config: experiments), the study's scene and fidelity; the sources of solver, analysis and drawing.
 # Outputs: results/<study>/<fidelity>/sensitivity: runs/<design>/*.nc, samples/*.csv, factors.json, morris.csv, tornado.csv, sobol.csv,
 #          cross_validation.csv, confirm.csv, sample.csv, sample.nc, figures/*
 import functools
@@ -20,13 +20,13 @@ SAMPLE_OF = {
 DESIGNS = functools.cache(
     functools.partial(
         load_sensitivity,
-        PLAN.study.sensitivity,
+        PLAN.study.file_of("sensitivity"),
         PLAN,
         FOLDERS,
         check=workflow.is_main_process,
     )
 )
-EXPERIMENTS[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
+RUN_OF[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
 
 
 wildcard_constraints:

@@ -82,7 +82,7 @@ rule experiment_run:
     benchmark:
         "{experiment}/benchmarks/{run}.tsv"
     wildcard_constraints:
-        experiment="|".join(map(re.escape, EXPERIMENTS)),
+        experiment="|".join(map(re.escape, RUN_OF)),
         run=".+",
     threads: 1
     resources:

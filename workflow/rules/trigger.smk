@@ -1,6 +1,6 @@
 # Purpose: the shaking that triggers failure: critical amplitudes (`snakemake --cores 2 trigger`), the ends of their brackets at
 #          another fidelity (`snakemake --cores 2 confirm`), maps over S_R, gamma and amplitude (`snakemake --cores 2 maps`).
-# Inputs:  config: trigger; stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
+# Inputs:  config/trigger.yaml (config: experiments); stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
 # Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv, confirm.csv, maps.csv, cells.csv, shares.csv,
 #          figures/*; <folder>/trigger/<case>: stages and runs
 from sph.figures.trigger import MAPPED

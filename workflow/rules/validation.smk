@@ -1,15 +1,15 @@
 # Purpose: the reference cases: does the solver give the numbers that are known? (`snakemake --cores 2 validation`)
-# Inputs:  the suite (config: validation); the sources of solver, analysis and drawing.
+# Inputs:  config/validation.yaml (config: experiments); the sources of solver, analysis and drawing.
 # Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv
 import functools
 
 from sph.validation.suite import FOLDER as VALIDATION, load_suite
 
 # Read and checked once a rule of the suite is asked for.
-SUITE = functools.cache(functools.partial(load_suite, PLAN.study.validation, FOLDERS))
-EXPERIMENTS[VALIDATION] = lambda name: Run(
-    SUITE().runs[name].scene, SUITE().cases[SUITE().runs[name].case].by
+SUITE = functools.cache(
+    functools.partial(load_suite, PLAN.study.file_of("validation"), PLAN, FOLDERS)
 )
+RUN_OF[VALIDATION] = lambda name: SUITE().runs[name]
 VALIDATING = DRAWING + sources("validation/*.py")
 
 

@@ -14,14 +14,13 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import model_validator
 
-from sph.experiments.base import Cases, Label, Name, Overrides, check_file_names, check_known, checked, file_name
+from sph.experiments.base import Cases, Label, Name, Overrides, Run, check_file_names, check_known, checked, file_name
 from sph.measures.metrics import PROBE
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
+from sph.study.plan import Plan
 
-FOLDER = "results/trade"
-"""Where the results go, relative to the working folder."""
 PRESETS = "preset"
 """Parameter whose variants are the study's fidelities."""
 NOT_SCHEME = ("name", "title", "duration", "geometry", "soil", "motion", "probes", "outputs")
@@ -112,13 +111,23 @@ class Rung(NamedTuple):
     runs: tuple[str, ...]  # keys of ``Ladder.runs``, one a repeat
 
 
+class LadderParameters(NamedTuple):
+    """What the tables are made by, beside the runs."""
+
+    rows: tuple[Rung, ...]
+    baseline: str
+    """fidelity"""
+    convergence: str
+    """parameter whose variants differ in spacing"""
+
+
 class Ladder:
-    """A cost-accuracy study with its scene file read: every row of its table, and the scene of every run."""
+    """A cost-accuracy study with its scene file read: every row of its table, and every run by file name without suffix."""
 
     def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
         check_known(f"{origin}: baseline", [trade.baseline], fidelities)
         self.trade, self._fidelities = trade, fidelities
-        self.runs: dict[str, dict[str, Any]] = {}
+        self.runs: dict[str, Run] = {}
         stems: dict[str, str] = {}
         repeats: dict[str, int] = {}
         found = []
@@ -132,7 +141,8 @@ class Ladder:
                 repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
                 changes = trade.knobs[knob].changes if knob in trade.knobs else "accuracy"
                 found.append((knob, label, case, changes, settings, scheme(built), stem))
-                self.runs |= {f"{stem}_{number}": scene for number in range(1, repeats[stem] + 1) if f"{stem}_{number}" not in self.runs}
+                for number in range(1, repeats[stem] + 1):
+                    self.runs.setdefault(f"{stem}_{number}", Run(scene))
         reference = (trade.reference.knob, trade.reference.rung)
         self.rows = [
             Rung(
@@ -155,6 +165,11 @@ class Ladder:
                 f"(missing: {', '.join(sorted(missing))})"
             )
 
+    @property
+    def parameters(self) -> LadderParameters:
+        """What its tables are made by."""
+        return LadderParameters(tuple(self.rows), self.trade.baseline, self.trade.convergence)
+
     def _rungs(self) -> Iterator[tuple[str, str, Overrides]]:
         for label, settings in self._fidelities.items():
             yield PRESETS, label, merge(self.trade.overrides, settings)
@@ -173,19 +188,11 @@ def scheme(scene: Scene) -> Overrides:
     return kept | ({"coupling": coupling} if coupling else {})
 
 
-def load_trade(
-    path: Path | str,
-    fidelities: Mapping[str, Overrides],
-    folders: Sequence[Path] = (Path(),),
-    probe: str = PROBE,
-) -> Ladder:
-    """Validate a cost-accuracy study and every scene in it; ValueError names file, key and value.
-
-    ``fidelities`` and the ``probe`` that is measured are those of the study; ``folders`` are searched in order for its file and the
-    scene's file.
-    """
-    trade = validated(Trade, read_yaml(found_file(folders, str(path), "trade")), str(path))
-    return Ladder(trade, read_scene(found_file(folders, trade.scene, f"{path}: scene")), fidelities, str(path), probe)
+def load_trade(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> Ladder:
+    """Validate a cost-accuracy study and every scene in it; ValueError names file, key and value."""
+    trade = validated(Trade, read_yaml(found_file(folders, path, "trade")), path)
+    scene = read_scene(found_file(folders, trade.scene, f"{path}: scene"))
+    return Ladder(trade, scene, study.study.fidelities, path, study.study.metrics.probe)
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

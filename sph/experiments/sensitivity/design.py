@@ -326,10 +326,10 @@ def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:
     return float(at), extra["unit"]
 
 
-def load_sensitivity(path: Path | str, plan: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> SensitivityPlan:
+def load_sensitivity(path: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> SensitivityPlan:
     """Validate the configuration and, with ``check``, the scenes of all runs; ValueError names file, key and value."""
-    settings = validated(Sensitivity, read_yaml(found_file(folders, str(path), "sensitivity")), str(path))
-    found = SensitivityPlan(settings, plan, str(path))
+    settings = validated(Sensitivity, read_yaml(found_file(folders, path, "sensitivity")), path)
+    found = SensitivityPlan(settings, study, path)
     if check:
         found.check()
     return found

@@ -265,10 +265,9 @@ def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
         yield case, dict(zip(GRID, point, strict=True))
 
 
-def load_trigger(study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
-    """Validate the configuration that a study names, and scenes at the ends of its lattices; ValueError names file, key and value."""
+def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
+    """Validate the configuration, and scenes at the ends of its lattices; ValueError names file, key and value."""
     study.study.needs_grid_over(GRID, "trigger and maps")
-    path = study.study.trigger
     return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path)
 
 
