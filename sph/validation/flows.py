@@ -119,9 +119,6 @@ def slump(scene: Scene) -> tuple[float, float]:
 
 LAYER = 0.015
 """Thickness of the sliding layer, the upper one where there are two, m."""
-ON_BASE, ON_FLUID = (0.05, 0.2), (0.25, 0.45)
-"""When its deceleration is measured, s.  On a base that holds it by all of the yield stress it stops after 0.66 s; on fluid it first
-sets the layer below in motion."""
 
 
 def deceleration(result: Result, thickness: float, first: float, last: float) -> float:
@@ -133,10 +130,10 @@ def deceleration(result: Result, thickness: float, first: float, last: float) ->
     return -float(np.polyfit(time[seen], speed[seen], 1)[0])
 
 
-def traction(result: Result, first: float, last: float) -> float:
-    """Stress that holds a sliding layer of fluid between two times (s), over the yield stress."""
+def traction(result: Result) -> float:
+    """Stress that holds a sliding layer of fluid over the yield stress."""
     soil = result.scene.soil
-    return deceleration(result, LAYER, first, last) * soil.density * LAYER / soil.cohesion_si
+    return deceleration(result, LAYER, 0.25, 0.45) * soil.density * LAYER / soil.cohesion_si
 
 
 def measure_slump(level: Level) -> dict[str, Found]:
@@ -146,8 +143,8 @@ def measure_slump(level: Level) -> dict[str, Found]:
     return {
         "runout": Found("reach", "m", front(result), reach),
         "central_height": Found("height at the centre", "m", height_at_wall(result), central),
-        "traction_on_base": Found("hold of the base on a sliding layer, over τ_y", "1", traction(level["on_base"], *ON_BASE), 1.0),
-        "traction_on_fluid": Found("hold of the fluid on a sliding layer, over τ_y", "1", traction(level["on_fluid"], *ON_FLUID), 1.0),
+        "traction_on_base": Found("hold of the base on a sliding layer, over τ_y", "1", traction(level["on_base"]), 1.0),
+        "traction_on_fluid": Found("hold of the fluid on a sliding layer, over τ_y", "1", traction(level["on_fluid"]), 1.0),
     }
 
 

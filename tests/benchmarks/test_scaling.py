@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 
+@pytest.mark.long
 def test_the_numbers_agree_with_each_other(script: Any) -> None:
     found, printed = script("scaling.py", "--spacing", "5.0", "2.5", "--repeats", "2", "--particle-steps", "2000")
     first, second = found["sizes"]

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 
+@pytest.mark.long
 def test_the_numbers_agree_with_each_other(script: Any) -> None:
     found, printed = script("threads.py", "--spacing", "1.4", "--threads", "2", "--steps", "5", "--repeats", "2")
     assert found["particles"] > 4 * 256

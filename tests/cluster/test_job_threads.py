@@ -28,6 +28,7 @@ print(parallel._is_initialized)
 """
 
 
+@pytest.mark.long
 def test_the_solver_starts_none_of_numbas_threads(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
     done = subprocess.run(
         [sys.executable, "-c", NUMBAS, small_slope({}).model_dump_json()], capture_output=True, text=True, check=True, cwd=ROOT

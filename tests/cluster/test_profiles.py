@@ -20,7 +20,7 @@ PROFILES = {"slurm": "snakemake_executor_plugin_slurm", "generic": "snakemake_ex
 RECIPE = (ROOT / "Containerfile").read_text(encoding="utf-8")
 
 
-@pytest.mark.parametrize("name", PROFILES)
+@pytest.mark.parametrize("name", ["slurm", pytest.param("generic", marks=pytest.mark.long)])
 def test_a_profile_plans_the_shipped_study(name: str) -> None:
     if importlib.util.find_spec(PROFILES[name]) is None:
         pytest.skip(f"{PROFILES[name]} is not installed")

@@ -191,6 +191,7 @@ def test_dashpots_without_a_free_field_brake_the_ground(free_column: np.ndarray)
     assert min(errors) > 0.1
 
 
+@pytest.mark.long
 def test_a_wave_leaves_through_the_sides() -> None:
     # A P pulse goes to both sides, reaches them after 30 m and is out after 60 m, but for what the free surface makes of its sigma_xx.
     # Between fixed walls all of it stays.

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from comparison import momenta
 
+from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import run
 from sph.solver.simulation import Simulation
@@ -108,26 +109,38 @@ def test_linear_momentum_of_an_elastic_spin(free_block: Any, correction: dict[st
 # ---------------------------------------------------------------- energy
 
 
+SCHEMES: dict[str, dict[str, Any]] = {
+    "sticky": {"walls": {"sides": "sticky"}},
+    "double": {"walls": {"sides": "sticky"}, "numerics": {"precision": "double"}},
+    "free_slip": {"walls": {"sides": "free_slip"}},
+    "corrected": {"walls": {"sides": "sticky"}, "numerics": {"gradient_correction": {"min_determinant": 0.3}}},
+    "no_slip": {
+        "walls": {"base": "no_slip", "sides": "free_slip"},
+        "numerics": {"artificial_viscosity": {"reconstruction": "linear"}},
+        "coupling": {"initiation": {"slip": 1e-4, "length": 7.5}},
+    },
+}
+"""The walls and terms with which the budget is tested."""
+
+
 @cache
-def collapse(sides: str, corrected: bool, precision: str) -> dict[str, np.ndarray]:
+def collapse(scheme: str) -> dict[str, np.ndarray]:
     """Series of a slope of weak soil that is shaken until it collapses."""
     scene = make_scene(
-        {
-            "name": "collapse",
-            "duration": 5.0,
-            "geometry": {"shape": "slope"},
-            "walls": {"sides": sides, "layers": 4},
-            "soil": {"cohesion": 120.0},
-            "coupling": {"S_R": 0.1, "gamma": 100.0},
-            "gravity": {"ramp": 0.5, "duration": 1.0},
-            "motion": {"kind": "tapered_sine", "amplitude": 8.0, "start": 1.0, "ramp": 0.5, "decay_start": 3.0, "end": 3.5},
-            "numerics": {
-                "spacing": 2.5,
-                "time_step": 5e-4,
-                "precision": precision,
-                "gradient_correction": {"min_determinant": 0.3} if corrected else None,
+        merge(
+            {
+                "name": "collapse",
+                "duration": 5.0,
+                "geometry": {"shape": "slope"},
+                "walls": {"layers": 4},
+                "soil": {"cohesion": 120.0},
+                "coupling": {"S_R": 0.1, "gamma": 100.0},
+                "gravity": {"ramp": 0.5, "duration": 1.0},
+                "motion": {"kind": "tapered_sine", "amplitude": 8.0, "start": 1.0, "ramp": 0.5, "decay_start": 3.0, "end": 3.5},
+                "numerics": {"spacing": 2.5, "time_step": 5e-4},
             },
-        }
+            SCHEMES[scheme],
+        )
     )
     ds = run(scene).trajectory
     assert ds.attrs["status"] == "complete"
@@ -136,11 +149,8 @@ def collapse(sides: str, corrected: bool, precision: str) -> dict[str, np.ndarra
     return {name: ds[name].values for name in ds.data_vars if ds[name].dims == ("sample",)}
 
 
-DOUBLE = pytest.param("sticky", False, "double", marks=pytest.mark.long)
-VARIANTS = pytest.mark.parametrize(
-    ("sides", "corrected", "precision"),
-    [("sticky", False, "mixed"), DOUBLE, ("free_slip", False, "mixed"), ("sticky", True, "mixed")],
-)
+LONG = ("double", "corrected")
+VARIANTS = pytest.mark.parametrize("scheme", [pytest.param(name, marks=pytest.mark.long) if name in LONG else name for name in SCHEMES])
 
 
 def released(s: dict[str, np.ndarray]) -> float:
@@ -149,23 +159,23 @@ def released(s: dict[str, np.ndarray]) -> float:
 
 
 @VARIANTS
-def test_energy_budget_closes(sides: str, corrected: bool, precision: str) -> None:
+def test_energy_budget_closes(scheme: str) -> None:
     # Forces and stress power are conjugate, so what is left is the error of time integration: the last half step's
     # work, of order omega dt times a small share of the energies.  Measured 0.002 to 0.007 %; a term left out or
     # counted twice, even mass damping alone, is above 1 %.
-    s = collapse(sides, corrected, precision)
+    s = collapse(scheme)
     rest = s["kinetic_energy"] + s["elastic_energy"] + s["potential_energy"] + s["dissipated_energy"] - s["shaking_work"]
-    print(f"{sides}, {precision}: budget closes to {np.abs(rest).max() / released(s):.3%}")
+    print(f"{scheme}: budget closes to {np.abs(rest).max() / released(s):.3%}")
     assert np.abs(rest).max() < 1e-3 * released(s)
 
 
 @VARIANTS
-def test_dissipated_energy_does_not_decrease(sides: str, corrected: bool, precision: str) -> None:
+def test_dissipated_energy_does_not_decrease(scheme: str) -> None:
     # Yield, damping, loss of strength and artificial viscosity only take energy; the fall from the highest value so far
     # is bounded by what the budget itself leaves open: 0.1 % of the energy released.
-    s = collapse(sides, corrected, precision)
+    s = collapse(scheme)
     lost = s["dissipated_energy"]
     fall = np.maximum.accumulate(lost) - lost
-    print(f"{sides}, {precision}: largest fall {fall.max() / released(s):.3%}, dissipated {lost[-1] / released(s):.1%}")
+    print(f"{scheme}: largest fall {fall.max() / released(s):.3%}, dissipated {lost[-1] / released(s):.1%}")
     assert fall.max() < 1e-3 * released(s)
-    assert lost[-1] > 0.5 * released(s), "a collapse ends in dissipation"
+    assert lost[-1] > 0.4 * released(s), "a collapse ends in dissipation, if some of it still moves after 5 s"

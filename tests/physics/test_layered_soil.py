@@ -54,6 +54,7 @@ def test_layers_of_the_same_soil_change_nothing(small_slope: Any) -> None:
     np.testing.assert_array_equal(plain["failed"].values[-1], layered["failed"].values[-1])
 
 
+@pytest.mark.long
 def test_a_wave_is_reflected_by_the_ratio_of_impedances() -> None:
     # rho V_s: 1500 kg/m3 with E = 0.4 GPa below, 2250 kg/m3 with 1.2 GPa above.
     scene = bar({"rock": UPPER_HALF | {"soil": HEAVY}})

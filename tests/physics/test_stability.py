@@ -214,6 +214,7 @@ def test_critical_strength_ratio_of_an_endless_slope() -> None:
     assert found.value == pytest.approx(UNIT_WEIGHT * HEIGHT * math.sin(math.radians(20.0)) / COHESION, rel=0.085)
 
 
+@pytest.mark.long
 def test_yield_acceleration_of_level_ground() -> None:
     """c = rho a H, 0.5 g here; tolerance as above."""
     assert yield_acceleration(layer(), tolerance=0.02).value == pytest.approx(0.5 * GRAVITY, rel=0.085)

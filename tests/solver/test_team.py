@@ -36,7 +36,7 @@ def exchange(board, rounds, team):  # type: ignore[no-untyped-def]
     return wrong
 
 
-@pytest.mark.parametrize("size", [2, 3, 5])
+@pytest.mark.parametrize("size", [2, 3, pytest.param(5, marks=pytest.mark.long)])
 def test_threads_meet(size: int) -> None:
     # Also with more threads than cores, where a waiting thread must let others run.
     team = make_team(size, 1, 1, 1)

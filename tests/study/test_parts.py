@@ -100,6 +100,7 @@ def test_bad_rows_of_a_part_are_refused(rows: list[dict[str, object]], message: 
         study_rows(rows, LIST)
 
 
+@pytest.mark.long
 def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
     """Four times the runs in as many more parts; a run takes hundreds of kB, a row of the table 0.4 kB."""
     run = tmp_path / "run.nc"

@@ -23,7 +23,7 @@ use rule * from slope{renamed}
 """
 
 
-@pytest.mark.parametrize(("snakefile", "prefix"), [("workflow/Snakefile", ""), ("Snakefile", "slope_")])
+@pytest.mark.parametrize(("snakefile", "prefix"), [("workflow/Snakefile", ""), pytest.param("Snakefile", "slope_", marks=pytest.mark.long)])
 def test_another_workflow_plans_the_same_jobs(
     tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene], snakefile: str, prefix: str
 ) -> None:
@@ -34,6 +34,7 @@ def test_another_workflow_plans_the_same_jobs(
     assert planned_jobs(tmp_path, *own) == {prefix + name: count for name, count in planned_jobs(tmp_path, *config).items()}
 
 
+@pytest.mark.long
 def test_the_place_of_the_catalog_plans_the_shipped_study() -> None:
     jobs = planned_jobs(ROOT, "--snakefile", str(ROOT / "workflow" / "Snakefile"), "--forceall")
     assert jobs == planned_jobs(ROOT, "--forceall") and jobs["simulate"] == 24

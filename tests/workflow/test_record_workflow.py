@@ -19,6 +19,7 @@ TIME = np.arange(100) * 0.01
 BURST = np.sin(2 * np.pi * 4.0 * TIME) * np.sin(np.pi * TIME) ** 2
 RUNS = [f"results/small/draft/runs/S_R-0.10_gamma-1_amplitude-{amplitude}.nc" for amplitude in ("0.1", "8.0")]
 DURATION = 1.5
+pytestmark = pytest.mark.long
 
 
 def write_record(path: Path, factor: float = 1.0) -> None:
@@ -41,7 +42,6 @@ def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.long
 def test_the_amplitude_scales_both_components(shaken: Path) -> None:
     for name, peak in zip(RUNS, (0.1, 8.0), strict=True):
         ds = trajectory.read_run(shaken / name)
