@@ -16,14 +16,14 @@ from sph.experiments.cost_accuracy.table import WORDS, summary
 
 def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
     """Lines of text for an answer; ``quantities`` in words."""
-    reference = next(rung for rung in summary(table) if rung.reference)
+    reference = next(variant for variant in summary(table) if variant.reference)
     asked = f"{' and '.join(quantities)} within {percent(error)} and the class of the reference in every case"
     head = f"cheapest with {asked}:" if found.fits else f"no measured setting has {asked}; the best there is:"
-    errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in found.rung.errors.items())
+    errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in found.variant.errors.items())
     options = " ".join(f"--set {name}={value}" for name, value in flat(found.settings)) or "the scene file as it is"
     return [
         head,
-        f"  {found.rung.name}, {found.rung.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
+        f"  {found.variant.name}, {found.variant.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
         f"  {errors}, against {reference.name} ({reference.cost:.3g} s a run)",
         f"  command line  {options}",
         f"  fidelity      {one_line(found.settings)}",

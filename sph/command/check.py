@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from sph.jobs.concerns import Concern, Layer, concerns, highest_frequency, in_wave, layers_of, peak_accelerations
+from sph.jobs.diagnostics import Diagnostic, Layer, diagnostics, highest_frequency, in_wave, layers_of, peak_accelerations
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
@@ -21,13 +21,13 @@ class Check(NamedTuple):
     particles: Particles
     probes: dict[str, int]
     layers: list[Layer]
-    concerns: list[Concern]
+    diagnostics: list[Diagnostic]
 
 
 def check(scene: Scene) -> Check:
     """Place the particles and run the diagnostics; ValueError for a probe away from the soil."""
     particles = place_particles(scene)
-    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), concerns(scene, particles))
+    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), diagnostics(scene, particles))
 
 
 def rows(found: Check) -> list[tuple[str, str]]:

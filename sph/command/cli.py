@@ -170,7 +170,7 @@ def run(
     """
     with refusals():
         from sph.command.repeat import compare, earlier_run, read_given, stopped_at
-        from sph.jobs.concerns import of_motion
+        from sph.jobs.diagnostics import of_motion
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
@@ -182,8 +182,8 @@ def run(
         path = out or Path(f"{loaded.name}.nc")
         check_writable(path, [*inputs, *([restart] if restart else [])])
         repeats = earlier is not None and not set_ and until is None
-        for concern in of_motion(loaded):
-            say(f"warning: {concern.sentence()}")
+        for diagnostic in of_motion(loaded):
+            say(f"warning: {diagnostic.sentence()}")
         with reporter(loaded.name) as report:
             # What was allowed to run with a step above its limit may be repeated.
             stage = until or stopped_at(earlier)
@@ -242,7 +242,7 @@ def check(
     layers = layer_rows(found)
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        print(to_json({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.concerns]}, indent=1))
+        print(to_json({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.diagnostics]}, indent=1))
         return
     width = max(len(label) for label, _ in rows(found))
     for label, text in rows(found):
@@ -251,9 +251,9 @@ def check(
     for row in layers:
         table.add_row(*row)
     Console().print(table)
-    for concern in found.concerns:
-        print(f"warning: {concern.sentence()}")
-    if not found.concerns:
+    for diagnostic in found.diagnostics:
+        print(f"warning: {diagnostic.sentence()}")
+    if not found.diagnostics:
         print("no warnings")
 
 

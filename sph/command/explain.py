@@ -205,11 +205,11 @@ class Project:
                 lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
             )
         if file == f"{TRADE_FOLDER}/trade.csv":
-            runs_of = {(rung.knob, rung.rung, rung.case): rung.runs for rung in self.design("trade").rows}
+            runs_of = {(variant.parameter, variant.variant, variant.case): variant.runs for variant in self.design("trade").rows}
             return Table(
                 TRADE,
-                ["knob", "rung", "case"],
-                lambda row: [f"{TRADE_FOLDER}/runs/{run}.nc" for run in runs_of[row["knob"], row["rung"], row["case"]]],
+                ["parameter", "variant", "case"],
+                lambda row: [f"{TRADE_FOLDER}/runs/{run}.nc" for run in runs_of[row["parameter"], row["variant"], row["case"]]],
                 lambda runs: {n: v for n, v in measured_run(runs[0], settings).items() if n not in OF_ALL},
             )
         if file == f"{LIMITS_FOLDER}/limits.csv":

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.repeat import read_given
-from sph.jobs.concerns import drifting, implausible, in_both, of_motion
+from sph.jobs.diagnostics import drifting, implausible, in_both, of_motion
 from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import read_even
@@ -40,13 +40,13 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) ->
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
         found = implausible(components, "the unit of the record") + drifting(motion, "the record, or motion.baseline of a scene with it")
         name = os.fsencode(path.name).decode("utf-8", "replace")
-        return Shaking(name, [str(path)], interval, components, tuple(concern.sentence() for concern in found))
+        return Shaking(name, [str(path)], interval, components, tuple(diagnostic.sentence() for diagnostic in found))
     if unit is not None:
         raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
     scene, files = read_given(path, overrides)
     loading = loading_of(scene)
     components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-    heed = tuple(concern.sentence() for concern in of_motion(scene))
+    heed = tuple(diagnostic.sentence() for diagnostic in of_motion(scene))
     return Shaking(scene.name, files, float(loading.time[1]), components, heed)
 
 

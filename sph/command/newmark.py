@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.jobs.concerns import cut_off, drift, drifting, implausible, in_both
+from sph.jobs.diagnostics import cut_off, drift, drifting, implausible, in_both
 from sph.scene.ground_motion import SCENES, GroundMotion, motion_of, read_motion
 from sph.scene.ground_motion.record import Record
 from sph.scene.motion import ConstantAcceleration
@@ -38,7 +38,9 @@ def slide(path: Path, overrides: Mapping[str, Any], down: float, up: float | Non
         raise ValueError(f"{path}: the ground stands still, and a sliding block needs a motion")
     if peak is not None:
         motion = motion.scaled(peak)
-    heed += [concern.sentence() for concern in implausible({"horizontal": motion.acceleration}, "--scale-to, or the unit of the record")]
+    heed += [
+        diagnostic.sentence() for diagnostic in implausible({"horizontal": motion.acceleration}, "--scale-to, or the unit of the record")
+    ]
     block = sliding_block(motion.time, motion.acceleration, down, up)
     extreme = float(motion.acceleration[np.abs(motion.acceleration).argmax()])
     return Answer(extreme, down, up, down / abs(extreme), block.permanent, block.sliding_time), heed
@@ -47,11 +49,11 @@ def slide(path: Path, overrides: Mapping[str, Any], down: float, up: float | Non
 def _motion(path: Path, overrides: Mapping[str, Any]) -> tuple[GroundMotion, list[str]]:
     if path.suffix.lower() not in SCENES:
         motion = read_motion(path, overrides)
-        return motion, [concern.sentence() for concern in drifting(motion, "the record, or motion.baseline of a scene with it")]
+        return motion, [diagnostic.sentence() for diagnostic in drifting(motion, "the record, or motion.baseline of a scene with it")]
     scene = load_scene(path, overrides)
     if isinstance(scene.motion, ConstantAcceleration):
         raise ValueError(f"{path}: motion.kind: constant is a load that stays, and a sliding block comes to rest after a motion that ends")
-    heed = [concern.sentence() for concern in cut_off(scene) + drift(scene)]
+    heed = [diagnostic.sentence() for diagnostic in cut_off(scene) + drift(scene)]
     if isinstance(scene.motion, Record) and scene.motion.vertical is not None:
         heed.append("motion.vertical does not act on the sliding block, which the horizontal component alone drives")
     return motion_of(scene), heed

@@ -97,22 +97,22 @@ def _cell(text: str) -> str:
     return re.sub(r"<(?=[A-Za-z/])", "&lt;", re.sub(r"(?<!\*)\*(?!\*)", r"\\*", text.replace("|", "\\|")))
 
 
-def rung_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+def variant_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (variant, particle-steps/s, time of a run, errors, class) of a cost-accuracy study."""
-    for rung in summary(table):
-        errors = ("reference", "reference") if rung.reference else _errors(rung)
-        speed = f"{rung.particle_steps_per_second / 1e6:.1f} M"
-        yield rung.name, speed, f"{rung.cost:.3g} s", *errors, f"{rung.classes_agree} of {rung.cases}"
+    for variant in summary(table):
+        errors = ("reference", "reference") if variant.reference else _errors(variant)
+        speed = f"{variant.particle_steps_per_second / 1e6:.1f} M"
+        yield variant.name, speed, f"{variant.cost:.3g} s", *errors, f"{variant.classes_agree} of {variant.cases}"
 
 
 def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a cost-accuracy study."""
-    presets = table[table["knob"] == PRESETS]
-    for rung in summary(presets):
-        own = presets[presets["rung"] == rung.rung]
+    presets = table[table["parameter"] == PRESETS]
+    for variant in summary(presets):
+        own = presets[presets["variant"] == variant.variant]
         values = [" / ".join(f"{value:.3g}" for value in own[metric]) + " m" for metric in QUANTITIES.values()]
-        baseline = " / ".join(advice.percent(error) for error in rung.baseline_errors.values())
-        yield rung.rung, f"{rung.cost:.3g} s", *values, *_errors(rung), baseline, f"{rung.classes_agree} of {rung.cases}"
+        baseline = " / ".join(advice.percent(error) for error in variant.baseline_errors.values())
+        yield variant.variant, f"{variant.cost:.3g} s", *values, *_errors(variant), baseline, f"{variant.classes_agree} of {variant.cases}"
 
 
 def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]]) -> Reference:
@@ -214,21 +214,21 @@ def fidelity_lines() -> Iterator[tuple[str, ...]]:
     """Rows (fidelity, time of the study, class and displacement against the baseline, time of a run, errors) of the fidelities."""
     times = read_measured("times").set_index("task")["wall_time"]
     compared = read_measured("fidelities").set_index("fidelity")
-    ladder = advice.shipped_table()
-    for rung in [] if ladder is None else summary(ladder[ladder["knob"] == PRESETS]):
-        task = STUDY_AT + rung.rung
+    measured_trade = advice.shipped_table()
+    for variant in [] if measured_trade is None else summary(measured_trade[measured_trade["parameter"] == PRESETS]):
+        task = STUDY_AT + variant.variant
         against = ("-", "-")
-        if rung.rung in compared.index:
-            row: Any = compared.loc[rung.rung]
+        if variant.variant in compared.index:
+            row: Any = compared.loc[variant.variant]
             against = (f"{row['same_class']} of {row['runs']}", f"within {percent(row['displacement_difference'])}")
         whole = duration(times[task]) if task in times.index else "not run"
-        yield rung.rung, whole, *against, f"{rung.cost:.3g} s", *_errors(rung)
+        yield variant.variant, whole, *against, f"{variant.cost:.3g} s", *_errors(variant)
 
 
 def _study_tasks() -> set[str]:
     """The timed tasks that are the whole study, one a fidelity."""
-    ladder = advice.shipped_table()
-    return set() if ladder is None else {STUDY_AT + fidelity for fidelity in ladder["rung"][ladder["knob"] == PRESETS]}
+    table = advice.shipped_table()
+    return set() if table is None else {STUDY_AT + fidelity for fidelity in table["variant"][table["parameter"] == PRESETS]}
 
 
 def _fidelities_table() -> Reference:
@@ -284,7 +284,7 @@ SWEEP_HEAD = (
     "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
 )  # fmt: skip
 STEP_HEAD = ("scheme", "largest sound step over the limit", "first that diverges")
-RUNG_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
+VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
 PRESET_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
     "class as the reference",
@@ -342,7 +342,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference(("command", "what it does"), list(command_lines())),
     "presets": lambda: measured(PRESET_HEAD, preset_rows),
-    "trade": lambda: measured(RUNG_HEAD, rung_rows),
+    "trade": lambda: measured(VARIANT_HEAD, variant_lines),
 }
 """The tables by name."""
 MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
@@ -365,8 +365,8 @@ def _listed_sections(annotation: Any) -> list[type[BaseModel]]:
     return sections(typing.get_args(annotation)[0]) if typing.get_origin(annotation) is tuple else []
 
 
-def _errors(rung: Summary) -> tuple[str, ...]:
-    return tuple(percent(error) if rung.finished else "diverged" for error in rung.errors.values())
+def _errors(variant: Summary) -> tuple[str, ...]:
+    return tuple(percent(error) if variant.finished else "diverged" for error in variant.errors.values())
 
 
 def _tag(section: type[BaseModel]) -> str:

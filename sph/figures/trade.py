@@ -31,13 +31,13 @@ def figure_tradeoff(table: pd.DataFrame) -> Figure:
     timed case; the line joins the variants that no other of the reference's class beats in both.  The reference, variants that were not
     run in every case and diverged ones have no point.  Raises ValueError where nothing is left to draw.
     """
-    rungs = summary(table)
-    shown = [rung for rung in rungs if rung.every_case and rung.finished and not rung.reference]
+    variants = summary(table)
+    shown = [variant for variant in variants if variant.every_case and variant.finished and not variant.reference]
     if not shown:
         raise ValueError("table: no variant but the reference was run to its end in every case, there is nothing to draw")
-    knobs = list(dict.fromkeys(rung.knob for rung in shown))
-    colours = curve_colours(len(knobs))
-    looks = {knob: (colours[at], MARKERS[at % len(MARKERS)]) for at, knob in enumerate(knobs)}
+    parameters = list(dict.fromkeys(variant.parameter for variant in shown))
+    colours = curve_colours(len(parameters))
+    looks = {parameter: (colours[at], MARKERS[at % len(MARKERS)]) for at, parameter in enumerate(parameters)}
     figure = Figure(figsize=(WIDTH, 3.9), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     for ax, name in zip(axes, QUANTITIES, strict=True):
@@ -46,31 +46,31 @@ def figure_tradeoff(table: pd.DataFrame) -> Figure:
     axes[0].yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:g} %"))
     label_panels(axes, [WORDS[name] for name in QUANTITIES])
     point: dict[str, Any] = {"xdata": [], "ydata": [], "linestyle": ""}
-    handles = [Line2D(**point, marker=mark, color=colour, label=knob.replace("_", " ")) for knob, (colour, mark) in looks.items()]
+    handles = [Line2D(**point, marker=mark, color=colour, label=parameter.replace("_", " ")) for parameter, (colour, mark) in looks.items()]
     handles.append(Line2D(**point, marker="o", color=GREY, markerfacecolor="white", label="another class"))
     figure.legend(handles=handles, loc="outside upper center", ncols=4, handletextpad=0.2)
-    reference = next(rung for rung in rungs if rung.reference)
+    reference = next(variant for variant in variants if variant.reference)
     where = f"reference {reference.name}, {reference.cost:.4g} s"
     write_note(figure, f"{where} · one core of {table['machine'].iloc[0]}, runs side by side")
     return figure
 
 
-def _draw_errors(ax: Axes, rungs: Sequence[Summary], name: str, looks: Mapping[str, tuple[Any, str]]) -> None:
-    cost = np.array([rung.cost for rung in rungs])
-    error = np.maximum([rung.errors[name] for rung in rungs], LEAST_ERROR)
-    agrees = np.array([rung.classes_agree == rung.cases for rung in rungs])
+def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mapping[str, tuple[Any, str]]) -> None:
+    cost = np.array([variant.cost for variant in variants])
+    error = np.maximum([variant.errors[name] for variant in variants], LEAST_ERROR)
+    agrees = np.array([variant.classes_agree == variant.cases for variant in variants])
     # The front is that of what 'sph advise' may answer.
-    sound = agrees & np.array([rung.sound for rung in rungs])
+    sound = agrees & np.array([variant.sound for variant in variants])
     front = non_dominated(cost, np.where(sound, error, np.nan))
     ax.plot(cost[front], error[front], color=GREY, linewidth=1.0, drawstyle="steps-post", zorder=1)
-    for rung, x, y, good in zip(rungs, cost, error, agrees, strict=True):
-        colour, marker = looks[rung.knob]
-        preset = rung.knob == PRESETS
+    for variant, x, y, good in zip(variants, cost, error, agrees, strict=True):
+        colour, marker = looks[variant.parameter]
+        preset = variant.parameter == PRESETS
         size, layer = (6, 4) if preset else (5, 3)
         face = colour if good else "white"
         ax.plot(x, y, linestyle="", marker=marker, color=colour, markerfacecolor=face, markersize=size, zorder=layer)
         if preset:
-            ax.annotate(rung.rung, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5)
+            ax.annotate(variant.variant, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5)
     ax.set(xscale="log", yscale="log", xlabel="computing time of one run (s)")
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     ax.margins(x=0.12, y=0.08)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+import warnings
+from typing import Annotated, Any, Literal, NamedTuple
 
-from pydantic import model_validator
+from pydantic import BeforeValidator, model_validator
 
 from sph.scene.configuration import Section, key
 
@@ -41,7 +42,7 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "sticky": Kind("fixed side wall", grips=True),
+    "fixed": Kind("fixed side wall", grips=True),
     "no_slip": Kind("no-slip side wall", grips=True, reflects=True),
     "free_slip": Kind("free-slip side wall", slips=True, contact=0.4),
     "absorbing": Kind("absorbing side", absorbs=True),
@@ -56,6 +57,17 @@ class Kinds(NamedTuple):
     base: Kind
     sides: Kind
     top: Kind
+
+
+def _former_name(kind: Any) -> Any:
+    """Fixed walls were called sticky; taken, with a FutureWarning, until the next release."""
+    if kind == "sticky":
+        warnings.warn("walls: write fixed for sticky, which ends with the next release", FutureWarning, 2)
+        return "fixed"
+    return kind
+
+
+FORMER = BeforeValidator(_former_name)
 
 
 class WallFriction(Section):
@@ -82,23 +94,25 @@ class Bedrock(Section):
 class Walls(Section):
     """How the box holds the soil."""
 
-    base: Literal["sticky", "no_slip", "free_slip", "absorbing", "none"] = key(
+    base: Annotated[Literal["fixed", "no_slip", "free_slip", "absorbing", "none"], FORMER] = key(
         "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, a frictionless floor, a half-space that takes "
         "waves up (the motion is then that of its outcrop), or nothing",
         source="Sec. 2.4; no_slip, free_slip ours; absorbing: Joyner and Chen 1975",
-        default="sticky",
+        default="fixed",
     )
-    sides: Literal["sticky", "no_slip", "free_slip", "absorbing", "periodic", "none"] = key(
+    sides: Annotated[Literal["fixed", "no_slip", "free_slip", "absorbing", "periodic", "none"], FORMER] = key(
         "side walls: fixed particles that hold the soil (the paper), a no-slip wall, a frictionless wall, level ground that goes on and "
         "takes waves up (free field), soil that goes on periodically, or nothing",
         source="Sec. 2.4; no_slip, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
-        default="sticky",
+        default="fixed",
     )
-    top: Literal["sticky", "no_slip", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
+    top: Annotated[Literal["fixed", "no_slip", "free_slip", "none"], FORMER] = key(
+        "lid of the box, for flows between plates", default="none"
+    )
     friction: WallFriction | None = key("friction on free-slip walls", default=None)
     bedrock: Bedrock | None = key("what an absorbing base stands on, below its boundary particles; null: the soil goes on", default=None)
     layers: int = key(
-        "layers of boundary particles; all but sticky walls need as many as fill the kernel's support but for one spacing",
+        "layers of boundary particles; all but fixed walls need as many as fill the kernel's support but for one spacing",
         source="Sec. 4 (2,404 particles)",
         ge=1,
         le=8,

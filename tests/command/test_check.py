@@ -16,7 +16,7 @@ from typer.testing import CliRunner, Result
 from sph.command.check import check, draw, layer_rows, rows
 from sph.command.cli import REFUSED, app
 from sph.figures.scene import FEW
-from sph.jobs.concerns import FEWEST_IN_WAVE, Concern, highest_frequency, in_wave
+from sph.jobs.diagnostics import FEWEST_IN_WAVE, Diagnostic, highest_frequency, in_wave
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.time_step import limits, wave_speed_ratio
@@ -39,8 +39,8 @@ def scene(**settings: Any) -> Scene:
     return make_scene(merge(SOUND, dotted(settings)))
 
 
-def found(**settings: Any) -> list[Concern]:
-    return check(scene(**settings)).concerns
+def found(**settings: Any) -> list[Diagnostic]:
+    return check(scene(**settings)).diagnostics
 
 
 def call(*arguments: object) -> Result:
@@ -77,10 +77,10 @@ def test_a_sound_scene_has_no_warning() -> None:
     ],
 )
 def test_a_warning_says_what_is_measured_and_wanted_and_the_key(settings: dict[str, Any], what: str, key: str) -> None:
-    concerns = found(**settings)
-    (concern,) = [concern for concern in concerns if what in concern.what]
-    assert key in concern.key and concern.measured and concern.wanted
-    assert all(part in concern.sentence() for part in concern)
+    diagnostics = found(**settings)
+    (diagnostic,) = [diagnostic for diagnostic in diagnostics if what in diagnostic.what]
+    assert key in diagnostic.key and diagnostic.measured and diagnostic.wanted
+    assert all(part in diagnostic.sentence() for part in diagnostic)
 
 
 def test_shapes_without_a_slope_have_no_toe_to_warn_of() -> None:
@@ -152,7 +152,7 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert "no warnings" in call("check", file).stdout
     data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
-    assert [concern["key"] for concern in data["warnings"]] == ["duration, above 10 s"]
+    assert [diagnostic["key"] for diagnostic in data["warnings"]] == ["duration, above 10 s"]
     assert call("check", file, "--set", "geometry.base=445").exit_code == REFUSED
     assert call("check", file, "--plot", tmp_path / "nowhere" / "own.png").exit_code == REFUSED
 

@@ -73,7 +73,7 @@ def test_the_table_has_a_row_a_quantity_and_case_and_leaves_gaps_out() -> None:
     spacings = [1.0, 0.5, 0.25, 0.125]
     rows = [
         {
-            "knob": "spacing",
+            "parameter": "spacing",
             "case": case,
             "spacing": h,
             "displacement_magnitude": value,
@@ -83,7 +83,7 @@ def test_the_table_has_a_row_a_quantity_and_case_and_leaves_gaps_out() -> None:
         for case in ("weak", "strong")
         for h, value in zip(spacings, manufactured(spacings, 1.0), strict=True)
     ]
-    table = convergence_table(pd.DataFrame([*rows, {**rows[0], "knob": "walls"}]), "spacing")
+    table = convergence_table(pd.DataFrame([*rows, {**rows[0], "parameter": "walls"}]), "spacing")
     assert list(table.columns) == [row.name for row in CONVERGENCE] and len(table) == 6
     by = table.set_index(["quantity", "case"])
     assert by.loc[("runout", "weak"), "order"] == pytest.approx(1.0)

@@ -1,4 +1,4 @@
-"""The ladder: what is accepted, what is run, the table, and what it answers."""
+"""The cost-accuracy study: what is accepted, what is run, the table, and what it answers."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import yaml
 from matplotlib.figure import Figure
 from small_scenes import study_plan
 from synthetic import PAPER, synthetic, translation
-from synthetic_ladder import FIDELITIES, SCENE, TRADE, ladder, ladder_frame, runs_of
+from synthetic_trade import FIDELITIES, SCENE, TRADE, runs_of, trade_frame, trade_runs
 from typer.testing import CliRunner, Result
 
 from sph.command.advise import flat
@@ -24,12 +24,12 @@ from sph.command.reference import TABLES, markdown
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
 from sph.experiments.cost_accuracy.convergence import convergence_table
-from sph.experiments.cost_accuracy.design import Rung, load_trade, scheme
-from sph.experiments.cost_accuracy.table import COLUMNS, against, ladder_table, measured_run, non_dominated, read_trade, summary
+from sph.experiments.cost_accuracy.design import Trade, VariantRow, load_trade, scheme
+from sph.experiments.cost_accuracy.table import COLUMNS, against, measured_run, non_dominated, read_trade, summary, trade_table
 from sph.experiments.cost_accuracy.table import TRADE as VARIABLES
 from sph.figures.trade import figure_convergence, figure_tradeoff
 from sph.measures.metrics import MetricSettings
-from sph.scene.configuration import dotted, merge
+from sph.scene.configuration import dotted, merge, validated
 from sph.scene.schema import Scene, make_scene
 from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset, write_csv
@@ -39,9 +39,9 @@ ROOT = Path(__file__).resolve().parents[2]
 
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The hand-made ladder in the place of the one measured for the release."""
+    """The hand-made study in the place of the one measured for the release."""
     path = tmp_path / "measured" / "trade.csv"
-    write_csv(ladder_frame(), path)
+    write_csv(trade_frame(), path)
     monkeypatch.setattr(advice, "SHIPPED", path)
     return path
 
@@ -60,17 +60,17 @@ def scene(**settings: Any) -> Scene:
     return make_scene(merge(SCENE, dotted({name.replace("__", "."): value for name, value in settings.items()})))
 
 
-def row_of(frame: pd.DataFrame, knob: str, rung: str, case: str = "weak") -> Mapping[str, Any]:
-    found = frame[(frame["knob"] == knob) & (frame["rung"] == rung) & (frame["case"] == case)]
+def row_of(frame: pd.DataFrame, parameter: str, variant: str, case: str = "weak") -> Mapping[str, Any]:
+    found = frame[(frame["parameter"] == parameter) & (frame["variant"] == variant) & (frame["case"] == case)]
     assert len(found) == 1
     return found.iloc[0].to_dict()
 
 
 class TestConfiguration:
-    def test_the_shipped_ladder_is_valid_and_covers_the_presets(self) -> None:
+    def test_the_shipped_study_is_valid_and_covers_the_presets(self) -> None:
         config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
         shipped = load_trade("config/trade.yaml", study_plan(config["fidelities"]), [ROOT])
-        assert {row.rung for row in shipped.rows if row.knob == "preset"} == {"draft", "standard", "paper", "fine"}
+        assert {row.variant for row in shipped.rows if row.parameter == "preset"} == {"draft", "standard", "paper", "fine"}
         assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
         assert all(row.runs and set(row.runs) <= set(shipped.runs) for row in shipped.rows)
         contents = [
@@ -78,20 +78,35 @@ class TestConfiguration:
         ]
         assert len(set(contents)) == len(contents), "equal scenes are run once"
 
-    def test_the_settings_of_every_shipped_rung_survive_the_command_line(self) -> None:
+    def test_the_settings_of_every_shipped_variant_survive_the_command_line(self) -> None:
         for row in load_trade("config/trade.yaml", study_plan(), [ROOT]).rows:
             assert parse_settings([f"{name}={' '.join(shlex.split(text))}" for name, text in flat(row.settings)]) == row.settings
 
     def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
-        rows = {(row.knob, row.rung, row.case): row.runs for row in ladder().rows}
+        rows = {(row.parameter, row.variant, row.case): row.runs for row in trade_runs().rows}
         assert rows["skin", "0.3", "weak"] == rows["spacing", "3 m", "weak"] == tuple(f"spacing/3-m/weak_{n}" for n in (1, 2, 3))
         assert rows["preset", "draft", "weak"] == rows["spacing", "5 m", "weak"]
         assert rows["skin", "0.6", "weak"] == ("skin/0.6/weak_1",)
         assert rows["spacing", "3 m", "strong"] == ("spacing/3-m/strong_1",), "only the timed case is repeated"
         assert rows["spacing", "1.5 m", "weak"] == ("spacing/1.5-m/weak_1",) and ("spacing", "1.5 m", "strong") not in rows
 
-    def test_a_rung_lies_over_its_knob_and_a_case_over_both(self) -> None:
-        made = ladder({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"].scene
+    def test_former_names_are_taken_with_a_warning_but_not_beside_the_new(self) -> None:
+        former = {name: value for name, value in TRADE.items() if name not in ("parameters", "reference")}
+        former["reference"] = {"knob": "spacing", "rung": "2 m"}
+        former["knobs"] = {
+            name: {("rungs" if key == "variants" else key): value for key, value in parameter.items()}
+            for name, parameter in TRADE["parameters"].items()
+        }
+        with pytest.warns(FutureWarning) as told:
+            assert validated(Trade, former, "trade.yaml") == validated(Trade, TRADE, "trade.yaml")
+        assert {str(each.message).split("write ")[1].split(",")[0] for each in told} == {
+            "parameters for knobs", "variants for rungs", "parameter for knob", "variant for rung",
+        }  # fmt: skip
+        with pytest.raises(ValueError, match="knobs: is now parameters, which is there as well; leave one"):
+            validated(Trade, TRADE | {"knobs": {}}, "trade.yaml")
+
+    def test_a_variant_lies_over_its_parameter_and_a_case_over_both(self) -> None:
+        made = trade_runs({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"].scene
         assert made["numerics"] == {"spacing": 3.0, "time_step": 1e-3, "smoothing_ratio": 1.3, "neighbour_skin": 0.6}
         assert made["coupling"] == {"S_R": 0.5} and made["duration"] == 12.0
 
@@ -99,19 +114,22 @@ class TestConfiguration:
         ("overrides", "wanted"),
         [
             (
-                {"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacng": 1}}}}}},
+                {"parameters": {"spacing": {"variants": {"x": {"numerics": {"spacng": 1}}}}}},
                 ("parameter spacing, variant 'x', case 'weak'", "numerics.spacng", "no such"),
             ),
-            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"time_step": 0.01}}}}}}, ("variant 'x'", "numerics.time_step", "limit")),
-            ({"knobs": {"spacing": {"rungs": {"x": {"numerics": {"spacing": 60.0}}}}}}, ("variant 'x'", "numerics.spacing", "60")),
-            ({"knobs": {"spacing": {"rungs": {"2 m": {}, "2/m": {}}}}}, ("same file name", "'2 m'", "'2/m'")),
-            ({"knobs": {"spacing": {"exceptions": {"7 m": {}}}}}, ("knobs.spacing", "'7 m'", "5 m, 3 m")),
-            ({"knobs": {"skin": {"cases": ["medium"]}}}, ("knobs.skin", "'medium'", "weak, strong")),
-            ({"knobs": {"skin": {"cases": ["strong"]}}}, ("knobs.skin", "timed case 'weak'")),
-            ({"knobs": {"preset": TRADE["knobs"]["skin"]}}, ("'preset'", "another name")),
-            ({"knobs": {"skin": {"repeats": 0}}}, ("knobs.skin.repeats", "0")),
-            ({"reference": {"rung": "9 m"}}, ("reference", "'9 m'")),
-            ({"reference": {"rung": "1.5 m"}}, ("reference", "'1.5 m'", "missing: strong")),
+            (
+                {"parameters": {"spacing": {"variants": {"x": {"numerics": {"time_step": 0.01}}}}}},
+                ("variant 'x'", "numerics.time_step", "limit"),
+            ),
+            ({"parameters": {"spacing": {"variants": {"x": {"numerics": {"spacing": 60.0}}}}}}, ("variant 'x'", "numerics.spacing", "60")),
+            ({"parameters": {"spacing": {"variants": {"2 m": {}, "2/m": {}}}}}, ("same file name", "'2 m'", "'2/m'")),
+            ({"parameters": {"spacing": {"exceptions": {"7 m": {}}}}}, ("parameters.spacing", "'7 m'", "5 m, 3 m")),
+            ({"parameters": {"skin": {"cases": ["medium"]}}}, ("parameters.skin", "'medium'", "weak, strong")),
+            ({"parameters": {"skin": {"cases": ["strong"]}}}, ("parameters.skin", "timed case 'weak'")),
+            ({"parameters": {"preset": TRADE["parameters"]["skin"]}}, ("'preset'", "another name")),
+            ({"parameters": {"skin": {"repeats": 0}}}, ("parameters.skin.repeats", "0")),
+            ({"reference": {"variant": "9 m"}}, ("reference", "'9 m'")),
+            ({"reference": {"variant": "1.5 m"}}, ("reference", "'1.5 m'", "missing: strong")),
             ({"baseline": "best"}, ("baseline", "'best'", "draft, paper")),
             ({"timed_case": "medium"}, ("timed_case", "'medium'", "weak, strong")),
             ({"convergence": "depth"}, ("convergence", "'depth'", "spacing, skin")),
@@ -121,7 +139,7 @@ class TestConfiguration:
     )
     def test_refusals_name_file_key_and_value(self, overrides: dict[str, Any], wanted: tuple[str, ...]) -> None:
         with pytest.raises(ValueError) as error:
-            ladder(overrides)
+            trade_runs(overrides)
         for text in ("trade.yaml", *wanted):
             assert text in str(error.value)
 
@@ -130,7 +148,7 @@ class TestConfiguration:
         with pytest.raises(ValueError, match=r"trade.yaml: scene: no file 'slope.yaml'"):
             load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path])
         (tmp_path / "slope.yaml").write_text(yaml.safe_dump(SCENE, sort_keys=False))
-        assert load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path / "elsewhere", tmp_path]).rows == ladder().rows
+        assert load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path / "elsewhere", tmp_path]).rows == trade_runs().rows
         with pytest.raises(ValueError, match="no file 'absent.yaml'"):
             load_trade("absent.yaml", study_plan(FIDELITIES), [tmp_path])
 
@@ -161,7 +179,7 @@ class TestScheme:
 
 class TestTable:
     def test_deviations_are_relative_to_reference_and_baseline_in_the_same_case(self) -> None:
-        frame = ladder_frame()
+        frame = trade_frame()
         assert list(frame.columns) == COLUMNS
         coarse = row_of(frame, "spacing", "5 m", "strong")
         assert coarse["displacement_deviation"] == pytest.approx(1.2 / 1.0 - 1)
@@ -172,34 +190,34 @@ class TestTable:
         assert reference["reference"] == 1 and reference["displacement_deviation"] == 0.0 and reference["class_as_reference"] == 1
 
     def test_costs_are_the_median_of_the_repeats(self) -> None:
-        row = row_of(ladder_frame(), "spacing", "3 m")
+        row = row_of(trade_frame(), "spacing", "3 m")
         assert (row["repeats"], row["timed"]) == (3, 1)
         assert [row[name] for name in ("wall_time", "wall_time_min", "wall_time_max")] == pytest.approx([4.4, 4.0, 4.8])
 
     def test_repeats_that_differ_are_told(self) -> None:
-        made = ladder()
+        made = trade_runs()
         runs = runs_of(made)
         runs["preset/draft/weak_2"]["displacement_magnitude"] = np.nextafter(12.0, 13.0)
-        frame = ladder_table(made.rows, runs, "paper", "m")
+        frame = trade_table(made.rows, runs, "paper", "m")
         assert row_of(frame, "spacing", "5 m")["reproducible"] == 0.0
         assert row_of(frame, "spacing", "3 m")["reproducible"] == 1.0
         assert math.isnan(row_of(frame, "skin", "0.6")["reproducible"])
 
     def test_a_diverged_run_has_no_deviation_and_another_class(self) -> None:
         gone = {"status": "diverged", "collapse_class": "undetermined", "displacement_magnitude": math.nan, "runout": math.nan}
-        frame = ladder_frame(**{"skin_0.6": gone})
+        frame = trade_frame(**{"skin_0.6": gone})
         row = row_of(frame, "skin", "0.6")
         assert math.isnan(row["displacement_deviation"]) and row["class_as_reference"] == 0
-        assert not next(rung for rung in summary(frame) if rung.name == "skin: 0.6").finished
+        assert not next(variant for variant in summary(frame) if variant.name == "skin: 0.6").finished
 
     def test_nothing_moved_in_both_is_no_deviation(self) -> None:
         still = {"runout": 0.0}
-        frame = ladder_frame(**{"spacing_2_m": still, "spacing_3_m": still})
+        frame = trade_frame(**{"spacing_2_m": still, "spacing_3_m": still})
         assert row_of(frame, "spacing", "3 m")["runout_deviation"] == 0.0
         assert row_of(frame, "spacing", "5 m")["runout_deviation"] == math.inf
 
     def test_files_hold_what_was_written(self, tmp_path: Path) -> None:
-        frame = ladder_frame()
+        frame = trade_frame()
         write_csv(frame, tmp_path / "trade.csv")
         pd.testing.assert_frame_equal(read_trade(tmp_path / "trade.csv"), frame, check_dtype=False)
         ds = flat_dataset(frame, VARIABLES, {"machine": "m"})
@@ -216,8 +234,8 @@ class TestTable:
         run.attrs["particle_steps"] = 2404 * 30
         values = measured_run(run, MetricSettings())
         assert (values["particles"], values["steps"], values["spacing"]) == (2404, 30, 1.0)
-        frame = ladder_table(
-            [Rung("preset", "paper", "only", "accuracy", {}, {}, True, True, ("a", "b"))], {"a": values, "b": values}, "paper", "m"
+        frame = trade_table(
+            [VariantRow("preset", "paper", "only", "accuracy", {}, {}, True, True, ("a", "b"))], {"a": values, "b": values}, "paper", "m"
         )
         assert frame.iloc[0]["displacement_magnitude"] == pytest.approx(3.0) and frame.iloc[0]["reproducible"] == 1.0
 
@@ -227,11 +245,11 @@ class TestTable:
 
 class TestSummary:
     def test_the_largest_deviation_over_the_cases_counts(self) -> None:
-        rungs = {rung.name: rung for rung in summary(ladder_frame(**{"skin_0.6": {"collapse_class": "collapse"}}))}
-        coarse = rungs["spacing: 5 m"]
+        variants = {variant.name: variant for variant in summary(trade_frame(**{"skin_0.6": {"collapse_class": "collapse"}}))}
+        coarse = variants["spacing: 5 m"]
         assert coarse.errors == pytest.approx({"displacement": 0.2, "runout": 13 / 11 - 1}) and coarse.cost == pytest.approx(1.1)
-        assert (rungs["skin: 0.6"].classes_agree, rungs["skin: 0.6"].cases) == (1, 2)
-        assert not rungs["spacing: 1.5 m"].every_case and rungs["spacing: 2 m"].reference
+        assert (variants["skin: 0.6"].classes_agree, variants["skin: 0.6"].cases) == (1, 2)
+        assert not variants["spacing: 1.5 m"].every_case and variants["spacing: 2 m"].reference
 
     def test_the_front_holds_what_nothing_beats(self) -> None:
         cost, error = np.array([4.0, 1.0, 2.0, 3.0, 1.0]), np.array([0.1, 0.9, 0.5, 0.6, math.nan])
@@ -240,46 +258,46 @@ class TestSummary:
 
 class TestAdvice:
     def test_the_cheapest_within_the_error_is_named(self) -> None:
-        frame = ladder_frame()
+        frame = trade_frame()
         for error, name in ((0.25, "preset: draft"), (0.1, "spacing: 3 m")):
             found = advise(frame, error)
-            assert found.fits and found.rung.name == name
+            assert found.fits and found.variant.name == name
 
     def test_one_quantity_alone_may_allow_more(self) -> None:
-        assert advise(ladder_frame(), 0.19, ("runout",)).rung.cost == pytest.approx(1.1)
-        assert advise(ladder_frame(), 0.19, ("displacement",)).rung.cost == pytest.approx(4.4)
+        assert advise(trade_frame(), 0.19, ("runout",)).variant.cost == pytest.approx(1.1)
+        assert advise(trade_frame(), 0.19, ("displacement",)).variant.cost == pytest.approx(4.4)
 
-    def test_a_rung_of_another_class_is_no_answer(self) -> None:
-        changed = ladder_frame(**{"preset_draft": {"collapse_class": "minor"}})
-        assert advise(changed, 0.25).rung.name == "spacing: 3 m"
+    def test_a_variant_of_another_class_is_no_answer(self) -> None:
+        changed = trade_frame(**{"preset_draft": {"collapse_class": "minor"}})
+        assert advise(changed, 0.25).variant.name == "spacing: 3 m"
 
-    def test_a_rung_that_changes_the_model_is_no_answer(self) -> None:
-        frame = ladder_frame(ladder({"knobs": {"spacing": {"changes": "model"}}}))
+    def test_a_variant_that_changes_the_model_is_no_answer(self) -> None:
+        frame = trade_frame(trade_runs({"parameters": {"spacing": {"changes": "model"}}}))
         found = advise(frame, 0.1)
-        assert found.fits and found.rung.name == "skin: 0.3"
-        assert set(frame[frame["knob"] == "spacing"]["changes"]) == {"model"}
+        assert found.fits and found.variant.name == "skin: 0.3"
+        assert set(frame[frame["parameter"] == "spacing"]["changes"]) == {"model"}
 
-    def test_a_rung_above_its_time_step_limit_is_no_answer(self) -> None:
+    def test_a_variant_above_its_time_step_limit_is_no_answer(self) -> None:
         exceeded = {"time_step_ratio": 1.01}
-        assert advise(ladder_frame(preset_draft=exceeded, spacing_5_m=exceeded), 0.25).rung.name == "spacing: 3 m"
+        assert advise(trade_frame(preset_draft=exceeded, spacing_5_m=exceeded), 0.25).variant.name == "spacing: 3 m"
 
     def test_a_fidelity_can_be_the_measure(self) -> None:
         # A moves by 15 m at paper and by 12 m at draft; the run-outs are a metre more.
-        frame = against(ladder_frame(), "paper")
-        assert advise(frame, 0.25).rung.name == "preset: draft"
-        draft = next(rung for rung in summary(frame) if rung.name == "preset: draft")
+        frame = against(trade_frame(), "paper")
+        assert advise(frame, 0.25).variant.name == "preset: draft"
+        draft = next(variant for variant in summary(frame) if variant.name == "preset: draft")
         assert draft.errors["displacement"] == pytest.approx(0.2) and draft.errors["runout"] == pytest.approx(1 - 13 / 16)
         with pytest.raises(ValueError, match="fidelity: 'best' must be one of draft, paper"):
-            against(ladder_frame(), "best")
+            against(trade_frame(), "best")
 
-    def test_neither_the_reference_nor_a_rung_of_some_cases_is_an_answer(self) -> None:
-        found = advise(ladder_frame(), 0.001)
-        assert not found.fits and found.rung.name == "spacing: 3 m"
+    def test_neither_the_reference_nor_a_variant_of_some_cases_is_an_answer(self) -> None:
+        found = advise(trade_frame(), 0.001)
+        assert not found.fits and found.variant.name == "spacing: 3 m"
 
     @pytest.mark.parametrize(("error", "quantities"), [(-0.1, ("runout",)), (math.nan, ("runout",)), (0.1, ("speed",))])
     def test_bad_questions_are_refused(self, error: float, quantities: tuple[str, ...]) -> None:
         with pytest.raises(ValueError):
-            advise(ladder_frame(), error, quantities)
+            advise(trade_frame(), error, quantities)
 
     def test_the_command_prints_settings_that_give_it(self, shipped: Path) -> None:
         result = call("advise", "--error", "10%")
@@ -311,10 +329,10 @@ class TestAdvice:
 
 
 class TestExpectedError:
-    def test_it_is_that_of_the_rung_with_the_same_scheme(self, shipped: Path) -> None:
+    def test_it_is_that_of_the_variant_with_the_same_scheme(self, shipped: Path) -> None:
         other_soil = scene(numerics__smoothing_ratio=1.3, numerics__spacing=3.0, soil__cohesion=50.0, coupling__S_R=0.4)
         found = expected_error(other_soil)
-        assert found is not None and found.displacement == pytest.approx(0.09) and found.rung == "spacing: 3 m"
+        assert found is not None and found.displacement == pytest.approx(0.09) and found.variant == "spacing: 3 m"
         assert "A's displacement within 9 %, run-out within 8.2 %" in expected_sentence(other_soil)
         row = advice.expected_metrics(other_soil)
         assert row["expected_displacement_error"] == pytest.approx(0.09) and row["expected_runout_error"] == pytest.approx(0.9 / 11)
@@ -324,7 +342,7 @@ class TestExpectedError:
         assert expected_error(other) is None and "not measured: no variant" in expected_sentence(other)
         assert all(math.isnan(value) for value in advice.expected_metrics(other).values())
 
-    def test_a_rung_of_some_cases_gives_none(self, shipped: Path) -> None:
+    def test_a_variant_of_some_cases_gives_none(self, shipped: Path) -> None:
         assert expected_error(scene(numerics__smoothing_ratio=1.3, numerics__spacing=1.5)) is None
 
     def test_without_a_table_nothing_is_expected(self, absent: None) -> None:
@@ -339,9 +357,9 @@ class TestExpectedError:
 
 class TestReference:
     def test_the_tables_of_the_readme_come_from_the_shipped_table(self, shipped: Path) -> None:
-        rungs, presets = markdown(TABLES["trade"]()), markdown(TABLES["presets"]())
-        assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in rungs and "test machine, 2 cores" in rungs
-        assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in rungs
+        variants, presets = markdown(TABLES["trade"]()), markdown(TABLES["presets"]())
+        assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in variants and "test machine, 2 cores" in variants
+        assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in variants
         assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 0 % / 0 % | 2 of 2 |" in presets
 
     def test_without_a_table_they_say_so(self, absent: None) -> None:
@@ -350,25 +368,25 @@ class TestReference:
 
 
 class TestFigures:
-    def test_every_rung_but_the_reference_has_a_point_and_presets_their_name(self) -> None:
-        figure = figure_tradeoff(ladder_frame(**{"skin_0.6": {"collapse_class": "minor"}}))
+    def test_every_variant_but_the_reference_has_a_point_and_presets_their_name(self) -> None:
+        figure = figure_tradeoff(trade_frame(**{"skin_0.6": {"collapse_class": "minor"}}))
         for ax in figure.axes:
             points = [line for line in ax.lines if line.get_marker() not in (None, "None")]
-            assert len(points) == 6, "draft, paper, 5 m, 3 m and two skins; not the reference, not the rung of one case"
+            assert len(points) == 6, "draft, paper, 5 m, 3 m and two skins; not the reference, not the variant of one case"
             assert [line.get_markerfacecolor() for line in points].count("white") == 1
             assert {text.get_text() for text in ax.texts} == {"draft", "paper"}
         front = next(line for line in figure.axes[0].lines if line.get_marker() in (None, "None"))
         assert front.get_xydata().tolist() == pytest.approx(np.array([[1.1, 0.2], [4.4, 0.09]]))
 
     def test_the_curves_of_convergence_are_those_of_the_table(self) -> None:
-        frame = ladder_frame()
+        frame = trade_frame()
         figure = figure_convergence(convergence_table(frame, "spacing"), frame)
         assert isinstance(figure, Figure) and len(figure.axes) == 3
         curve = figure.axes[0].lines[0]
         assert np.asarray(curve.get_xydata()).tolist() == [[1.5, 9.7], [2.0, 10.0], [3.0, 10.9], [5.0, 12.0]]
 
     def test_nothing_to_draw_is_refused(self) -> None:
-        frame = ladder_frame()
+        frame = trade_frame()
         with pytest.raises(ValueError, match="nothing to draw"):
             figure_tradeoff(frame[frame["reference"] == 1])
         with pytest.raises(ValueError, match="no row"):

@@ -25,8 +25,8 @@ TRADE = {
     "scene": "slope.yaml",
     "cases": {"one": {}},
     "timed_case": "one",
-    "reference": {"knob": "spacing", "rung": "4 m"},
-    "knobs": {"spacing": {"about": "Spacing.", "rungs": {"4 m": {"numerics": {"spacing": 4.0}}, "5 m": {}}}},
+    "reference": {"parameter": "spacing", "variant": "4 m"},
+    "parameters": {"spacing": {"about": "Spacing.", "variants": {"4 m": {"numerics": {"spacing": 4.0}}, "5 m": {}}}},
 }
 
 

@@ -1,6 +1,6 @@
 """Fuzz everything that a user can write: ``python tests/faults/fuzz.py --examples 10000``.
 
-Scenes, studies, ladders, suites, changes, ground motions, options and files of every kind go through the functions behind the command
+Scenes, studies, experiments, suites, changes, ground motions, options and files of every kind go through the functions behind the command
 and the workflow.  An example passes if it is carried out, a few time steps of its solver included, or refused by a ValueError that
 names a key or the file.  Anything else is printed with its example, and the exit code is 1.
 
@@ -83,7 +83,7 @@ WORDS = {name for model in MODELS.values() for path, _ in keys(model) for name i
     "amplitude",
     "S_R",
     "case",
-    "rung",
+    "variant",
     "level",
     "tolerance",
 }
@@ -241,7 +241,7 @@ def study(data: Any, folder: Path) -> str:
 
 
 def trade(data: Any, folder: Path) -> str:
-    """Load a ladder; every run has a file of its own in its folder."""
+    """Load a cost-accuracy study; every run has a file of its own in its folder."""
     write(folder / "trade.yaml", data)
     for name in load_trade("trade.yaml", study_plan(STUDY["fidelities"]), [folder]).runs:
         _stays(f"results/trade/runs/{name}.nc", "results/trade/runs")

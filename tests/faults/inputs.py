@@ -114,10 +114,10 @@ TRADE = {
     "scene": "tiny.yaml",
     "cases": {"weak": {"coupling": {"S_R": 0.1}}, "strong": {"coupling": {"S_R": 0.5}}},
     "timed_case": "weak",
-    "reference": {"knob": "spacing", "rung": "1 m"},
+    "reference": {"parameter": "spacing", "variant": "1 m"},
     "baseline": "a",
-    "knobs": {
-        "spacing": {"about": "x", "rungs": {"1 m": {}, "0.5 m": {"numerics": {"spacing": 0.5}}}, "exceptions": {"0.5 m": {"repeats": 1}}}
+    "parameters": {
+        "spacing": {"about": "x", "variants": {"1 m": {}, "0.5 m": {"numerics": {"spacing": 0.5}}}, "exceptions": {"0.5 m": {"repeats": 1}}}
     },
 }
 LIMITS = {"scene": "tiny.yaml", "cases": {"weak": {}}, "changes": {"as it is": {}, "S_R 0.1": {"coupling": {"S_R": 0.1}}}}

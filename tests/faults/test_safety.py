@@ -92,26 +92,26 @@ def written(path: Path, data: Any) -> str:
     return path.name
 
 
-def knobs(*rungs: str) -> dict[str, Any]:
-    """A ladder whose rungs have these labels."""
+def parameters(*variants: str) -> dict[str, Any]:
+    """A cost-accuracy study whose variants have these labels."""
     return {
         "scene": PAPER,
         "cases": {"one": {}},
         "timed_case": "one",
-        "reference": {"knob": "k", "rung": rungs[0]},
+        "reference": {"parameter": "k", "variant": variants[0]},
         "convergence": "k",
-        "knobs": {"k": {"about": "a", "rungs": {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(rungs)}}},
+        "parameters": {"k": {"about": "a", "variants": {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(variants)}}},
     }
 
 
 def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
     """Paths of the runs of a configuration with these labels."""
     each = {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(labels)}
-    if kind == "rungs":
-        yield from load_trade(written(tmp_path / "c.yaml", knobs(*labels)), study_plan(), [tmp_path, ROOT]).runs
+    if kind == "variants":
+        yield from load_trade(written(tmp_path / "c.yaml", parameters(*labels)), study_plan(), [tmp_path, ROOT]).runs
     elif kind == "cases":
         yield from load_trade(
-            written(tmp_path / "c.yaml", knobs("r") | {"cases": each, "timed_case": labels[0]}), study_plan(), [tmp_path, ROOT]
+            written(tmp_path / "c.yaml", parameters("r") | {"cases": each, "timed_case": labels[0]}), study_plan(), [tmp_path, ROOT]
         ).runs
     elif kind == "changes":
         data = {"scene": PAPER, "cases": {"one": {}}, "changes": {"as it is": {}} | each}
@@ -130,7 +130,7 @@ def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
         yield from load_suite(written(tmp_path / "c.yaml", {"cases": {"V1": case}}), study_plan(), [tmp_path, ROOT]).runs
 
 
-KINDS = ("rungs", "cases", "changes", "points", "levels")
+KINDS = ("variants", "cases", "changes", "points", "levels")
 
 
 @pytest.mark.parametrize("kind", KINDS)

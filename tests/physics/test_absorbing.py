@@ -230,7 +230,7 @@ def test_sides_settle_with_the_soil_and_do_not_fail_it() -> None:
     # Soil that settles beside fixed walls hangs on them, and fails when it is shaken at a tenth of g; the slope itself stands.
     shaking = {"kind": "tapered_sine", "amplitude": 1.0, "start": 2.0, "ramp": 0.5, "decay_start": 3.0, "end": 4.0}
     fine = {"numerics.spacing": 2.5, "numerics.time_step": 5e-4, "gravity.duration": 2.0, "duration": 4.0, "motion": shaking}
-    fixed = run(slope(fine | {"walls": {"base": "sticky", "sides": "sticky"}})).trajectory
+    fixed = run(slope(fine | {"walls": {"base": "fixed", "sides": "fixed"}})).trajectory
     soil, x = fixed["kind"].values == 0, fixed["x0"].values
     assert fixed["failed"].values[-1][soil & (x > x[soil].max() - 10.0)].mean() > 0.05
     ds = run(slope(fine)).trajectory

@@ -110,10 +110,10 @@ def test_linear_momentum_of_an_elastic_spin(free_block: Any, correction: dict[st
 
 
 SCHEMES: dict[str, dict[str, Any]] = {
-    "sticky": {"walls": {"sides": "sticky"}},
-    "double": {"walls": {"sides": "sticky"}, "numerics": {"precision": "double"}},
+    "fixed": {"walls": {"sides": "fixed"}},
+    "double": {"walls": {"sides": "fixed"}, "numerics": {"precision": "double"}},
     "free_slip": {"walls": {"sides": "free_slip"}},
-    "corrected": {"walls": {"sides": "sticky"}, "numerics": {"gradient_correction": {"min_determinant": 0.3}}},
+    "corrected": {"walls": {"sides": "fixed"}, "numerics": {"gradient_correction": {"min_determinant": 0.3}}},
     "no_slip": {
         "walls": {"base": "no_slip", "sides": "free_slip"},
         "numerics": {"artificial_viscosity": {"reconstruction": "linear"}},

@@ -1,4 +1,4 @@
-"""Free-slip side walls let the soil settle; sticky ones hold it."""
+"""Free-slip side walls let the soil settle; fixed ones hold it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ def column(sides: str) -> dict[str, np.ndarray]:
             "name": f"column_{sides}",
             "duration": 4.0,
             "geometry": {"shape": "block", "width": WIDTH, "height": HEIGHT},
-            "walls": {"base": "sticky", "sides": sides},
+            "walls": {"base": "fixed", "sides": sides},
             "soil": {"density": DENSITY, "youngs_modulus": E_KPA, "poisson_ratio": POISSON, "cohesion": 1e5},
             "gravity": {"ramp": 1.0, "duration": 3.0, "damping": 20.0, "acceleration": G},
             "numerics": {"spacing": 1.0, "smoothing_ratio": 1.3, "time_step": 5e-4},
@@ -45,10 +45,10 @@ def test_no_shear_stress_at_a_free_slip_wall() -> None:
     assert np.abs(c["stress_xy"][at_wall(c)]).max() < 0.01 * DENSITY * G * HEIGHT
 
 
-def test_a_sticky_wall_carries_shear() -> None:
+def test_a_fixed_wall_carries_shear() -> None:
     # Where the walls carried all the weight the shear at them would be rho g W / 2 = 98 kPa; a slender
     # column (H = 2 W) hangs for the larger part at mid-height: at least a quarter of that.
-    c = column("sticky")
+    c = column("fixed")
     assert np.abs(c["stress_xy"][at_wall(c)]).mean() > 0.25 * 0.5 * DENSITY * G * WIDTH
 
 
@@ -62,9 +62,9 @@ def test_uniform_settlement_between_free_slip_walls() -> None:
     assert abs(top.mean() / SETTLEMENT - 1) < 0.15
 
 
-def test_soil_hangs_between_sticky_walls() -> None:
+def test_soil_hangs_between_fixed_walls() -> None:
     # The middle of the surface settles clearly more than its edges, and all of it less than a free column.
-    c = column("sticky")
+    c = column("fixed")
     surface = c["y"] > HEIGHT - 1.0
     top, x = -c["displacement_y"][surface], c["x"][surface]
     middle, edge = top[np.argmin(np.abs(x - WIDTH / 2))], top[np.argmin(x)]
@@ -81,7 +81,7 @@ def test_free_slip_walls_hold_the_soil_across() -> None:
 
 def test_left_and_right_are_alike() -> None:
     # Mirror symmetry of scene and scheme; sums run in another order, hence not to the last bit (f4 output).
-    for sides in ("free_slip", "sticky"):
+    for sides in ("free_slip", "fixed"):
         c = column(sides)
         order = np.lexsort((c["y"], c["x"]))
         mirrored = np.lexsort((c["y"], WIDTH - c["x"]))

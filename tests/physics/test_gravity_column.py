@@ -26,7 +26,7 @@ def column(smoothing_ratio: float, layers: int, kernel: str = "cubic_spline") ->
             "name": "column",
             "duration": 4.0,
             "geometry": {"shape": "block", "width": WIDTH, "height": HEIGHT},
-            "walls": {"base": "sticky", "sides": "free_slip", "layers": layers},
+            "walls": {"base": "fixed", "sides": "free_slip", "layers": layers},
             "soil": {"density": DENSITY, "youngs_modulus": 5e5, "poisson_ratio": POISSON, "cohesion": 1e5},
             "gravity": {"ramp": 1.0, "duration": 3.0, "damping": 20.0, "acceleration": G},
             "numerics": {"spacing": SPACING, "smoothing_ratio": smoothing_ratio, "kernel": kernel, "time_step": 5e-4},

@@ -27,7 +27,7 @@ COLUMN: dict[str, Any] = {
     "name": "column",
     "duration": 1.0,
     "geometry": {"shape": "block", "width": 10.0, "height": HEIGHT},
-    "walls": {"base": "sticky", "sides": "free_slip", "layers": 3},
+    "walls": {"base": "fixed", "sides": "free_slip", "layers": 3},
     "soil": {"density": DENSITY, "youngs_modulus": 5e5, "poisson_ratio": POISSON, "cohesion": 1e5},
     "gravity": {"ramp": 0.0, "duration": STAGE, "initial_stress": "geostatic"},
     "numerics": {"spacing": 1.0, "smoothing_ratio": 1.3, "time_step": 5e-4},
@@ -125,7 +125,7 @@ def test_no_particle_starts_outside_the_surface() -> None:
 
 
 def test_depth_below_the_slope_and_in_the_box(small_slope: Builder) -> None:
-    scene = small_slope(GEOSTATIC | {"walls.base": "sticky", "walls.sides": "sticky"})
+    scene = small_slope(GEOSTATIC | {"walls.base": "fixed", "walls.sides": "fixed"})
     simulation = balanced(scene)
     particles, state = simulation.particles, simulation.state
     vertical = -state.syy * state.density**2

@@ -29,7 +29,7 @@ def bar(layers: dict[str, Any], spacing: float = 0.5, **changes: Any) -> Scene:
         "name": "bar",
         "duration": 0.2,
         "geometry": {"shape": "block", "width": 4.0, "height": 60.0},
-        "walls": {"base": "sticky", "sides": "periodic", "layers": 3},
+        "walls": {"base": "fixed", "sides": "periodic", "layers": 3},
         "soil": {"cohesion": 1e6} | LIGHT,
         "layers": layers,
         "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},

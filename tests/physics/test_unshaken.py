@@ -54,7 +54,7 @@ def test_soil_without_strength_is_no_unfailed_slope() -> None:
 
 
 def test_only_fixed_sides_and_lids_hold_soil() -> None:
-    for sides, held in (("sticky", True), ("free_slip", False), ("none", False)):
+    for sides, held in (("fixed", True), ("free_slip", False), ("none", False)):
         scene = paper({"walls.sides": sides, "walls.layers": 4})
         particles = place_particles(scene)
         phase, soil = initial_state(particles, scene).phase, slice(0, particles.n_soil)

@@ -39,7 +39,7 @@ def test_a_free_block_stays_where_it_is_while_the_box_moves(free_block: Builder)
 
 @cache
 def pressed(up: float) -> xr.Dataset:
-    """A column on a sticky base, at rest, then in a box whose upward acceleration (m/s2) is brought on in 2 s and stays."""
+    """A column on a fixed base, at rest, then in a box whose upward acceleration (m/s2) is brought on in 2 s and stays."""
     time = np.arange(0.0, 5.0, 0.01)
     motion = record(2.0, 0.01, [0.0] * time.size, (up * np.minimum(time / 2.0, 1.0)).tolist())
     scene = make_scene(
@@ -47,7 +47,7 @@ def pressed(up: float) -> xr.Dataset:
             "name": "column",
             "duration": 6.0,
             "geometry": {"shape": "block", "width": 6.0, "height": 10.0},
-            "walls": {"base": "sticky", "sides": "free_slip", "layers": 3},
+            "walls": {"base": "fixed", "sides": "free_slip", "layers": 3},
             "soil": {"density": 2000.0, "youngs_modulus": 1e5, "poisson_ratio": 0.3, "cohesion": 1e5},
             "gravity": {"ramp": 1.0, "duration": 2.0},
             "damping": {"ratio": 0.3, "frequencies": [3.0, 15.0]},

@@ -66,7 +66,7 @@ def test_the_set_covers_what_the_solver_can_do() -> None:
     scenes = [load_scene(PAPER, dotted(case["settings"])) for case in CASES.values()]
     assert {scene.numerics.kernel for scene in scenes} == {"cubic_spline", "wendland_c2"}
     assert {scene.coupling.fluid.law for scene in scenes} == {"elastic_viscoplastic", "capped_viscosity"}
-    assert {scene.walls.sides for scene in scenes} == {"sticky", "free_slip"}
+    assert {scene.walls.sides for scene in scenes} == {"fixed", "free_slip"}
     for section, term in (
         ("numerics", "artificial_viscosity"),
         ("numerics", "gradient_correction"),

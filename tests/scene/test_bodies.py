@@ -190,21 +190,21 @@ def test_inner_and_outer_circle_of_a_ring() -> None:
 # ---------------------------------------------------------------- the box
 
 BLOCK = polygon((0, 0), (20, 0), (20, 4), (0, 4))
-WALLS = [(base, top, sides) for base in ("sticky", "no_slip", "free_slip", "none") for top in ("sticky", "free_slip", "none") for sides in
-         ("sticky", "no_slip", "free_slip", "periodic", "none")]  # fmt: skip
+WALLS = [(base, top, sides) for base in ("fixed", "no_slip", "free_slip", "none") for top in ("fixed", "free_slip", "none") for sides in
+         ("fixed", "no_slip", "free_slip", "periodic", "none")]  # fmt: skip
 
 
 @pytest.mark.parametrize(("base", "top", "sides"), WALLS)
 def test_order_and_number_of_wall_particles(base: str, top: str, sides: str) -> None:
-    """Soil, sticky, no-slip, free-slip base and top, free-slip sides; 40 columns, 20 rows, 2 layers; corners only beside side walls."""
+    """Soil, fixed, no-slip, free-slip base and top, free-slip sides; 40 columns, 20 rows, 2 layers; corners only beside side walls."""
     p = place_particles(scene(BLOCK, walls={"base": base, "top": top, "sides": sides}))
-    overhang = 2 if sides in ("sticky", "no_slip", "free_slip") else 0
+    overhang = 2 if sides in ("fixed", "no_slip", "free_slip") else 0
     plate, wall = 2 * (40 + 2 * overhang), 2 * 2 * 20
     expected = {SOIL: 40 * 8, BASE: plate * (base != "none"), TOP: plate * (top != "none"), SIDE: wall * (overhang > 0)}
     assert {kind: np.count_nonzero(p.kind == kind) for kind in expected} == expected
     assert np.all(p.kind[: p.n_soil] == SOIL)
     how = {BASE: base, TOP: top, SIDE: sides}
-    assert all(how[kind] == "sticky" for kind in p.kind[p.n_soil : p.first_no_slip])
+    assert all(how[kind] == "fixed" for kind in p.kind[p.n_soil : p.first_no_slip])
     assert all(how[kind] == "no_slip" for kind in p.kind[p.first_no_slip : p.first_slip])
     assert all(how[kind] == "free_slip" and kind != SIDE for kind in p.kind[p.first_slip : p.first_slip_side])
     assert all(how[kind] == "free_slip" and kind == SIDE for kind in p.kind[p.first_slip_side :])

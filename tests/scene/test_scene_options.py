@@ -36,7 +36,7 @@ BOX: dict[str, Any] = {
         "short_range_repulsion": None,
     },
 }
-"""A scene without a single optional term; sticky walls are none."""
+"""A scene without a single optional term; fixed walls are none."""
 SLIP = {"walls.base": "free_slip"}
 ABSORBING = {"walls.base": "absorbing"}
 VELOCITY = {"along": "y", "position": [0.0, 1.0, 4.0], "x": [0.0, 2.0, -1.0], "y": [1.0, 1.0, 0.0]}
@@ -73,7 +73,7 @@ BAD = [
     (bodies(RING | {"inner_radius": 1.5}), ["geometry.bodies.0: ", "inner_radius: 1.5", "outer_radius: 1.5", "smaller"]),
     (bodies(RING | {"colour": 1}), ["geometry.bodies.0.colour: ", "no such key"]),
     (bodies({"kind": "ring", "centre": [0, 0]}), ["geometry.bodies.0.outer_radius: ", "required"]),
-    ({"walls.top": "wet"}, ["walls.top: ", "wet", "sticky", "free_slip", "none"]),
+    ({"walls.top": "wet"}, ["walls.top: ", "wet", "fixed", "free_slip", "none"]),
     ({"walls.top": "periodic"}, ["walls.top: ", "periodic"]),
     (SLIP | {"walls.layers": 1}, ["walls.layers: 1", "needs 2", "1.3 m"]),
     ({"walls.top": "free_slip", "walls.layers": 1}, ["walls.layers: 1", "needs 2"]),
@@ -81,20 +81,20 @@ BAD = [
     ({"walls.friction": {"base": 0.3}}, ["walls.friction.base: 0.3", "free_slip"]),
     (SLIP | {"walls.friction": {"sides": 0.4}}, ["walls.friction.sides: 0.4", "free_slip"]),
     ({"walls.sides": "periodic", "walls.friction": {"sides": 0.4}}, ["walls.friction.sides: 0.4", "free_slip"]),
-    ({"walls.bedrock": {"density": 2e3, "s_wave_speed": 1e3, "p_wave_speed": 2e3}}, ["walls.bedrock: ", "walls.base: absorbing", "sticky"]),
+    ({"walls.bedrock": {"density": 2e3, "s_wave_speed": 1e3, "p_wave_speed": 2e3}}, ["walls.bedrock: ", "walls.base: absorbing", "fixed"]),
     (ABSORBING | {"walls.bedrock": {"density": 2e3}}, ["walls.bedrock.s_wave_speed: ", "required"]),
     (
         ABSORBING | {"walls.bedrock": {"density": 2e3, "s_wave_speed": 1e3, "p_wave_speed": 1.1e3}},
         ["walls.bedrock: ", "p_wave_speed: 1100.0 m/s", "s_wave_speed: 1000.0 m/s"],
     ),
     (ABSORBING | {"walls.layers": 1}, ["walls.layers: 1", "walls.base: absorbing", "needs 2"]),
-    (ABSORBING | {"walls.top": "sticky"}, ["walls.top: sticky", "walls.base: absorbing", "none"]),
+    (ABSORBING | {"walls.top": "fixed"}, ["walls.top: fixed", "walls.base: absorbing", "none"]),
     (ABSORBING | {"prescribed_velocity_gradient": {"xy": 0.1}}, ["prescribed_velocity_gradient: ", "walls.base: absorbing"]),
     (
         {"walls.sides": "absorbing", "motion": {"kind": "constant", "amplitude": 1.0, "start": 1.0, "ramp": 0.0}},
         ["motion.kind: constant", "walls.sides: absorbing"],
     ),
-    ({"walls.sides": "absorbing", "walls.base": "none"}, ["walls.base: none", "walls.sides: absorbing", "sticky or absorbing"]),
+    ({"walls.sides": "absorbing", "walls.base": "none"}, ["walls.base: none", "walls.sides: absorbing", "fixed or absorbing"]),
     ({"walls.sides": "absorbing", "coupling.initial_state": "fluid"}, ["coupling.initial_state: fluid", "walls.sides: absorbing"]),
     ({"walls.sides": "periodic", "geometry.width": 6.1}, ["geometry.width: 6.1 m", "multiple", "numerics.spacing (0.5 m)"]),
     ({"walls.sides": "periodic", "geometry.width": 2.5}, ["geometry.width: 2.5 m", "twice the kernel's reach", "2.9 m"]),
@@ -187,7 +187,7 @@ TERM_OPTIONS = {
 }
 FREE = [
     {},
-    {"walls.top": "sticky"},
+    {"walls.top": "fixed"},
     {"walls.base": "none", "walls.sides": "none"},
     {"gravity.inclination": 30.0},
     {"gravity.initial_stress": {"pressure": 10.0}},
@@ -233,7 +233,7 @@ def test_initial_velocity_between_and_beyond_the_places() -> None:
     np.testing.assert_allclose(state.vy[:n], np.clip(0.25 * (x - 2), 0, 0.5), atol=1e-14)
 
 
-@pytest.mark.parametrize("walls", [{}, SLIP], ids=["sticky", "free_slip"])
+@pytest.mark.parametrize("walls", [{}, SLIP], ids=["fixed", "free_slip"])
 @pytest.mark.parametrize("kPa", [100.0, -20.0, 0.0])
 def test_uniform_stress_is_the_stress_at_the_start(kPa: float, walls: dict[str, Any]) -> None:
     # Through density and back: rounding of the density, 2e-16 of K = 1.8 GPa, is 4e-7 Pa.
@@ -265,3 +265,8 @@ def test_geostatic_stress_of_a_fluid() -> None:
     weight = scene.soil.density * 9.81 * (4.0 - simulation.particles.y[:n])
     np.testing.assert_allclose(stress[:n, 1], -weight, atol=2e-6)
     np.testing.assert_allclose(stress[:n, 0], -ratio * weight, atol=2e-6)
+
+
+def test_the_former_name_of_fixed_walls_is_taken_with_a_warning() -> None:
+    with pytest.warns(FutureWarning, match="write fixed for sticky"):
+        assert make_scene(merge(BOX, {"walls": {"sides": "sticky"}})).walls.sides == "fixed"

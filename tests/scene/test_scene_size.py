@@ -63,7 +63,7 @@ def test_nothing_is_allocated_before_the_refusal(small_slope: Builder, tmp_path:
     assert done.returncode == 2 and "numerics.time_step: 1e-09 s" in done.stderr and "Traceback" not in done.stderr
 
 
-def test_the_limits_leave_room_for_the_finest_of_the_ladder(small_slope: Builder) -> None:
+def test_the_limits_leave_room_for_the_finest_variant(small_slope: Builder) -> None:
     # 0.1 m: 0.29 million particles; a minute of shaking at 1e-5 s: 6 million steps.
     fine = small_slope({"numerics.spacing": 0.1, "numerics.time_step": 1e-5, "duration": 60.0, "outputs.frame_interval": 0.25})
     columns, rows = fine.lattice

@@ -82,7 +82,7 @@ def test_sides_are_as_high_as_the_ground_and_so_are_their_columns() -> None:
     np.testing.assert_array_equal(boundary.node[beside] >= 6, particles.x[particles.n_soil :][beside] > 0)
 
 
-@pytest.mark.parametrize(("base", "fixed"), [("sticky", 3), ("absorbing", 0)])
+@pytest.mark.parametrize(("base", "fixed"), [("fixed", 3), ("absorbing", 0)])
 def test_columns_stand_on_the_base_of_the_model(base: str, fixed: int) -> None:
     scene = slope({"walls.base": base})
     particles = place_particles(scene)

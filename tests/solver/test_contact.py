@@ -46,12 +46,12 @@ def pushed(scene: Any, place: tuple[float, float]) -> tuple[float, float, float]
         (SLIP, (0.1, 0.2), (0.3, 0.2)),
         (SLIP, (-0.2, 10.5), (0.0, 0.0)),  # over the top of the wall
         (SLIP, (5.0, -1.5), (0.0, 0.0)),  # came from outside
-        ({"walls.base": "sticky", "walls.sides": "sticky"}, (5.0, 0.1), (0.0, 0.0)),
-        ({"walls.base": "sticky", "walls.sides": "sticky"}, (5.0, -0.3), (0.0, 0.3)),
-        ({"walls.base": "sticky", "walls.sides": "sticky"}, (10.3, 5.0), (-0.3, 0.0)),
-        ({"walls.base": "sticky", "walls.sides": "none"}, (10.3, -0.3), (0.0, 0.0)),  # past the open end
-        ({"walls.base": "sticky", "walls.sides": "periodic"}, (99.0, -0.3), (0.0, 0.3)),
-        ({"walls.base": "sticky", "walls.top": "free_slip", "walls.layers": 4}, (5.0, 9.8), (0.0, -0.2)),
+        ({"walls.base": "fixed", "walls.sides": "fixed"}, (5.0, 0.1), (0.0, 0.0)),
+        ({"walls.base": "fixed", "walls.sides": "fixed"}, (5.0, -0.3), (0.0, 0.3)),
+        ({"walls.base": "fixed", "walls.sides": "fixed"}, (10.3, 5.0), (-0.3, 0.0)),
+        ({"walls.base": "fixed", "walls.sides": "none"}, (10.3, -0.3), (0.0, 0.0)),  # past the open end
+        ({"walls.base": "fixed", "walls.sides": "periodic"}, (99.0, -0.3), (0.0, 0.3)),
+        ({"walls.base": "fixed", "walls.top": "free_slip", "walls.layers": 4}, (5.0, 9.8), (0.0, -0.2)),
         ({}, (5.0, -0.3), (0.0, 0.0)),
     ],
 )

@@ -14,7 +14,7 @@ from sph.solver.particles import locate_probes, place_particles
 from sph.solver.state import State, initial_state
 
 Builder = Callable[[dict[str, Any]], Scene]
-BOXED = {"walls.base": "sticky", "walls.sides": "sticky", "walls.layers": 2}
+BOXED = {"walls.base": "fixed", "walls.sides": "fixed", "walls.layers": 2}
 AT_REST = {name: [0.0, 0.0, 0.0] for name in (*PARTS, "shaking_work")}
 
 

@@ -1,4 +1,4 @@
-"""The prediction of costs against the runs of the ladder and against itself; no clock is read."""
+"""The prediction of costs against the runs of the cost-accuracy study and against itself; no clock is read."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ Builder = Callable[[dict[str, Any]], Scene]
 
 
 @pytest.fixture(scope="module")
-def ladder() -> list[tuple[Any, Scene]]:
+def measured_runs() -> list[tuple[Any, Scene]]:
     """Timed rows of the shipped table, with their scenes."""
     table = shipped_table()
     assert table is not None
@@ -31,22 +31,24 @@ def ladder() -> list[tuple[Any, Scene]]:
     return [(row, load_scene(ROOT / "config" / "scenes" / "paper.yaml", json.loads(str(row.settings)))) for row in rows]
 
 
-def test_the_ladder_is_met(ladder: list[tuple[Any, Scene]]) -> None:
+def test_the_measured_costs_are_met(measured_runs: list[tuple[Any, Scene]]) -> None:
     """Runs of 0.5 s to 2,067 s, as they were measured, some beside other work: what the module says of itself."""
-    ratios = np.array([cost(scene).seconds / row.wall_time for row, scene in ladder])
+    ratios = np.array([cost(scene).seconds / row.wall_time for row, scene in measured_runs])
     lower, first, median, third, upper = np.quantile(ratios, [0.1, 0.25, 0.5, 0.75, 0.9])
     assert len(ratios) > 50
     assert lower > 0.8 and 0.95 < first < median < third < 1.07 and upper < 1.12 and 0.97 < median < 1.03
     assert ratios.min() > 0.5 and ratios.max() < 1.3
 
 
-def test_sizes_and_steps_of_the_ladder(ladder: list[tuple[Any, Scene]]) -> None:
-    for row, scene in ladder:
+def test_sizes_and_steps_of_the_measured_runs(measured_runs: list[tuple[Any, Scene]]) -> None:
+    for row, scene in measured_runs:
         found = cost(scene)
         assert found.particles == row.particles
         if scene.early_stop is None:
             balanced = scene.gravity.initial_stress != "none"  # by a step before the first
-            assert 0.95 < found.steps / row.steps < 1.25 if scene.numerics.adaptive_step else found.steps + balanced == row.steps, row.rung
+            assert 0.95 < found.steps / row.steps < 1.25 if scene.numerics.adaptive_step else found.steps + balanced == row.steps, (
+                row.variant
+            )
 
 
 def test_parts_add_up(small_slope: Builder) -> None:

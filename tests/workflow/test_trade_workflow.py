@@ -1,4 +1,4 @@
-"""The ladder from end to end, as a user runs it, with scenes of a few hundred particles."""
+"""The cost-accuracy study from end to end, as a user runs it, with scenes of a few hundred particles."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ TRADE: dict[str, Any] = {
     "cases": {"S_R 0.10": {"coupling": {"S_R": 0.1}}, "S_R 0.50": {"coupling": {"S_R": 0.5}}},
     "timed_case": "S_R 0.10",
     "repeats": 2,
-    "reference": {"knob": "spacing", "rung": "3 m"},
+    "reference": {"parameter": "spacing", "variant": "3 m"},
     "baseline": "draft",
-    "knobs": {
+    "parameters": {
         "spacing": {
             "about": "Particle spacing.",
-            "rungs": {
+            "variants": {
                 "5 m": {"numerics": {"spacing": 5.0}},
                 "4 m": {"numerics": {"spacing": 4.0}},
                 "3 m": {"numerics": {"spacing": 3.0}},
@@ -48,8 +48,8 @@ MADE = {"trade": 1, "trade_table": 1, "trade_figure_tradeoff": 1, "trade_figure_
 
 @pytest.fixture(scope="module")
 def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
-    """Folder of a finished small ladder."""
-    folder = tmp_path_factory.mktemp("ladder")
+    """Folder of a finished small cost-accuracy study."""
+    folder = tmp_path_factory.mktemp("trade")
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     (folder / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
@@ -60,15 +60,15 @@ def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dic
     return folder
 
 
-def test_the_shipped_ladder_is_planned() -> None:
+def test_the_shipped_study_is_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "trade")
     assert jobs.pop("experiment_run") > 100 and jobs == MADE
 
 
-def test_the_tables_hold_every_rung_and_case(climbed: Path) -> None:
+def test_the_tables_hold_every_variant_and_case(climbed: Path) -> None:
     table = read_trade(climbed / "results" / "trade" / "trade.csv")
     assert len(table) == 8 and set(table["status"]) <= {"complete", "unfailed"}
-    twice = table[(table["rung"].isin(["draft", "5 m"])) & (table["case"] == "S_R 0.10")]
+    twice = table[(table["variant"].isin(["draft", "5 m"])) & (table["case"] == "S_R 0.10")]
     assert twice["repeats"].tolist() == [2, 2] and twice["reproducible"].tolist() == [1.0, 1.0]
     assert twice["displacement_magnitude"].nunique() == 1
     reference = table[table["reference"] == 1]
@@ -111,18 +111,18 @@ def test_every_row_is_traced(climbed: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert result.exit_code == 0 and "8 of 8 rows agree" in result.stdout, result.output
 
 
-def test_a_finished_ladder_has_nothing_to_do_and_a_new_rung_runs_alone(climbed: Path) -> None:
+def test_a_finished_study_has_nothing_to_do_and_a_new_variant_runs_alone(climbed: Path) -> None:
     config = write_config(climbed, experiments={"trade": "trade.yaml"})
     assert planned_jobs(climbed, *config, "--", "trade") == {}
-    skin = {"about": "Skin.", "repeats": 1, "rungs": {"0.6": {"numerics": {"neighbour_skin": 0.6}}}}
-    more = TRADE | {"knobs": TRADE["knobs"] | {"skin": skin}}
+    skin = {"about": "Skin.", "repeats": 1, "variants": {"0.6": {"numerics": {"neighbour_skin": 0.6}}}}
+    more = TRADE | {"parameters": TRADE["parameters"] | {"skin": skin}}
     (climbed / "more.yaml").write_text(yaml.safe_dump(more, sort_keys=False))
     jobs = planned_jobs(climbed, *write_config(climbed, experiments={"trade": "more.yaml"}), "--", "trade")
     assert jobs == MADE | {"experiment_run": 2}
 
 
-def test_a_bad_ladder_is_refused_before_any_job(climbed: Path) -> None:
-    bad = TRADE | {"reference": {"knob": "spacing", "rung": "1 m"}}
+def test_a_bad_study_is_refused_before_any_job(climbed: Path) -> None:
+    bad = TRADE | {"reference": {"parameter": "spacing", "variant": "1 m"}}
     (climbed / "bad.yaml").write_text(yaml.safe_dump(bad, sort_keys=False))
     result = snakemake(climbed, "--cores", "1", *write_config(climbed, experiments={"trade": "bad.yaml"}), "--", "trade")
     assert result.returncode != 0 and "bad.yaml: reference: parameter 'spacing', variant '1 m'" in result.stdout + result.stderr

@@ -25,7 +25,7 @@ from sph.study.tables import read_csv
 pytestmark = pytest.mark.long
 
 TRIGGER: dict[str, Any] = {
-    "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "sticky"}}},
+    "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "fixed"}}},
     "amplitude": {"lowest": 0.0, "highest": 16.0, "cells": 2},
     "tolerance": 4.0,
     "S_R": ["0.1"],
@@ -92,7 +92,7 @@ def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> 
 
 def test_runs_share_trunks_and_those_of_the_study(searched: Path) -> None:
     own, other = searched / "results/small/draft", searched / FOLDER / "fixed-sides"
-    for folder, sides in ((own, "free_slip"), (other, "sticky")):
+    for folder, sides in ((own, "free_slip"), (other, "fixed")):
         trunk = trajectory.read(folder / "stages/amplitude-8.0.nc")
         assert trajectory.scene_of(trunk).walls.sides == sides
         assert (folder / "runs/S_R-0.10_gamma-100_amplitude-8.0.nc").exists()

@@ -29,21 +29,21 @@ class Expected(NamedTuple):
     displacement: float
     runout: float
     from_baseline: tuple[float, float]  # displacement and run-out against the baseline, the paper's settings
-    rung: str  # parameter and label
+    variant: str  # parameter and label
 
     def sentence(self) -> str:
         """The expectation in words."""
         return (
             f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the finest run, "
             f"{percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of the paper's settings "
-            f"(measured on the slope of the cost-accuracy study, {self.rung})"
+            f"(measured on the slope of the cost-accuracy study, {self.variant})"
         )
 
 
 class Advice(NamedTuple):
     """A variant of the cost-accuracy study as an answer."""
 
-    rung: Summary
+    variant: Summary
     settings: dict[str, Any]  # scene keys over the scene file
     fits: bool  # False: the best there is
 
@@ -62,13 +62,13 @@ def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected 
     if table is None:
         return None
     wanted = settings_text(scheme(scene))
-    for rung in summary(table):
-        if rung.scheme == wanted and rung.every_case and rung.finished:
+    for variant in summary(table):
+        if variant.scheme == wanted and variant.every_case and variant.finished:
             return Expected(
-                rung.errors["displacement"],
-                rung.errors["runout"],
-                (rung.baseline_errors["displacement"], rung.baseline_errors["runout"]),
-                rung.name,
+                variant.errors["displacement"],
+                variant.errors["runout"],
+                (variant.baseline_errors["displacement"], variant.baseline_errors["runout"]),
+                variant.name,
             )
     return None
 
@@ -100,17 +100,19 @@ def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(
     for name in quantities:
         if name not in QUANTITIES:
             raise ValueError(f"quantity: {name!r} must be one of {', '.join(QUANTITIES)}")
-    rungs = summary(table)
-    references = {rung.scheme for rung in rungs if rung.reference}
-    known = [rung for rung in rungs if rung.sound and rung.scheme not in references and rung.every_case and rung.finished]
+    variants = summary(table)
+    references = {variant.scheme for variant in variants if variant.reference}
+    known = [
+        variant for variant in variants if variant.sound and variant.scheme not in references and variant.every_case and variant.finished
+    ]
     if not known:
         raise ValueError("table: no variant but the reference was run to its end in every case")
 
-    def misses(rung: Summary) -> tuple[bool, float]:
-        return rung.classes_agree < rung.cases, max(rung.errors[name] for name in quantities)
+    def misses(variant: Summary) -> tuple[bool, float]:
+        return variant.classes_agree < variant.cases, max(variant.errors[name] for name in quantities)
 
-    fitting = [rung for rung in known if misses(rung) <= (False, error)]
-    chosen = min(fitting, key=lambda rung: rung.cost) if fitting else min(known, key=misses)
+    fitting = [variant for variant in known if misses(variant) <= (False, error)]
+    chosen = min(fitting, key=lambda variant: variant.cost) if fitting else min(known, key=misses)
     try:
         return Advice(chosen, parse_json(chosen.settings), bool(fitting))
     except ValueError as error:

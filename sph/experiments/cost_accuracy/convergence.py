@@ -103,15 +103,15 @@ def _order(ratio: float, r21: float, r32: float) -> float:
     return float(brentq(excess, smallest, LARGEST_ORDER, xtol=1e-12))
 
 
-def convergence_table(frame: pd.DataFrame, knob: str) -> pd.DataFrame:
+def convergence_table(frame: pd.DataFrame, parameter: str) -> pd.DataFrame:
     """Frame with the columns of ``CONVERGENCE``: every quantity and case on the variants of a parameter that differ in spacing.
 
-    ``frame`` as from ``ladder_table``.  Runs without the value (diverged, or motion that never began) are left out.
+    ``frame`` as from ``trade_table``.  Runs without the value (diverged, or motion that never began) are left out.
     """
     rows: list[dict[str, Any]] = []
     for quantity in QUANTITIES:
-        for case, ladder in frame[frame["knob"] == knob].groupby("case", sort=False):
-            known = ladder[np.isfinite(ladder[quantity])].sort_values("spacing")
+        for case, variants in frame[frame["parameter"] == parameter].groupby("case", sort=False):
+            known = variants[np.isfinite(variants[quantity])].sort_values("spacing")
             spacings, values = known["spacing"].tolist(), known[quantity].tolist()
             if len(values) >= 3:
                 found = observed_convergence(spacings, values)

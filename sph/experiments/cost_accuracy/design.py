@@ -1,7 +1,7 @@
 """The cost-accuracy study: which runs measure what each saving of computing time costs in accuracy (``config/trade.yaml``).
 
-A *parameter* is one thing that is varied, a *variant* one of its values, a *case* a point of the study; the file calls the first two
-``knobs`` and ``rungs``.  Every variant is run in every case, as a whole and without shared stages; the timed case is run several times.
+A *parameter* is one thing that is varied, a *variant* one of its values, a *case* a point of the study.  Every variant is run
+in every case, as a whole and without shared stages; the timed case is run several times.
 ``load_trade`` builds and checks the scene of every run, so that a typo or a time step above its limit is refused before any work.  Equal
 scenes are run once, whichever variants they belong to.
 """
@@ -16,7 +16,7 @@ from pydantic import model_validator
 
 from sph.experiments.base import Cases, Label, Name, Overrides, Run, check_file_names, check_known, checked, file_name
 from sph.measures.metrics import PROBE
-from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
+from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated, with_new_names
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.study.plan import Plan
@@ -36,7 +36,7 @@ class Extent(Section):
     cases: tuple[str, ...] | None = key("cases that are run, the timed one among them; null: as one level up", min_length=1, default=None)
 
 
-class Knob(Extent):
+class Parameter(Extent):
     """A parameter and its variants."""
 
     about: str = key("what the parameter does, one sentence", min_length=1)
@@ -44,21 +44,31 @@ class Knob(Extent):
         "accuracy: how well the scene is computed; model: what is computed, which 'sph advise' leaves alone", default="accuracy"
     )
     base: Overrides = key("scene keys of all its variants", default={})
-    rungs: dict[Label, Overrides] = key("scene keys of each variant, by label", min_length=1)
+    variants: dict[Label, Overrides] = key("scene keys of each variant, by label", min_length=1)
     exceptions: dict[Label, Extent] = key("variants that are run less than the others, by label", default={})
 
+    @model_validator(mode="before")
+    @classmethod
+    def _renamed(cls, data: Any) -> Any:
+        return with_new_names(data, {"rungs": "variants"}, "a parameter of the cost-accuracy study")
+
     @model_validator(mode="after")
-    def _known(self) -> Knob:
-        check_known("exceptions", self.exceptions, self.rungs)
-        check_file_names("rungs", self.rungs)
+    def _known(self) -> Parameter:
+        check_known("exceptions", self.exceptions, self.variants)
+        check_file_names("variants", self.variants)
         return self
 
 
 class Reference(Section):
     """The variant from which deviations are measured."""
 
-    knob: str = key("its parameter")
-    rung: str = key("its label")
+    @model_validator(mode="before")
+    @classmethod
+    def _renamed(cls, data: Any) -> Any:
+        return with_new_names(data, {"knob": "parameter", "rung": "variant"}, "reference of the cost-accuracy study")
+
+    parameter: str = key("its parameter")
+    variant: str = key("its label")
 
 
 class Trade(Cases):
@@ -69,27 +79,32 @@ class Trade(Cases):
     reference: Reference = key("the variant from which deviations are measured, the finest that runs in every case")
     baseline: str = key("fidelity from which deviations are given as well", default="paper")
     convergence: str = key("parameter whose variants differ in spacing: the order of convergence is measured on it", default="spacing")
-    knobs: dict[Name, Knob] = key(f"the parameters, by name; the study's fidelities are added as '{PRESETS}'", min_length=1)
+    parameters: dict[Name, Parameter] = key(f"the parameters, by name; the study's fidelities are added as '{PRESETS}'", min_length=1)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _renamed(cls, data: Any) -> Any:
+        return with_new_names(data, {"knobs": "parameters"}, "the cost-accuracy study")
 
     @model_validator(mode="after")
     def _known(self) -> Trade:
-        if PRESETS in self.knobs:
-            raise ValueError(f"knobs: {PRESETS!r} is the parameter of the study's fidelities, choose another name")
-        check_known("convergence", [self.convergence], self.knobs)
+        if PRESETS in self.parameters:
+            raise ValueError(f"parameters: {PRESETS!r} is the parameter of the study's fidelities, choose another name")
+        check_known("convergence", [self.convergence], self.parameters)
         check_known("timed_case", [self.timed_case], self.cases)
-        for name, knob in self.knobs.items():
-            for label in knob.rungs:
+        for name, parameter in self.parameters.items():
+            for label in parameter.variants:
                 cases = self.extent(name, label).cases or ()
-                check_known(f"knobs.{name}, variant {label!r}: cases", cases, self.cases)
+                check_known(f"parameters.{name}, variant {label!r}: cases", cases, self.cases)
                 if self.timed_case not in cases:
-                    raise ValueError(f"knobs.{name}, variant {label!r}: cases: the timed case {self.timed_case!r} must be among them")
+                    raise ValueError(f"parameters.{name}, variant {label!r}: cases: the timed case {self.timed_case!r} must be among them")
         return self
 
-    def extent(self, knob: str, rung: str) -> Extent:
+    def extent(self, parameter: str, variant: str) -> Extent:
         """Cases and repeats of a variant: its own, else its parameter's, else those of all."""
         asked: list[Extent] = []
-        if knob in self.knobs:
-            asked = [self.knobs[knob].exceptions.get(rung, Extent()), self.knobs[knob]]
+        if parameter in self.parameters:
+            asked = [self.parameters[parameter].exceptions.get(variant, Extent()), self.parameters[parameter]]
         asked.append(Extent(repeats=self.repeats, cases=tuple(self.cases)))
         return Extent(
             repeats=next(extent.repeats for extent in asked if extent.repeats),
@@ -97,31 +112,31 @@ class Trade(Cases):
         )
 
 
-class Rung(NamedTuple):
+class VariantRow(NamedTuple):
     """One variant in one case: a row of the table."""
 
-    knob: str
-    rung: str
+    parameter: str
+    variant: str
     case: str
     changes: str  # accuracy or model
     settings: Overrides  # scene keys of the variant over the scene file
     scheme: Overrides  # see the function
     timed: bool
     reference: bool
-    runs: tuple[str, ...]  # keys of ``Ladder.runs``, one a repeat
+    runs: tuple[str, ...]  # keys of ``TradeRuns.runs``, one a repeat
 
 
-class LadderParameters(NamedTuple):
+class TradeParameters(NamedTuple):
     """What the tables are made by, beside the runs."""
 
-    rows: tuple[Rung, ...]
+    rows: tuple[VariantRow, ...]
     baseline: str
     """fidelity"""
     convergence: str
     """parameter whose variants differ in spacing"""
 
 
-class Ladder:
+class TradeRuns:
     """A cost-accuracy study with its scene file read: every row of its table, and every run by file name without suffix."""
 
     def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
@@ -131,32 +146,32 @@ class Ladder:
         stems: dict[str, str] = {}
         repeats: dict[str, int] = {}
         found = []
-        for knob, label, settings in self._rungs():
-            extent = trade.extent(knob, label)
+        for parameter, label, settings in self._variants():
+            extent = trade.extent(parameter, label)
             for case in extent.cases or ():
                 scene = merge(merge(base, settings), trade.cases[case])
-                built = checked(scene, f"{origin}: parameter {knob}, variant {label!r}, case {case!r}", probe)
+                built = checked(scene, f"{origin}: parameter {parameter}, variant {label!r}, case {case!r}", probe)
                 content = built.model_dump_json(exclude={"name", "title"})
-                stem = stems.setdefault(content, f"{knob}/{file_name(label)}/{file_name(case)}")
+                stem = stems.setdefault(content, f"{parameter}/{file_name(label)}/{file_name(case)}")
                 repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
-                changes = trade.knobs[knob].changes if knob in trade.knobs else "accuracy"
-                found.append((knob, label, case, changes, settings, scheme(built), stem))
+                changes = trade.parameters[parameter].changes if parameter in trade.parameters else "accuracy"
+                found.append((parameter, label, case, changes, settings, scheme(built), stem))
                 for number in range(1, repeats[stem] + 1):
                     self.runs.setdefault(f"{stem}_{number}", Run(scene))
-        reference = (trade.reference.knob, trade.reference.rung)
+        reference = (trade.reference.parameter, trade.reference.variant)
         self.rows = [
-            Rung(
-                knob,
+            VariantRow(
+                parameter,
                 label,
                 case,
                 changes,
                 settings,
                 how,
                 case == trade.timed_case,
-                (knob, label) == reference,
+                (parameter, label) == reference,
                 tuple(f"{stem}_{number}" for number in range(1, repeats[stem] + 1)),
             )
-            for knob, label, case, changes, settings, how, stem in found
+            for parameter, label, case, changes, settings, how, stem in found
         ]
         missing = set(trade.cases) - {row.case for row in self.rows if row.reference}
         if missing:
@@ -166,16 +181,16 @@ class Ladder:
             )
 
     @property
-    def parameters(self) -> LadderParameters:
+    def parameters(self) -> TradeParameters:
         """What its tables are made by."""
-        return LadderParameters(tuple(self.rows), self.trade.baseline, self.trade.convergence)
+        return TradeParameters(tuple(self.rows), self.trade.baseline, self.trade.convergence)
 
-    def _rungs(self) -> Iterator[tuple[str, str, Overrides]]:
+    def _variants(self) -> Iterator[tuple[str, str, Overrides]]:
         for label, settings in self._fidelities.items():
             yield PRESETS, label, merge(self.trade.overrides, settings)
-        for name, knob in self.trade.knobs.items():
-            for label, settings in knob.rungs.items():
-                yield name, label, merge(merge(self.trade.overrides, knob.base), settings)
+        for name, parameter in self.trade.parameters.items():
+            for label, settings in parameter.variants.items():
+                yield name, label, merge(merge(self.trade.overrides, parameter.base), settings)
 
 
 def scheme(scene: Scene) -> Overrides:
@@ -188,11 +203,11 @@ def scheme(scene: Scene) -> Overrides:
     return kept | ({"coupling": coupling} if coupling else {})
 
 
-def load_trade(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> Ladder:
+def load_trade(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> TradeRuns:
     """Validate a cost-accuracy study and every scene in it; ValueError names file, key and value."""
     trade = validated(Trade, read_yaml(found_file(folders, path, "trade")), path)
     scene = read_scene(found_file(folders, trade.scene, f"{path}: scene"))
-    return Ladder(trade, scene, study.study.fidelities, path, study.study.metrics.probe)
+    return TradeRuns(trade, scene, study.study.fidelities, path, study.study.metrics.probe)
 
 
 def settings_text(settings: Mapping[str, Any]) -> str:

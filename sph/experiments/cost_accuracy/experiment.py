@@ -9,8 +9,8 @@ import xarray as xr
 
 from sph.experiments.base import Experiment, Table
 from sph.experiments.cost_accuracy.convergence import CONVERGENCE, convergence_table
-from sph.experiments.cost_accuracy.design import LadderParameters, Trade, load_trade
-from sph.experiments.cost_accuracy.table import TRADE, ladder_table, measured_run
+from sph.experiments.cost_accuracy.design import Trade, TradeParameters, load_trade
+from sph.experiments.cost_accuracy.table import TRADE, measured_run, trade_table
 from sph.measures.metrics import MetricSettings
 from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset
@@ -18,15 +18,15 @@ from sph.study.tables import flat_dataset
 TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
 
 
-def _measure(ladder: LadderParameters, read: Callable[[str], xr.Dataset], settings: MetricSettings) -> dict[str, pd.DataFrame | xr.Dataset]:
-    names = dict.fromkeys(name for row in ladder.rows for name in row.runs)
+def _measure(plan: TradeParameters, read: Callable[[str], xr.Dataset], settings: MetricSettings) -> dict[str, pd.DataFrame | xr.Dataset]:
+    names = dict.fromkeys(name for row in plan.rows for name in row.runs)
     runs, machine = {name: measured_run(read(name), settings) for name in names}, machine_class()
-    frame = ladder_table(ladder.rows, runs, ladder.baseline, machine)
-    attrs = read(next(row.runs[0] for row in ladder.rows if row.reference)).attrs
+    frame = trade_table(plan.rows, runs, plan.baseline, machine)
+    attrs = read(next(row.runs[0] for row in plan.rows if row.reference)).attrs
     facts = {name: attrs[name] for name in ("source", "versions", "scene")}
-    facts |= {"machine": machine, "timing": TIMING, "baseline": ladder.baseline}
+    facts |= {"machine": machine, "timing": TIMING, "baseline": plan.baseline}
     return {
-        "convergence.csv": convergence_table(frame, ladder.convergence),
+        "convergence.csv": convergence_table(frame, plan.convergence),
         "trade.nc": flat_dataset(frame, TRADE, facts),
         "trade.csv": frame,
     }
@@ -34,15 +34,15 @@ def _measure(ladder: LadderParameters, read: Callable[[str], xr.Dataset], settin
 
 EXPERIMENT = Experiment(
     "trade",
-    "Ladder",
-    "What each saving of computing time costs: one row a rung and case, with deviations from the reference. "
+    "Cost and accuracy",
+    "What each saving of computing time costs: one row a variant and case, with deviations from the reference. "
     "Every column is defined in docs/experiments/cost-accuracy.md.",
     Trade,
     load_trade,
     _measure,
     {
         "trade.nc": Table(TRADE),
-        "trade.csv": Table(TRADE, "every rung"),
+        "trade.csv": Table(TRADE, "every variant"),
         "convergence.csv": Table(CONVERGENCE, "order of convergence"),
     },
 )

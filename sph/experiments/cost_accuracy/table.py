@@ -1,6 +1,6 @@
 """The table of the cost-accuracy study: what each variant costs and how far its results lie from the reference.
 
-``TRADE`` defines every column; ``ladder_table`` makes the table from measured runs, ``summary`` puts the cases of a variant together.
+``TRADE`` defines every column; ``trade_table`` makes the table from measured runs, ``summary`` puts the cases of a variant together.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sph.experiments.cost_accuracy.design import PRESETS, Rung, settings_text
+from sph.experiments.cost_accuracy.design import PRESETS, VariantRow, settings_text
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.storage.trajectory import Variable, scene_of
 from sph.study.tables import ROW, number_column, read_csv, text_column
@@ -31,8 +31,8 @@ def _metric(name: str) -> Variable:
 
 
 TRADE: tuple[Variable, ...] = (
-    text_column("knob", f"what is varied; '{PRESETS}' for the fidelities of the study"),
-    text_column("rung", "its value"),
+    text_column("parameter", f"what is varied; '{PRESETS}' for the fidelities of the study"),
+    text_column("variant", "its value"),
     text_column("case", "point of the study"),
     text_column("changes", "accuracy: how well the scene is computed; model: what is computed"),
     text_column("settings", "scene keys that the variant sets over the scene file, as JSON"),
@@ -78,11 +78,11 @@ def measured_run(trajectory: xr.Dataset, settings: MetricSettings) -> dict[str, 
     }
 
 
-def ladder_table(rows: Sequence[Rung], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
+def trade_table(rows: Sequence[VariantRow], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
     """Frame with the columns ``COLUMNS`` from the rows of a cost-accuracy study and what was measured of its runs, by name."""
     found = [_row(row, [runs[name] for name in row.runs], machine) for row in rows]
     references = {row["case"]: row for row in found if row["reference"]}
-    baselines = {row["case"]: row for row in found if (row["knob"], row["rung"]) == (PRESETS, baseline)}
+    baselines = {row["case"]: row for row in found if (row["parameter"], row["variant"]) == (PRESETS, baseline)}
     for row in found:
         row["class_as_reference"] = int(row["collapse_class"] == references[row["case"]]["collapse_class"])
         for name, metric in QUANTITIES.items():
@@ -91,13 +91,13 @@ def ladder_table(rows: Sequence[Rung], runs: Mapping[str, Mapping[str, Any]], ba
     return pd.DataFrame(found, columns=COLUMNS)
 
 
-def _row(row: Rung, runs: Sequence[Mapping[str, Any]], machine: str) -> dict[str, Any]:
+def _row(row: VariantRow, runs: Sequence[Mapping[str, Any]], machine: str) -> dict[str, Any]:
     first, times = runs[0], [float(run["wall_time"]) for run in runs]
     results = [np.array([run[metric] for metric in QUANTITIES.values()]) for run in runs]
     same = all(np.array_equal(result, results[0], equal_nan=True) for result in results)
     return {name: first[name] for name in COLUMNS if name in first} | {
-        "knob": row.knob,
-        "rung": row.rung,
+        "parameter": row.parameter,
+        "variant": row.variant,
         "case": row.case,
         "changes": row.changes,
         "settings": settings_text(row.settings),
@@ -132,13 +132,13 @@ def read_trade(path: Path | str) -> pd.DataFrame:
 
 def against(frame: pd.DataFrame, fidelity: str) -> pd.DataFrame:
     """The table with a fidelity for its reference; ValueError names one that was not measured in every case."""
-    presets = frame[frame["knob"] == PRESETS]
-    own = presets[presets["rung"] == fidelity].set_index("case")
+    presets = frame[frame["parameter"] == PRESETS]
+    own = presets[presets["variant"] == fidelity].set_index("case")
     if set(own.index) != set(frame["case"]):
-        raise ValueError(f"fidelity: {fidelity!r} must be one of {', '.join(dict.fromkeys(presets['rung']))}, measured in every case")
+        raise ValueError(f"fidelity: {fidelity!r} must be one of {', '.join(dict.fromkeys(presets['variant']))}, measured in every case")
     at = own.loc[frame["case"]]
     found = frame.assign(
-        reference=((frame["knob"] == PRESETS) & (frame["rung"] == fidelity)).astype(int),
+        reference=((frame["parameter"] == PRESETS) & (frame["variant"] == fidelity)).astype(int),
         class_as_reference=(frame["collapse_class"].to_numpy() == at["collapse_class"].to_numpy()).astype(int),
     )
     for name, metric in QUANTITIES.items():
@@ -149,8 +149,8 @@ def against(frame: pd.DataFrame, fidelity: str) -> pd.DataFrame:
 class Summary(NamedTuple):
     """A variant with its cases put together."""
 
-    knob: str
-    rung: str
+    parameter: str
+    variant: str
     settings: str  # as in the table
     scheme: str  # as in the table
     reference: bool
@@ -167,7 +167,7 @@ class Summary(NamedTuple):
     @property
     def name(self) -> str:
         """Parameter and label."""
-        return f"{self.knob}: {self.rung}"
+        return f"{self.parameter}: {self.variant}"
 
     @property
     def finished(self) -> bool:
@@ -183,13 +183,13 @@ class Summary(NamedTuple):
 def summary(frame: pd.DataFrame) -> list[Summary]:
     """The variants of a table, in its order."""
     cases = frame["case"].nunique()
-    rungs = []
-    for _, rows in frame.groupby(["knob", "rung"], sort=False):
+    variants = []
+    for _, rows in frame.groupby(["parameter", "variant"], sort=False):
         timed = rows[rows["timed"] == 1].to_dict("records")[0]
-        rungs.append(
+        variants.append(
             Summary(
-                timed["knob"],
-                timed["rung"],
+                timed["parameter"],
+                timed["variant"],
                 timed["settings"],
                 timed["scheme"],
                 bool(timed["reference"]),
@@ -204,7 +204,7 @@ def summary(frame: pd.DataFrame) -> list[Summary]:
                 float(rows["time_step_ratio"].max()),
             )
         )
-    return rungs
+    return variants
 
 
 def _largest(rows: pd.DataFrame, suffix: str) -> dict[str, float]:

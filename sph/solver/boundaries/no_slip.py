@@ -5,7 +5,7 @@ With v_w = -v_i and sigma_w = sigma_i for every pair of a soil particle and one 
     b_i = 2 sum over the wall of g_ij,    L_i gains -v_i b_i / rho_i,    a_i gains sigma_i / rho_i^2 . b_i,
 
 and its particles need neither stress nor a place among the pairs.  The power of the force cancels that of the strain rate on the stress for
-every particle, so that the wall takes no energy and gives none.  Fixed particles with a stress of their own (``sticky``) hold a layer that
+every particle, so that the wall takes no energy and gives none.  Fixed particles with a stress of their own (``fixed``) hold a layer that
 slides on them by a fifth of its yield stress and less; this wall holds it by all of it (``docs/evidence/validation.md``, V7).
 
 The wall's part in the moment matrix of the corrected gradient is that of a velocity which falls linearly to the face, so that the corrected

@@ -2,7 +2,7 @@
 
 from typing import TextIO
 
-from sph.jobs.concerns import of_motion
+from sph.jobs.diagnostics import of_motion
 from sph.jobs.log import Job, job_log
 from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
@@ -27,8 +27,8 @@ def simulate(
 
     with reporter(path_to_trajectory, log) as report:
         built = planned.build()
-        for concern in of_motion(built):
-            say(f"warning: {concern.sentence()}")
+        for diagnostic in of_motion(built):
+            say(f"warning: {diagnostic.sentence()}")
         result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)
     print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 

@@ -1,4 +1,4 @@
-"""Hand-made ladders: runs of known displacement and cost, nothing simulated."""
+"""A cost-accuracy study made by hand: runs of known displacement and cost, nothing simulated."""
 
 from __future__ import annotations
 
@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from sph.experiments.cost_accuracy.design import Ladder, Trade
-from sph.experiments.cost_accuracy.table import ladder_table
+from sph.experiments.cost_accuracy.design import Trade, TradeRuns
+from sph.experiments.cost_accuracy.table import trade_table
 from sph.measures.metrics import METRICS
 from sph.scene.configuration import merge, validated
 
@@ -23,12 +23,12 @@ TRADE: dict[str, Any] = {
     "cases": {"weak": {"coupling": {"S_R": 0.1}}, "strong": {"coupling": {"S_R": 0.5}}},
     "timed_case": "weak",
     "repeats": 3,
-    "reference": {"knob": "spacing", "rung": "2 m"},
-    "knobs": {
+    "reference": {"parameter": "spacing", "variant": "2 m"},
+    "parameters": {
         "spacing": {
             "about": "spacing",
             "base": {"numerics": {"smoothing_ratio": 1.3}},
-            "rungs": {
+            "variants": {
                 "5 m": {"numerics": {"spacing": 5.0}},
                 "3 m": {"numerics": {"spacing": 3.0}},
                 "2 m": {"numerics": {"spacing": 2.0}},
@@ -40,7 +40,7 @@ TRADE: dict[str, Any] = {
             "about": "skin",
             "base": {"numerics": {"spacing": 3.0, "smoothing_ratio": 1.3}},
             "repeats": 1,
-            "rungs": {"0.3": {"numerics": {"neighbour_skin": 0.3}}, "0.6": {"numerics": {"neighbour_skin": 0.6}}},
+            "variants": {"0.3": {"numerics": {"neighbour_skin": 0.3}}, "0.6": {"numerics": {"neighbour_skin": 0.6}}},
         },
     },
 }
@@ -58,17 +58,17 @@ COSTS = {"spacing/5-m": 1.0, "spacing/3-m": 4.0, "spacing/2-m": 20.0, "spacing/1
 """Of the weak case, s."""
 
 
-def ladder(overrides: Mapping[str, Any] | None = None, fidelities: Mapping[str, Any] = FIDELITIES) -> Ladder:
-    return Ladder(validated(Trade, merge(TRADE, overrides or {}), "trade.yaml"), SCENE, fidelities, "trade.yaml")
+def trade_runs(overrides: Mapping[str, Any] | None = None, fidelities: Mapping[str, Any] = FIDELITIES) -> TradeRuns:
+    return TradeRuns(validated(Trade, merge(TRADE, overrides or {}), "trade.yaml"), SCENE, fidelities, "trade.yaml")
 
 
-def runs_of(made: Ladder, **changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """What was measured of every run; ``changes`` by the rung's file name with '/' and '-' as '_'."""
+def runs_of(made: TradeRuns, **changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """What was measured of every run; ``changes`` by the variant's file name with '/' and '-' as '_'."""
     by_name = {"preset/draft": "spacing/5-m"}
     runs = {}
     for name, run in made.runs.items():
-        rung = name.rpartition("/")[0]
-        like = by_name.get(rung, rung)
+        variant = name.rpartition("/")[0]
+        like = by_name.get(variant, variant)
         displacement = DISPLACEMENTS[like] * (1.0 if run.scene["coupling"]["S_R"] == 0.1 else 0.1)
         fixed = {
             "status": "complete",
@@ -85,11 +85,13 @@ def runs_of(made: Ladder, **changes: Mapping[str, Any]) -> dict[str, dict[str, A
             "steps": 15000,
             "spacing": run.scene["numerics"]["spacing"],
         }
-        runs[name] = {metric.name: float("nan") for metric in METRICS} | fixed | changes.get(rung.replace("/", "_").replace("-", "_"), {})
+        runs[name] = (
+            {metric.name: float("nan") for metric in METRICS} | fixed | changes.get(variant.replace("/", "_").replace("-", "_"), {})
+        )
     return runs
 
 
-def ladder_frame(made: Ladder | None = None, **changes: Mapping[str, Any]) -> pd.DataFrame:
-    """Table of the hand-made ladder."""
-    made = made or ladder()
-    return ladder_table(made.rows, runs_of(made, **changes), made.trade.baseline, "test machine, 2 cores")
+def trade_frame(made: TradeRuns | None = None, **changes: Mapping[str, Any]) -> pd.DataFrame:
+    """Table of the hand-made study."""
+    made = made or trade_runs()
+    return trade_table(made.rows, runs_of(made, **changes), made.trade.baseline, "test machine, 2 cores")

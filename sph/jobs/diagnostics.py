@@ -45,7 +45,7 @@ SHARE_OF_LIMIT = 0.8
 """Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.solver.time_step``)."""
 
 
-class Concern(NamedTuple):
+class Diagnostic(NamedTuple):
     """A diagnostic: something that may spoil a result."""
 
     what: str
@@ -97,7 +97,7 @@ def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
     return soil.s_wave_speed / frequency / max(scene.numerics.smoothing_length, scene.numerics.spacing) if frequency else np.inf
 
 
-def concerns(scene: Scene, particles: Particles) -> list[Concern]:
+def diagnostics(scene: Scene, particles: Particles) -> list[Diagnostic]:
     """All diagnostics that apply to a scene and its particles."""
     return (
         [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
@@ -110,17 +110,17 @@ def concerns(scene: Scene, particles: Particles) -> list[Concern]:
     )
 
 
-def _layer(scene: Scene, layer: Layer) -> list[Concern]:
+def _layer(scene: Scene, layer: Layer) -> list[Diagnostic]:
     found = []
     frequency = highest_frequency(scene)
     lengths = in_wave(scene, layer.soil, frequency)
     if layer.thickness < FEWEST_IN_LAYER:
         wanted = f"at least {FEWEST_IN_LAYER}"
-        found.append(Concern(f"{layer.name} is thin", f"{layer.thickness:g} particles across", wanted, "numerics.spacing, or the layer"))
+        found.append(Diagnostic(f"{layer.name} is thin", f"{layer.thickness:g} particles across", wanted, "numerics.spacing, or the layer"))
     if lengths < FEWEST_IN_WAVE:
         ratio = wave_speed_ratio(scene, layer.soil.s_wave_speed / frequency)
         found.append(
-            Concern(
+            Diagnostic(
                 f"shear waves of {frequency:.3g} Hz are short in {layer.name}",
                 f"{lengths:.2g} smoothing lengths in {layer.soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
                 f"at least {FEWEST_IN_WAVE} (Kuhlemeyer and Lysmer 1973)",
@@ -130,20 +130,20 @@ def _layer(scene: Scene, layer: Layer) -> list[Concern]:
     return found
 
 
-def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Concern]:
+def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Diagnostic]:
     found = []
     height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
     if height < FEWEST_IN_HEIGHT * scene.numerics.spacing * (1 - 1e-9):
         across = f"{height / scene.numerics.spacing:.1f} particles in {height:g} m"
-        found.append(Concern("few particles across the slope's height", across, f"at least {FEWEST_IN_HEIGHT}", "numerics.spacing"))
+        found.append(Diagnostic("few particles across the slope's height", across, f"at least {FEWEST_IN_HEIGHT}", "numerics.spacing"))
     behind = geometry.width - crest_x
     if behind < ROOM_BEHIND * height:
         key = "geometry.crest_length" if isinstance(geometry, Slope) else "geometry.window or the line"
-        found.append(Concern("the back wall is near the crest", f"{behind:.3g} m", f"at least H = {ROOM_BEHIND * height:.3g} m", key))
+        found.append(Diagnostic("the back wall is near the crest", f"{behind:.3g} m", f"at least H = {ROOM_BEHIND * height:.3g} m", key))
     if toe_x < ROOM_AHEAD * height:
         key = "geometry.apron_length" if isinstance(geometry, Slope) else "geometry.window or the line"
         found.append(
-            Concern("little room for the run-out before the front wall", f"{toe_x:.3g} m", f"2 H = {ROOM_AHEAD * height:.3g} m", key)
+            Diagnostic("little room for the run-out before the front wall", f"{toe_x:.3g} m", f"2 H = {ROOM_AHEAD * height:.3g} m", key)
         )
     if isinstance(geometry, GroundLine):
         x, y = (np.array(side) for side in geometry.surface)
@@ -151,7 +151,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Concern]:
         if high - low > height:
             other = "right" if geometry.downhill == "left" else "left"
             found.append(
-                Concern(
+                Diagnostic(
                     f"the ground falls further to the {other} than to the {geometry.downhill}",
                     f"{high - low:.3g} m and {height:.3g} m",
                     "the slope that may fail",
@@ -161,12 +161,12 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Concern]:
     return found
 
 
-def thin_box(scene: Scene) -> list[Concern]:
+def thin_box(scene: Scene) -> list[Diagnostic]:
     """A warning if the box has fewer layers of particles than fill the kernel's support."""
     walls, needed = scene.walls, scene.layers_filling_support
     if any(kind.stands for kind in walls.kinds) and walls.layers < needed:
         return [
-            Concern(
+            Diagnostic(
                 "the box's particles do not fill the kernel's support, so that stresses beside it alternate from row to row",
                 f"{walls.layers} layers",
                 f"{needed}",
@@ -176,13 +176,13 @@ def thin_box(scene: Scene) -> list[Concern]:
     return []
 
 
-def short_length(scene: Scene) -> list[Concern]:
+def short_length(scene: Scene) -> list[Diagnostic]:
     """A warning if the length over which failure begins is shorter than particles can average."""
     initiation, dx = scene.coupling.initiation, scene.numerics.spacing
     if initiation is None or initiation.length >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
         return []
     return [
-        Concern(
+        Diagnostic(
             "the length of initiation is short, so that the spacing decides when soil fails",
             f"{initiation.length / dx:.2g} spacings in {initiation.length:g} m",
             f"at least {FEWEST_IN_LENGTH}",
@@ -191,15 +191,15 @@ def short_length(scene: Scene) -> list[Concern]:
     ]
 
 
-def cut_off(scene: Scene) -> list[Concern]:
+def cut_off(scene: Scene) -> list[Diagnostic]:
     """A warning if the run ends before the motion does."""
     if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
         return []
     end = f"{scene.motion.end:.4g} s"
-    return [Concern("the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}")]
+    return [Diagnostic("the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}")]
 
 
-def of_motion(scene: Scene) -> list[Concern]:
+def of_motion(scene: Scene) -> list[Diagnostic]:
     """All diagnostics of the shaking of a scene."""
     loading = loading_of(scene)
     components = {"horizontal": loading.ground, "vertical": loading.vertical}
@@ -213,7 +213,7 @@ def peak_accelerations(scene: Scene) -> str:
     return ", ".join(f"{name} {in_both(float(peak))}" for name, peak in peaks.items() if peak or name == "horizontal")
 
 
-def drift(scene: Scene) -> list[Concern]:
+def drift(scene: Scene) -> list[Diagnostic]:
     """A warning if the record of a scene drifts after processing."""
     if not isinstance(scene.motion, Record):
         return []
@@ -221,24 +221,24 @@ def drift(scene: Scene) -> list[Concern]:
     return drifting(GroundMotion(made.time, made.horizontal), "motion.baseline={}")
 
 
-def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Concern]:
+def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Diagnostic]:
     """A warning for each peak of accelerations (n,) in m/s2, by direction, the horizontal first, that is not plausible; 0 is."""
     wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
     peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
     return [
-        Concern(f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
+        Diagnostic(f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
         for name, peak in peaks.items()
         if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
     ]
 
 
-def drifting(motion: GroundMotion, key: str) -> list[Concern]:
+def drifting(motion: GroundMotion, key: str) -> list[Diagnostic]:
     """A warning if the ground still moves at the end of a record: an offset of the recorder, which moves a sliding block like shaking."""
     velocity = cumulative_trapezoid(motion.acceleration, motion.time)
     largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
     if last <= LARGEST_DRIFT * largest:
         return []
-    return [Concern("the ground of the record drifts", f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s", key)]
+    return [Diagnostic("the ground of the record drifts", f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s", key)]
 
 
 def in_both(acceleration: float) -> str:
@@ -246,20 +246,20 @@ def in_both(acceleration: float) -> str:
     return f"{acceleration:.4g} m/s2 ({acceleration / GRAVITY:.3g} g)"
 
 
-def _series(scene: Scene) -> list[Concern]:
+def _series(scene: Scene) -> list[Diagnostic]:
     samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
     if samples >= FEWEST_IN_SERIES:
         return []
     measured = f"{samples:.2g} in a period of {frequency:.3g} Hz"
-    return [Concern("the series hold few samples of the shaking", measured, f"at least {FEWEST_IN_SERIES}", "outputs.series_interval")]
+    return [Diagnostic("the series hold few samples of the shaking", measured, f"at least {FEWEST_IN_SERIES}", "outputs.series_interval")]
 
 
-def _step(scene: Scene) -> list[Concern]:
+def _step(scene: Scene) -> list[Diagnostic]:
     smallest = min(limits(scene), key=lambda limit: limit.seconds)
     step = scene.numerics.time_step
     if scene.numerics.adaptive_step is not None or step <= SHARE_OF_LIMIT * smallest.seconds:
         return []
     wanted = f"at most {SHARE_OF_LIMIT * smallest.seconds:.2g} s, {SHARE_OF_LIMIT:g} of the limit ({smallest.name})"
     return [
-        Concern("the time step is near its limit or above", f"{step:.3g} s", wanted, "numerics.time_step, or numerics.adaptive_step={}")
+        Diagnostic("the time step is near its limit or above", f"{step:.3g} s", wanted, "numerics.time_step, or numerics.adaptive_step={}")
     ]
