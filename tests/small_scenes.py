@@ -36,6 +36,17 @@ FREE_BLOCK: dict[str, Any] = {
 }
 """A block that floats: no walls, no gravity, too strong to yield."""
 
+TWO_BODIES: dict[str, Any] = {
+    "shape": "bodies",
+    "width": 6.0,
+    "height": 4.0,
+    "bodies": [
+        {"kind": "polygon", "points": [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]]},
+        {"kind": "ring", "centre": [4.0, 2.0], "outer_radius": 1.5, "inner_radius": 0.5},
+    ],
+}
+"""A triangle and a ring in a box."""
+
 PAPER = Path(__file__).parents[1] / "config" / "scenes" / "paper.yaml"
 DRAFT: dict[str, Any] = {"numerics": {"spacing": 1.6666667, "smoothing_ratio": 1.3, "time_step": 2e-3}}
 """The paper's slope as the fidelity draft has it, but for the tolerance of its gradients: 959 particles, a second a run."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -193,6 +195,10 @@ def _point_handles(points: pd.DataFrame) -> list[Line2D]:
     return handles
 
 
+def _mapped(mapped: Mapped, points: pd.DataFrame, note: str) -> Figure:
+    return figure_map(points, mapped, note)
+
+
 @styled
 def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
     """Share of the searched values of S_R and gamma with which a class, or a worse one, is reached, against amplitude, a panel a class.
@@ -224,3 +230,13 @@ def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
     figure.legend(handles=handles, loc="outside upper center", ncols=2)
     write_note(figure, note)
     return figure
+
+
+MAPS: dict[str, tuple[str, Callable[[pd.DataFrame, str], Figure]]] = {
+    "shares": ("shares", figure_shares),
+    "map-class": ("points", figure_class_map),
+    **{f"map-{name}": ("points", functools.partial(_mapped, mapped)) for name, mapped in MAPPED.items()},
+}
+"""Figures of the maps by the names of their files: the table that each shows, and a function of it and the note."""
+FIGURES = {"trigger": ("critical", figure_critical), **MAPS}
+"""All figures of the searches."""

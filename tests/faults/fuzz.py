@@ -25,8 +25,10 @@ from pathlib import Path
 from typing import Any
 from unittest import mock
 
-if __name__ == "__main__" and "--compiled" not in sys.argv:
-    os.environ["NUMBA_DISABLE_JIT"] = "1"
+if __name__ == "__main__":
+    sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+    if "--compiled" not in sys.argv:
+        os.environ["NUMBA_DISABLE_JIT"] = "1"
 
 import numba
 import yaml

@@ -9,6 +9,8 @@ import numpy as np
 import yaml
 from configurations import HARD_NUMBERS, HARD_TEXTS, junk, keys
 from hypothesis import strategies as st
+from record_files import knet
+from small_scenes import TWO_BODIES
 
 from sph.experiments.assumptions import Limits
 from sph.experiments.cost_accuracy.design import Trade
@@ -29,15 +31,6 @@ TINY: dict[str, Any] = {
     "outputs": {"frame_interval": 0.01, "series_interval": 0.01},
 }
 SLOPE = {"shape": "slope", "slope_angle": 45.0, "slope_height": 4.0, "base_depth": 2.0, "apron_length": 3.0, "crest_length": 3.0}
-BODIES = {
-    "shape": "bodies",
-    "width": 6.0,
-    "height": 4.0,
-    "bodies": [
-        {"kind": "polygon", "points": [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]]},
-        {"kind": "ring", "centre": [4.0, 2.0], "outer_radius": 1.5, "inner_radius": 0.5},
-    ],
-}
 GROUND = {"shape": "ground_line", "points": [[10.0, 102.0], [13.0, 102.0], [16.0, 105.0], [19.0, 105.0]], "base": 100.0}
 SCENES = [
     TINY,
@@ -66,7 +59,11 @@ SCENES = [
         }
     },
     TINY
-    | {"geometry": BODIES, "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}}, "early_stop": {"window": 0.01}},
+    | {
+        "geometry": TWO_BODIES,
+        "walls": {"base": "free_slip", "sides": "free_slip", "friction": {"base": 0.3}},
+        "early_stop": {"window": 0.01},
+    },
     TINY
     | {
         "geometry": SLOPE,
@@ -226,25 +223,7 @@ SMC = "\n".join(
     + ["".join(f"{100.0 if line == 0 and at == 1 else 0.0:15.7E}" for at in range(5)) for line in range(10)]
     + ["| comment", "   -1.0000   20.0000  -30.00001000.00000"]
 )
-KNET = """Origin Time       2000/01/01 00:00:00
-Lat.              38.920
-Long.             140.630
-Depth. (km)       7
-Mag.              5.9
-Station Code      AKT013
-Station Lat.      39.6069
-Station Long.     140.3213
-Station Height(m) 34
-Record Time       2000/01/01 00:00:39
-Sampling Freq(Hz) 4Hz
-Duration Time(s)  1
-Dir.              E-W
-Scale Factor      2000(gal)/8388608
-Max. Acc. (gal)   4.383
-Last Correction   2000/01/01 00:00:00
-Memo.
-   1800000  -1700000    10000         0
-"""
+KNET = knet(np.array([0.43, -0.41, 0.002, 0.0]), 4)
 comma_separated = st.one_of(
     rising,
     st.lists(st.lists(cells, min_size=1, max_size=3).map(",".join), max_size=6).map("\n".join),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from small_scenes import TWO_BODIES
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
@@ -40,15 +41,6 @@ BOX: dict[str, Any] = {
 SLIP = {"walls.base": "free_slip"}
 ABSORBING = {"walls.base": "absorbing"}
 VELOCITY = {"along": "y", "position": [0.0, 1.0, 4.0], "x": [0.0, 2.0, -1.0], "y": [1.0, 1.0, 0.0]}
-TWO_BODIES = {
-    "shape": "bodies",
-    "width": 6.0,
-    "height": 4.0,
-    "bodies": [
-        {"kind": "polygon", "points": [[0.0, 0.0], [3.0, 0.0], [0.0, 3.0]]},
-        {"kind": "ring", "centre": [4.0, 2.0], "outer_radius": 1.5, "inner_radius": 0.5},
-    ],
-}
 POLYGON, RING = TWO_BODIES["bodies"]
 RECORD = {"kind": "record", "start": 1.0, "vertical": {}, "data": {"interval": 0.1, "x": [0.0, 1.0, -1.0], "y": [0.5, 0.5, 0.0]}}
 

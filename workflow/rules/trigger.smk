@@ -3,7 +3,7 @@
 # Inputs:  config/trigger.yaml (config: experiments); stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
 # Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv, confirm.csv, maps.csv, cells.csv, shares.csv,
 #          figures/*; <folder>/trigger/<case>: stages and runs
-from sph.figures.trigger import MAPPED
+from sph.figures.trigger import MAPS
 from sph.experiments.trigger.design import SEARCHED
 
 
@@ -40,7 +40,7 @@ rule maps:
         lambda wildcards: expand(
             "{folder}/trigger/figures/{figure}.{kind}",
             folder=TRIGGER().folder,
-            figure=["shares", "map-class"] + [f"map-{name}" for name in MAPPED],
+            figure=list(MAPS),
             kind=["png", "pdf"],
         ),
 
@@ -257,7 +257,7 @@ rule map_figure:
     log:
         "{folder}/trigger/logs/figure-{figure}.log",
     wildcard_constraints:
-        figure="shares|map-[a-z]+",
+        figure="|".join(MAPS),
     params:
         sources=DRAWING,
         figure=lambda wildcards: wildcards.figure,

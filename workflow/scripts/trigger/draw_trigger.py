@@ -6,21 +6,16 @@ from sph.experiments.trigger.critical import read_critical
 from sph.experiments.trigger.maps import read_shares
 from sph.experiments.trigger.points import read_points
 from sph.figures import save
-from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
+from sph.figures.trigger import FIGURES
 from sph.jobs.log import Job, job_log
+
+READERS = {"critical": read_critical, "shares": read_shares, "points": read_points}
 
 
 def draw_trigger(figure: str, tables: dict[str, str], note: str, paths_to_pictures: Sequence[str]) -> None:
-    """'trigger', 'shares', 'map-class' or 'map-' and one of ``MAPPED``; paths to the tables that it shows by their names."""
-    if figure == "trigger":
-        drawn = figure_critical(read_critical(tables["critical"]), note)
-    elif figure == "shares":
-        drawn = figure_shares(read_shares(tables["shares"]), note)
-    elif figure == "map-class":
-        drawn = figure_class_map(read_points(tables["points"]), note)
-    else:
-        drawn = figure_map(read_points(tables["points"]), MAPPED[figure.removeprefix("map-")], note)
-    save(drawn, *paths_to_pictures)
+    """Draw one of ``FIGURES``; ``tables`` are paths by the names of the tables."""
+    table, draw = FIGURES[figure]
+    save(draw(READERS[table](tables[table]), note), *paths_to_pictures)
 
 
 if __name__ == "__main__":
