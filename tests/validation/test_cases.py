@@ -23,8 +23,6 @@ MISSES = {
     ("V1", "worst_vertical_stress"): "rows of particles alternate; with ten rows by 23 %",
     ("V4", "period_small"): "five particles through the plate",
     ("V4", "period_large"): "five particles through the plate",
-    ("V7", "runout"): "fixed particles hold a sliding fluid by a part of its yield stress only",
-    ("V7", "traction_on_base"): "fixed particles hold a sliding fluid by a part of its yield stress only",
     ("V8", "runout_a10"): "soil of 19.8 degrees cannot stand as steep as the deposits of the scaling, and a thin front runs ahead",
     ("V8", "runout_a20"): "soil of 19.8 degrees cannot stand as steep as the deposits of the scaling, and a thin front runs ahead",
 }
