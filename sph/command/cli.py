@@ -12,6 +12,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+import warnings
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import TextIOWrapper
@@ -592,6 +593,7 @@ def reference(table: Annotated[str, typer.Argument(help="scene, study, trajector
 
 def main() -> None:
     """Entry point.  A character that the terminal lacks is printed as an escape, and what could not be printed is an error."""
+    warnings.formatwarning = lambda message, *_: f"warning: {message}\n"
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")

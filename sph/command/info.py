@@ -57,8 +57,8 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
         rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
     if (initiation := scene.coupling.initiation) is not None:
-        spacings = f"{initiation.length:g} m or {initiation.length / numerics.spacing:.2g} spacings"
-        rows.append(("initiation", f"failure after {1e3 * initiation.slip:g} mm of slip over {spacings}"))
+        length = f"{initiation.length:g} m ({initiation.length / numerics.spacing:.2g} spacings)"
+        rows.append(("initiation", f"failure after {1e3 * initiation.slip:g} mm of slip over {length}"))
     rows.append(("PGA", peak_accelerations(scene)))
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))

@@ -12,6 +12,7 @@ import hashlib
 import os
 import platform
 import sys
+import warnings
 from collections.abc import Mapping
 from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
@@ -227,4 +228,6 @@ def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
         data = parse_json(ds.attrs["scene"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{origin}: its attribute 'scene' cannot be read: {error}") from error
-    return make_scene(data, origin)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
+        return make_scene(data, origin)

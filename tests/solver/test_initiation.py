@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
 from sph.solver.physics.initiation import average_plastic_strain
 from sph.solver.run import run
@@ -43,6 +44,23 @@ def test_the_average_ends_at_the_surface() -> None:
     state.plastic_strain[: terms.n_soil] = 0.25
     average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
     np.testing.assert_allclose(state.mean_plastic_strain[: terms.n_soil], 0.25, rtol=1e-12)
+
+
+def test_the_average_goes_around_periodic_sides_and_not_beyond_the_soil() -> None:
+    # The leftmost column has a strain of 1.  Around periodic sides it is the neighbour of the rightmost, whose mean is then that of the
+    # column on its other side.  A length beyond the box asks for no more memory than the box, and all soil has about one mean.
+    periodic = merge(BLOCK, {"walls": {"sides": "periodic"}})
+    found = {}
+    for name, scene in (("periodic", periodic), ("open", BLOCK), ("long", merge(BLOCK, {"coupling": {"initiation": {"length": 1000.0}}}))):
+        simulation = Simulation(make_scene(scene))
+        state, terms = simulation.state, simulation.terms
+        state.plastic_strain[: terms.n_soil] = 1e-300
+        state.plastic_strain[:20] = 1.0
+        average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+        found[name] = state.mean_plastic_strain[: terms.n_soil].reshape(20, 20)
+    assert found["periodic"][-1, 10] == pytest.approx(found["periodic"][1, 10], rel=1e-12) and found["periodic"][1, 10] > 0.1
+    assert found["open"][-1, 10] < 1e-100
+    np.testing.assert_allclose(found["long"], 1.0 / 20.0, rtol=1e-3)
 
 
 def test_failed_particles_keep_theirs() -> None:

@@ -83,7 +83,7 @@ rule profiles:
         scenes=lambda wildcards: [
             planned(PLAN.run_scene(run)) for run in PLAN.study.profile_runs
         ],
-        titles=lambda wildcards: PLAN.profile_titles,
+        titles=lambda wildcards: [[title] for title in PLAN.profile_titles],
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/figures/draw_figure.py"

@@ -63,4 +63,4 @@ rule paper_figure:
         ],
         fidelity=PLAN.study.fidelity,
     script:
-        "../scripts/paper/draw_figure.py"
+        "../scripts/figures/draw_figure.py"

@@ -11,7 +11,8 @@ where it is at yield and the mean over the initial arrangement of its soil
 
     sum_j w_ij kappa_j / sum_j w_ij,   w = (1 - r^2 / l^2)^2 for r < l,
 
-reaches slip / length: soil that has slipped by ``slip`` over a band of ``length``.  Non-local averages of what softens: Bazant and Jirasek
+reaches slip / length: soil that has slipped by ``slip`` over a band of ``length``.  The mean goes over soil of all layers, and around
+periodic sides; particles of fixed walls have none and never fail.  Non-local averages of what softens: Bazant and Jirasek
 (2002); slip before the loss of strength: Palmer and Rice (1973).
 """
 
@@ -37,10 +38,10 @@ class Initiation(NamedTuple):
     grid: np.ndarray
     """(columns, rows) int32: the soil particle at each place of the initial lattice, with a margin all round; -1 where there is none"""
     column: np.ndarray
-    """(soil,) int32: where the square of places around a particle begins in the grid"""
+    """(soil,) int32: where the places around a particle begin in the grid"""
     row: np.ndarray
     weights: np.ndarray
-    """(places, places) w of the square of places around one"""
+    """w of the places around one"""
 
 
 @jit
@@ -59,12 +60,12 @@ def average_plastic_strain(term, state, failed, first, last):  # type: ignore[no
     if term is None:
         return
     else:
-        size = term.weights.shape[0]
+        across, up = term.weights.shape
         for i in range(first, last):
             if state.phase[i] != failed and state.plastic_strain[i] > 0.0:
                 total = weight = 0.0
-                for a in range(size):
-                    for b in range(size):
+                for a in range(across):
+                    for b in range(up):
                         j = term.grid[term.column[i] + a, term.row[i] + b]
                         if j >= 0:
                             weight += term.weights[a, b]
@@ -84,13 +85,16 @@ def has_slipped(term, state, i):  # type: ignore[no-untyped-def]
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Initiation:
     wanted, soil, dx = scene.coupling.initiation, slice(0, particles.n_soil), scene.numerics.spacing
     assert wanted is not None
-    reach = math.ceil(wanted.length / dx)
-    offset = np.arange(-reach, reach + 1) * dx / wanted.length
-    weights = np.maximum(1.0 - offset[:, None] ** 2 - offset**2, 0.0) ** 2
     column, row = (np.round(place[soil] / dx - 0.5).astype(np.int32) for place in (particles.x, particles.y))
-    grid = np.full((column.max() + 1 + 2 * reach, row.max() + 1 + 2 * reach), -1, np.int32)
-    grid[column + reach, row + reach] = np.arange(particles.n_soil)
+    grid = np.full(scene.lattice, -1, np.int32)
+    grid[column, row] = np.arange(particles.n_soil)
+    across, up = (min(math.ceil(wanted.length / dx), count) for count in scene.lattice)  # a longer length reaches no further soil
+    x, y = (np.arange(-reach, reach + 1) * dx / wanted.length for reach in (across, up))
+    weights = np.maximum(1.0 - x[:, None] ** 2 - y**2, 0.0) ** 2
+    grid = np.pad(grid, ((0, 0), (up, up)), constant_values=-1)
+    sides = ((across, across), (0, 0))
+    grid = np.pad(grid, sides, mode="wrap") if scene.walls.kinds.sides.periodic else np.pad(grid, sides, constant_values=-1)
     return Initiation(wanted.slip / wanted.length, grid, column, row, weights)
 
 
-TERM = Term("initiation", "coupling.initiation", lambda scene: scene.coupling.initiation is not None, _make)
+TERM = Term("initiation", "coupling.initiation: failure begins over a length", lambda scene: scene.coupling.initiation is not None, _make)

@@ -95,7 +95,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Resi
 
 TERM = Term(
     "residual_viscosity",
-    "numerics.artificial_viscosity.reconstruction",
+    "numerics.artificial_viscosity.reconstruction: leaves linear motion alone",
     lambda scene: scene.numerics.artificial_viscosity is not None and scene.numerics.artificial_viscosity.reconstruction == "linear",
     _make,
     artificial_viscosity.damping,

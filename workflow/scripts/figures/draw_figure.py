@@ -5,6 +5,7 @@ from typing import Any
 
 from sph.figures import RUN_FIGURES, save
 from sph.jobs.log import Job, job_log
+from sph.paper.figures import FIGURES
 from sph.study.planned import Planned
 
 
@@ -12,14 +13,19 @@ def draw_figure(
     name: str,
     paths_to_runs: Sequence[str],
     scenes: Sequence[Planned],
-    titles: Sequence[str],
+    titles: Sequence[Sequence[str]],
     fidelity: str,
     paths_to_pictures: Sequence[str],
 ) -> None:
-    """Draw one of ``RUN_FIGURES`` from runs of planned scenes; ``titles`` name each run, none where the figure shows one."""
+    """Draw a figure of any study or of the paper's from runs of planned scenes.
+
+    ``titles`` name each run: its curve or profile, or its panel and that; there are none where the figure shows one run.
+    """
     runs = [scene.read(path) for path, scene in zip(paths_to_runs, scenes, strict=True)]
-    shown: Any = dict(zip(titles, runs, strict=True)) if titles else runs[0]
-    save(RUN_FIGURES[name](shown, fidelity=fidelity), *paths_to_pictures)
+    shown: Any = {} if titles else runs[0]
+    for (*panel, last), run in zip(titles, runs, strict=False):
+        (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
+    save((RUN_FIGURES | FIGURES)[name](shown, fidelity=fidelity), *paths_to_pictures)
 
 
 if __name__ == "__main__":
