@@ -361,7 +361,9 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
     values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
     if isinstance(scene.geometry, SLOPES):
         toe_x, toe_y = scene.geometry.toe
-        x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing)
+        lattice_shift = scene.numerics.lattice_shift
+        x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing, lattice_shift)
+        x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe
         behind = (x0 > toe_x) & (y0 > toe_y)
         values |= _runout_metrics(x, y, mass, mass & behind & (moved > settings.moved_threshold), scene.geometry, spacing)
     return values

@@ -50,6 +50,13 @@ class Numerics(Section):
     """Resolution, integration and stabilisers."""
 
     spacing: float = key("initial particle spacing", "m", "Sec. 4", ge=1e-6, le=100, default=1.0)
+    lattice_shift: float = key(
+        "part of a spacing by which the lattice of particles is shifted under the shape of the soil, along the box: which particles lie "
+        "on the edge is chance, and runs with other shifts show what it decides",
+        ge=-0.5,
+        lt=0.5,
+        default=0.0,
+    )
     kernel: Literal["cubic_spline", "wendland_c2"] = key("smoothing kernel", source="Sec. 4", default="cubic_spline")
     smoothing_ratio: float = key(
         "smoothing length over spacing; the kernel must reach 1.2 spacings", source="Sec. 4 (h = 2.3 m)", ge=0.6, le=5, default=2.3

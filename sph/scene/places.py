@@ -23,9 +23,12 @@ boundary, up to rounding, belongs to what is right of it, or above it where it i
 No line that is drawn has the gradient of the shift."""
 
 
-def shifted(x: np.ndarray, y: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Places (n,) of particles in the box, m, for the question on which side of a boundary they lie."""
-    return x + RIGHT * spacing, y + ABOVE * spacing
+def shifted(x: np.ndarray, y: np.ndarray, spacing: float, lattice_shift: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
+    """Places (n,) of particles in the box, m, for the question on which side of a boundary they lie.
+
+    The soil's shape is moved ``lattice_shift`` spacings to the left over the lattice, which stays where it is in the box.
+    """
+    return x + (RIGHT + lattice_shift) * spacing, y + ABOVE * spacing
 
 
 class Shape(Section):

@@ -280,12 +280,14 @@ class Scene(Section):
         if any(kind.slips or kind.reflects for kind in walls.kinds) and walls.layers < needed:
             raise ValueError(
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
-                f"a no-slip or free-slip wall needs {needed}, or soil beside it fails without shaking"
+                f"a no-slip, contact or free-slip wall needs {needed}, or soil beside it fails without shaking"
             )
         self._check_absorbing()
-        for name, slips in slip.items():
-            if walls.friction is not None and getattr(walls.friction, name) > 0 and not slips:
-                raise ValueError(f"walls.friction.{name}: {getattr(walls.friction, name)} needs a free_slip wall there")
+        for name, value in walls.friction or ():
+            if value > 0 and not slip[name.removesuffix("_cohesion")]:
+                raise ValueError(f"walls.friction.{name}: {value} needs a free_slip wall there")
+        if walls.tension > 0 and not any(kind.lets_go for kind in walls.kinds):
+            raise ValueError(f"walls.tension: {walls.tension} kPa needs a contact wall")
         if sides.periodic:
             _whole_multiple(self.geometry.width, self.numerics.spacing, "geometry.width", "numerics.spacing", "m")
             least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)

@@ -27,13 +27,15 @@ class Kind(NamedTuple):
     """its particles move, and let waves out"""
     periodic: bool = False
     """soil that leaves comes in on the other side"""
-    contact: float = 0.0
+    lets_go: bool = False
+    """soil comes off it: it bears no more tension than ``walls.tension``"""
+    face: float = 0.0
     """distance to its face, over the spacing, below which the face pushes soil back; the lattice begins at 0.5"""
 
     @property
     def stands(self) -> bool:
         """Whether it stands still and nothing passes it."""
-        return self.grips or self.slips
+        return self.grips or self.slips or self.reflects
 
     @property
     def has_particles(self) -> bool:
@@ -44,7 +46,8 @@ class Kind(NamedTuple):
 KINDS = {
     "fixed": Kind("fixed side wall", grips=True),
     "no_slip": Kind("no-slip side wall", grips=True, reflects=True),
-    "free_slip": Kind("free-slip side wall", slips=True, contact=0.4),
+    "contact": Kind("contact side wall", reflects=True, lets_go=True),
+    "free_slip": Kind("free-slip side wall", slips=True, face=0.4),
     "absorbing": Kind("absorbing side", absorbs=True),
     "periodic": Kind(periodic=True),
     "none": Kind(open=True),
@@ -71,10 +74,12 @@ FORMER = BeforeValidator(_former_name)
 
 
 class WallFriction(Section):
-    """Coulomb friction between soil and free-slip walls; a wall without a coefficient has none."""
+    """Strength of the interface between soil and free-slip walls: c + mu sigma where the wall presses, nothing elsewhere."""
 
     base: float = key("coefficient of friction (tangent of the angle) at base and top", ge=0, le=10, default=0.0)
     sides: float = key("coefficient of friction at the side walls", ge=0, le=10, default=0.0)
+    base_cohesion: float = key("cohesion at base and top", "kPa", ge=0, le=1e6, default=0.0)
+    sides_cohesion: float = key("cohesion at the side walls", "kPa", ge=0, le=1e6, default=0.0)
 
 
 class Bedrock(Section):
@@ -94,22 +99,24 @@ class Bedrock(Section):
 class Walls(Section):
     """How the box holds the soil."""
 
-    base: Annotated[Literal["fixed", "no_slip", "free_slip", "absorbing", "none"], FORMER] = key(
-        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, a frictionless floor, a half-space that takes "
-        "waves up (the motion is then that of its outcrop), or nothing",
-        source="Sec. 2.4; no_slip, free_slip ours; absorbing: Joyner and Chen 1975",
+    base: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "none"], FORMER] = key(
+        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, one that soil may leave and slide on as its "
+        "own strength allows, a frictionless floor, a half-space that takes waves up (the motion is then that of its outcrop), or nothing",
+        source="Sec. 2.4; no_slip, contact, free_slip ours; absorbing: Joyner and Chen 1975",
         default="fixed",
     )
-    sides: Annotated[Literal["fixed", "no_slip", "free_slip", "absorbing", "periodic", "none"], FORMER] = key(
-        "side walls: fixed particles that hold the soil (the paper), a no-slip wall, a frictionless wall, level ground that goes on and "
-        "takes waves up (free field), soil that goes on periodically, or nothing",
-        source="Sec. 2.4; no_slip, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
+    sides: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "periodic", "none"], FORMER] = key(
+        "side walls: fixed particles that hold the soil (the paper), a no-slip wall, one that soil may leave and slide on as its own "
+        "strength allows, a frictionless wall, level ground that goes on and takes waves up (free field), soil that goes on periodically, "
+        "or nothing",
+        source="Sec. 2.4; no_slip, contact, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
         default="fixed",
     )
-    top: Annotated[Literal["fixed", "no_slip", "free_slip", "none"], FORMER] = key(
+    top: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "none"], FORMER] = key(
         "lid of the box, for flows between plates", default="none"
     )
-    friction: WallFriction | None = key("friction on free-slip walls", default=None)
+    friction: WallFriction | None = key("strength of the interface to free-slip walls: friction and cohesion", default=None)
+    tension: float = key("tension that contact walls bear", "kPa", ge=0, le=1e6, default=0.0)
     bedrock: Bedrock | None = key("what an absorbing base stands on, below its boundary particles; null: the soil goes on", default=None)
     layers: int = key(
         "layers of boundary particles; all but fixed walls need as many as fill the kernel's support but for one spacing",

@@ -40,7 +40,7 @@ def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: 
 
 def overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Mass of soil (n,) above places (n,), kg/m2; through layers it is summed over parts no longer than a quarter of the spacing."""
-    depth = np.maximum(scene.geometry.ground(x + RIGHT * scene.numerics.spacing) - y, 0.0)
+    depth = np.maximum(scene.geometry.ground(x + (RIGHT + scene.numerics.lattice_shift) * scene.numerics.spacing) - y, 0.0)
     if not scene.layers:
         return scene.soil.density * depth
     parts = PARTS * max(1, math.ceil(depth.max(initial=0.0) / scene.numerics.spacing))

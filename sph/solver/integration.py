@@ -220,7 +220,9 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         mirror_velocity(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
         for block in range(first_block, last_block):
             first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            velocity_gradients(state, pairs, terms.artificial_viscosity, terms.no_slip, terms.layers, team.gradient, first, last)
+            velocity_gradients(
+                state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, first, last
+            )
             keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, first, last)
             sums[block, FAILURES], internal = update_stress(
                 state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
@@ -235,6 +237,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 state,
                 pairs,
                 terms.gradient_correction,
+                terms.contact,
                 terms.layers,
                 terms.residual_viscosity,
                 team.strain_rate,

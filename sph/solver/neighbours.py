@@ -19,6 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sph.solver.boundaries.contact import Contact
 from sph.solver.boundaries.no_slip import NoSlip, add_walls, in_wall
 from sph.solver.boundaries.periodic import Periodic, column_of, columns_around, columns_of_cells, wrap
 from sph.solver.compiled.jit import jit, rows
@@ -53,6 +54,7 @@ class Pairs(NamedTuple):
     close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
     close_end: np.ndarray  # (n,) uint32
     wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m3; without such walls empty
+    contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step; likewise
     distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
@@ -111,6 +113,7 @@ class PairTerms(NamedTuple):
     artificial_stress: ArtificialStress | None = None
     residual_viscosity: ResidualViscosity | None = None
     no_slip: NoSlip | None = None
+    contact: Contact | None = None
 
 
 @jit
@@ -125,6 +128,7 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
         terms.artificial_stress,
         terms.residual_viscosity,
         terms.no_slip,
+        terms.contact,
     )
 
 
@@ -155,6 +159,7 @@ def allocate_pairs(candidates, zero, terms):  # type: ignore[no-untyped-def]
         np.empty(size, np.uint32),
         np.zeros(n, np.uint32),
         np.zeros((_room(terms.no_slip, n), 2)),
+        np.zeros((_room(terms.contact, n), 3)),
         np.full(_room(terms.residual_viscosity, size), zero),
         np.full(_room(terms.artificial_stress, size), zero),
     )
@@ -229,7 +234,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             m_xy -= gx * dy
             m_yy -= gy * dy
         sum_x, sum_y, m_xx, m_xy, m_yy = add_walls(
-            terms.no_slip, pairs.wall, candidates, period, kernel, terms.cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy
+            terms.no_slip, terms.contact, pairs, candidates, period, kernel, terms.cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy
         )
         pairs.start[i] = begin
         pairs.close_end[i] = begin + close

@@ -23,6 +23,7 @@ class Particles(NamedTuple):
     mass: np.ndarray  # (n,) kg for a metre of thickness
     layer: np.ndarray  # (n,) int: 0 for the scene's own soil, k for its k-th layer
     first_no_slip: int  # from this one on no-slip walls
+    first_contact: int  # from this one on contact walls, which are no-slip walls that soil may leave
     first_slip: int  # from this one on free-slip base and top
     first_slip_side: int  # from this one on free-slip side walls
     first_fixed: int  # from this one on walls that stand still; boundary particles before it follow the soil
@@ -61,27 +62,29 @@ def place_particles(scene: Scene) -> Particles:
     ]
     absorbing = [block for kind, block in wanted if kind.absorbs]
     fixed = [block for kind, block in wanted if kind.grips and not kind.reflects]
-    no_slip = [block for kind, block in wanted if kind.reflects]
+    no_slip = [block for kind, block in wanted if kind.reflects and not kind.lets_go]
+    contact = [block for kind, block in wanted if kind.lets_go]
     slip = [block for kind, block in wanted[:2] if kind.slips]
     slip_sides = [block for kind, block in wanted[2:] if kind.slips]
     first_fixed = sum(len(c) for c, _, _ in soil + absorbing)
     first_no_slip = first_fixed + sum(len(c) for c, _, _ in fixed)
-    first_slip = first_no_slip + sum(len(c) for c, _, _ in no_slip)
+    first_contact = first_no_slip + sum(len(c) for c, _, _ in no_slip)
+    first_slip = first_contact + sum(len(c) for c, _, _ in contact)
     first_slip_side = first_slip + sum(len(c) for c, _, _ in slip)
-    blocks = soil + absorbing + fixed + no_slip + slip + slip_sides
+    blocks = soil + absorbing + fixed + no_slip + contact + slip + slip_sides
 
     x = np.concatenate([(c + 0.5) * dx for c, _, _ in blocks])
     y = np.concatenate([(r + 0.5) * dx for _, r, _ in blocks])
     kinds = np.concatenate([np.full(len(c), k, np.int8) for c, _, k in blocks])
     layer = layer_index(scene, x, y)
     mass = np.array([soil.density * dx * dx for soil in scene.soils])[layer]
-    return Particles(x, y, kinds, mass, layer, first_no_slip, first_slip, first_slip_side, first_fixed)
+    return Particles(x, y, kinds, mass, layer, first_no_slip, first_contact, first_slip, first_slip_side, first_fixed)
 
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Layer (n,) at places (n,): 0 is the scene's own soil, k its k-th layer.  Walls go on as the soil beside them."""
     half = 0.5 * scene.numerics.spacing
-    x, y = shifted(np.clip(x, half, scene.geometry.width - half), np.maximum(y, half), scene.numerics.spacing)
+    x, y = shifted(np.clip(x, half, scene.geometry.width - half), np.maximum(y, half), *_lattice(scene))
     ground = scene.geometry.ground(x)
     y = np.minimum(y, np.maximum(ground - ABOVE * scene.numerics.spacing, half))
     places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
@@ -100,13 +103,18 @@ def _ground(scene: Scene, soil: np.ndarray) -> np.ndarray:
     return np.arange(soil.size)
 
 
+def _lattice(scene: Scene) -> tuple[float, float]:
+    """Spacing of the lattice, m, and its shift in spacings."""
+    return scene.numerics.spacing, scene.numerics.lattice_shift
+
+
 def _grid(columns: np.ndarray, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     grid = np.meshgrid(columns, rows, indexing="ij")
     return grid[0].ravel(), grid[1].ravel()
 
 
 def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    geometry, (x, y) = scene.geometry, shifted(x, y, scene.numerics.spacing)
+    geometry, (x, y) = scene.geometry, shifted(x, y, *_lattice(scene))
     if isinstance(geometry, Bodies):
         return np.any([body.contains(x, y) for body in geometry.bodies], axis=0)
     return y < geometry.ground(x)
@@ -115,7 +123,7 @@ def _inside(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
 def locate_probes(scene: Scene, particles: Particles) -> dict[str, int]:
     """Index of the soil particle nearest to each probe's place; ValueError for a place away from the soil."""
     places = {"crest_edge": scene.geometry.crest, "toe": scene.geometry.toe}
-    soil_x, soil_y = shifted(particles.x[: particles.n_soil], particles.y[: particles.n_soil], scene.numerics.spacing)
+    soil_x, soil_y = shifted(particles.x[: particles.n_soil], particles.y[: particles.n_soil], *_lattice(scene))
     found = {}
     for name, place in scene.probes.items():
         px, py = places[place] if isinstance(place, str) else scene.geometry.in_box(*place)

@@ -15,8 +15,8 @@ from numba import types
 from numba.extending import overload
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries import absorbing, contact, free_slip, friction, no_slip, periodic
-from sph.solver.boundaries.contact import add_contact
+from sph.solver.boundaries import absorbing, contact, faces, free_slip, friction, no_slip, periodic
+from sph.solver.boundaries.faces import push_from_faces
 from sph.solver.compiled.jit import jit
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -42,7 +42,7 @@ TERMS: tuple[Term, ...] = (
     gradient_correction.TERM,
     short_range_repulsion.TERM,
     free_slip.TERM,
-    contact.TERM,
+    faces.TERM,
     friction.TERM,
     periodic.TERM,
     artificial_stress.TERM,
@@ -51,6 +51,7 @@ TERMS: tuple[Term, ...] = (
     absorbing.ABSORBING_WALLS,
     absorbing.FREE_FIELD,
     no_slip.TERM,
+    contact.TERM,
     residual_viscosity.TERM,
     initiation.TERM,
 )
@@ -124,7 +125,7 @@ def add_forces(terms, state, pairs, mass, first, last):  # type: ignore[no-untyp
     """Add the accelerations of optional forces to particles first to last; returns the energy that they store, J/m."""
     add_artificial_stress(terms.artificial_stress, terms.layers, state, pairs, first, last)
     energy = add_repulsion(terms.short_range_repulsion, terms.periodic, state, pairs, mass, terms.n_moving, first, last)
-    return energy + add_contact(terms.wall_faces, terms.wall_friction, state, mass, first, min(last, terms.n_soil))
+    return energy + push_from_faces(terms.wall_faces, terms.wall_friction, state, mass, first, min(last, terms.n_soil))
 
 
 # ---------------------------------------------------------------- what a variant holds

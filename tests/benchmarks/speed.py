@@ -54,10 +54,18 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
     state = still.state
     return {
         "velocity_gradients": lambda n: velocity_gradients(
-            state, pairs, terms.artificial_viscosity, terms.no_slip, terms.layers, team.gradient, 0, n
+            state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, 0, n
         ),
         "stress_accelerations": lambda n: stress_accelerations(
-            state, pairs, terms.gradient_correction, terms.layers, terms.residual_viscosity, team.strain_rate, 0, min(n, terms.n_soil)
+            state,
+            pairs,
+            terms.gradient_correction,
+            terms.contact,
+            terms.layers,
+            terms.residual_viscosity,
+            team.strain_rate,
+            0,
+            min(n, terms.n_soil),
         ),
         "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
         "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),

@@ -27,7 +27,7 @@ assert not wanted_terms(make_scene({SCENE % "'numerics': {}"}))["drag"]
 from sph.scene.schema import make_scene
 from sph.solver.particles import SIDE, place_particles
 scene = make_scene({SCENE % "'walls': {'sides': 'rough'}"})
-assert (place_particles(scene).kind == SIDE).any() and scene.walls.kinds.sides.contact == 0.4
+assert (place_particles(scene).kind == SIDE).any() and scene.walls.kinds.sides.face == 0.4
 """,
     "A law": f"""
 from sph.scene.schema import make_scene

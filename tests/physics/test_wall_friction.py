@@ -91,6 +91,16 @@ def test_a_block_slides_at_its_acceleration(mu: float, angle: float) -> None:
     assert np.abs(soil(ds, "displacement_y")).max() < 5e-3
 
 
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+def test_cohesion_of_the_base_slows_a_block(mu: float) -> None:
+    # g (sin - mu cos) - c / (rho H) on 0.5 m of soil: 1.5 kPa takes 1.5 m/s2.
+    ds = block(("walls.friction.base", mu), ("walls.friction.base_cohesion", 1.5))
+    expected = -(G * (math.sin(math.radians(ANGLE)) - mu * math.cos(math.radians(ANGLE))) - 1500.0 / (DENSITY * 0.5))
+    print(f"mu {mu}: {acceleration(ds):.4f} for {expected:.4f} m/s2")
+    assert acceleration(ds) == pytest.approx(expected, rel=0.02)
+    assert open_budget(ds) < 3e-5
+
+
 def test_a_block_sticks_where_friction_exceeds_the_slope() -> None:
     # mu = 0.8 > tan 30 degrees = 0.577: what moves is its elastic shear, rho g sin H^2 / 2 G = 0.33 mm at the top.
     ds = slide(0.8)

@@ -49,11 +49,11 @@ class Box:
 
     def strain(self) -> np.ndarray:
         """Velocity gradients (4, soil) of the plain sums, 1/s: xx, xy, yx, yy."""
-        velocity_gradients(self.state, self.pairs, None, self.terms.no_slip, None, self.gradient, 0, self.state.x.size)
+        velocity_gradients(self.state, self.pairs, None, self.terms.no_slip, self.terms.contact, None, self.gradient, 0, self.state.x.size)
         return self.gradient[:, : self.n] / self.state.density[: self.n]
 
     def accelerate(self) -> None:
-        stress_accelerations(self.state, self.pairs, self.terms.gradient_correction, None, None, None, 0, self.n)
+        stress_accelerations(self.state, self.pairs, self.terms.gradient_correction, self.terms.contact, None, None, None, 0, self.n)
 
 
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
@@ -111,7 +111,8 @@ def test_particles_of_the_wall_are_nobody_s_neighbours() -> None:
 
 def test_too_few_layers_are_refused() -> None:
     with pytest.raises(
-        ValueError, match=r"walls\.layers: 1 layers do not fill the kernel's support of 2\.6 m; a no-slip or free-slip wall needs 2"
+        ValueError,
+        match=r"walls\.layers: 1 layers do not fill the kernel's support of 2\.6 m; a no-slip, contact or free-slip wall needs 2",
     ):
         make_scene(merge(BLOCK, {"walls": {"layers": 1}}))
 

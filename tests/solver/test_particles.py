@@ -106,3 +106,15 @@ def test_block_fills_its_rectangle() -> None:
     block = {"name": "b", "geometry": {"shape": "block", "width": 6.0, "height": 4.0}, "numerics": {"spacing": 0.5}}
     particles = place_particles(make_scene(merge(block, {})))
     assert cells(particles, 0.5, (SOIL,)) == {(c, r) for c in range(12) for r in range(8)}
+
+
+def test_the_lattice_can_be_shifted_under_the_shape_of_the_soil() -> None:
+    # The face is at 69.145 m in the top row (34.5 m), and at 68.568 m in that below: particles at 69.5 and 68.5 m are asked 0.4 m beside.
+    edges = {}
+    for shift in (-0.4, 0.0, 0.4):
+        particles = place_particles(paper(numerics__lattice_shift=shift))
+        soil = particles.kind == SOIL
+        edges[shift] = [particles.x[soil & (particles.y == y)].min() for y in (34.5, 33.5)]
+        assert soil.sum() == pytest.approx(2050, abs=25), "the area is the same but for a part of a column of the slope's height"
+        np.testing.assert_allclose((particles.x - 0.5) % 1.0, 0.0, atol=1e-9)
+    assert edges == {-0.4: [70.5, 69.5], 0.0: [69.5, 69.5], 0.4: [69.5, 68.5]}

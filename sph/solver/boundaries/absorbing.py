@@ -28,7 +28,7 @@ for a constant force and so do not limit the time step.
 Limits.  A dashpot takes a wave that meets it square; grazing waves are given back in part.  It holds no static load that comes
 later, and the static reaction goes on where the soil that it held has gone: the boundary then moves for good, slowly, with Z v = change of
 traction.  In the paper's scene, which fails from wall to wall, sides move by 1.5 m in the end and the base by 0.5 m.  Keep sides at
-places that stay level, elastic ground.  Faces (``sph.solver.boundaries.contact``) do not guard these walls: debris that runs over
+places that stay level, elastic ground.  Faces (``sph.solver.boundaries.faces``) do not guard these walls: debris that runs over
 a side's ground falls out of the model and ends the run.  The static reaction is that at the end of the gravity stage:
 soil that still swings then leaves a small false load.
 """

@@ -1,105 +1,81 @@
-"""The faces of the walls: no soil passes between the particles of a wall.
+"""Contact with a wall: it bears no tension, and as much shear as the soil beside it has strength.
 
-Walls are particles, and their forces alone do not keep loose soil in the box: nothing stops a particle half-way between two of the
-wall's, so that debris sinks through a slip floor and a slamming soft soil enters a fixed wall.  The face, half a spacing before the wall's
-first particles, therefore pushes with a linear, conservative spring: at a free-slip wall what comes nearer than 0.4 spacings, at a
-fixed one, which the soil sticks to, only what is behind the face (``sph.scene.walls.KINDS``).  The initial lattice lies half a spacing away
-and feels nothing; in the paper's scene no soil ever reaches a face.  Friction counts the push of a slip wall as it counts its stress.
+A contact wall is a no-slip wall (``sph.solver.boundaries.no_slip``) that lets go.  Since its stress is the soil's own, its shear is
+what that soil can bear at the time: failed soil slides on it with what strength it has left.  A particle that the wall would pull,
+
+    b . S b > T |b|^2 / rho^2,   S = sigma_i / rho_i^2,
+
+with the wall's part b of the sum of kernel gradients and the tension T that the wall bears, and that moves away from it, sees no
+wall in this step, neither in its strain nor in its force.  Both loops over pairs leave out the same particles, so that contact takes
+no energy.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries.friction import add_push
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.jit import jit
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 
-STIFFNESS = 0.2
-"""Stiffness of a face's push over the soil's constrained modulus: it adds a fortieth to the square of the stiffest mode's frequency."""
 
+class Contact(NamedTuple):
+    """Coefficients of the term."""
 
-class WallFaces(NamedTuple):
-    """Faces of the walls, which push soil back that comes too near."""
-
-    bottom: float
-    """y of the faces, m; infinite where there is no wall"""
-    top: float
-    left: float
-    """x of the faces, m"""
-    right: float
-    begin: float
-    """base and top reach from this x, m"""
-    end: float
-    height: float
-    """sides reach up to this y, m"""
-    bottom_contact: float
-    """distance to the face below which it pushes, m"""
-    top_contact: float
-    side_contact: float
-    thickness: float
-    """distance behind a face from which on it no longer pushes, m: what is further has come from outside"""
-    stiffness: float
-    """N/m for a metre of thickness"""
+    first: int
+    """first particle of contact walls, which come last of those without a state"""
+    tension: float
+    """that the walls bear, over the square of the reference density, Pa m6/kg2"""
 
 
 @jit
-def add_contact(term, friction, state, mass, first, last):  # type: ignore[no-untyped-def]
-    """Add the push of the walls' faces to soil particles first to last, and its friction; returns the energy it stores, J/m."""
+def contact_part(term, j, gx, gy, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    """Sums of gradients over contact walls with that of wall particle j."""
     if term is None:
-        return 0.0
+        return sum_x, sum_y
     else:
-        energy = 0.0
-        for i in rows(first, last):
-            x, y = state.x[i], state.y[i]
-            across = up = 0.0  # how far the particle is in a contact, m, with the sign of the push
-            if y <= term.height:
-                across = _overlap(term, x - term.left, term.right - x, term.side_contact, term.side_contact)
-            if term.begin <= x <= term.end:
-                up = _overlap(term, y - term.bottom, term.top - y, term.bottom_contact, term.top_contact)
-            if across != 0.0 or up != 0.0:
-                energy += 0.5 * term.stiffness * (across * across + up * up)
-                state.ax[i] += term.stiffness * across / mass[i]
-                state.ay[i] += term.stiffness * up / mass[i]
-                add_push(friction, state, i, term.stiffness * abs(across) / mass[i], term.stiffness * abs(up) / mass[i])
-        return energy
+        touches = 1.0 if j >= term.first else 0.0
+        return sum_x + touches * gx, sum_y + touches * gy
 
 
 @jit
-def _overlap(term, low, high, low_contact, high_contact):  # type: ignore[no-untyped-def]
-    """Overlap with the contact of the face below (positive) or above (negative) at these distances, m."""
-    if -term.thickness < low < low_contact:
-        return low_contact - low
-    if -term.thickness < high < high_contact:
-        return high - high_contact
-    return 0.0
+def keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    """Keep the sums of particle i in ``contact`` (n, 3); its third column says which share of them is let go."""
+    if term is None:
+        return
+    else:
+        contact[i, 0] = sum_x
+        contact[i, 1] = sum_y
+        contact[i, 2] = 0.0
 
 
-def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> WallFaces:
-    walls, dx = scene.walls, scene.numerics.spacing
-    base, sides, top = walls.kinds
-    columns, rows = scene.lattice
-    overhang = math.inf if sides.periodic else walls.layers * dx if sides.stands else 0.0
-    return WallFaces(
-        bottom=0.0 if base.stands else -math.inf,
-        top=rows * dx if top.stands else math.inf,
-        left=0.0 if sides.stands else -math.inf,
-        right=columns * dx if sides.stands else math.inf,
-        begin=-overhang,
-        end=columns * dx + overhang,
-        height=rows * dx,
-        bottom_contact=base.contact * dx,
-        top_contact=top.contact * dx,
-        side_contact=sides.contact * dx,
-        thickness=dx,
-        stiffness=STIFFNESS * max(soil.density * soil.p_wave_speed**2 for soil in scene.soils),
-    )
+@jit
+def let_go(term, state, contact, i):  # type: ignore[no-untyped-def]
+    """Note whether contact lets particle i go in this step; returns the part of the wall's b that it then does not see, kg/m3."""
+    if term is None:
+        return 0.0, 0.0
+    else:
+        bx, by = contact[i, 0], contact[i, 1]
+        pull = state.sxx[i] * bx * bx + 2.0 * state.sxy[i] * bx * by + state.syy[i] * by * by
+        leaves = state.vx[i] * bx + state.vy[i] * by < 0.0
+        gone = 1.0 if leaves and pull > term.tension * (bx * bx + by * by) else 0.0
+        contact[i, 2] = gone
+        return gone * bx, gone * by
 
 
-TERM = Term(
-    "wall_faces", "walls: no soil passes between their particles", lambda scene: any(kind.stands for kind in scene.walls.kinds), _make
-)
+@jit
+def gone(term, contact, i):  # type: ignore[no-untyped-def]
+    """The part of the wall's b that particle i does not see in this step, kg/m3."""
+    if term is None:
+        return 0.0, 0.0
+    else:
+        return contact[i, 2] * contact[i, 0], contact[i, 2] * contact[i, 1]
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Contact:
+    return Contact(particles.first_contact, 1e3 * scene.walls.tension / scene.soil.density**2)
+
+
+TERM = Term("contact", "walls.base, walls.sides, walls.top: contact", lambda scene: any(kind.lets_go for kind in scene.walls.kinds), _make)

@@ -1,10 +1,11 @@
-"""Coulomb friction on free-slip walls.
+"""Friction and cohesion on free-slip walls.
 
 Friction acts on the soil within the kernel's reach of a wall, each particle with as much of it as it has of the wall's
 normal force: the wall's particles press on particle i with sum_j (sigma_i + sigma_j) . g_ij over them, and friction
-opposes its velocity along the wall with the coefficient times that, or stops it (``sph.solver.integration``).  A wall that
-pulls gives none.  The soil's own shear stress, which is there once friction acts, would pull at the wall as well
-(sigma_i . g_ij has a part along the wall); that part is taken away, so that friction is all there is along the wall.
+opposes its velocity along the wall with the coefficient times that, or stops it (``sph.solver.integration``).  Cohesion c
+adds the force that a normal stress of c would give.  A wall that pulls gives neither.  The soil's own shear stress, which is
+there once friction acts, would pull at the wall as well (sigma_i . g_ij has a part along the wall); that part is taken away,
+so that friction is all there is along the wall.
 Steady sliding of an elastic body under constant friction is unstable in itself (Adams 1995): without damping a block of
 stiff soil begins to hum after some tenths of a second, lifts off and slides wrongly.  Stiffness-proportional damping
 (``damping`` with one of its frequencies near zero, so that no mass damping brakes the sliding) keeps it down.
@@ -30,6 +31,9 @@ class WallFriction(NamedTuple):
     base: float
     """coefficient at base and top"""
     sides: float
+    base_cohesion: float
+    """over the square of the reference density, Pa m6/kg2"""
+    sides_cohesion: float
 
 
 @jit
@@ -45,6 +49,12 @@ def rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
         return vx, vy
     else:
         return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
+
+
+@jit
+def _strength(friction, cohesion, normal, room):  # type: ignore[no-untyped-def]
+    """Of the interface to a wall that presses with ``normal`` (m/s2) by kernel gradients of the sum ``room`` (kg/m3), m/s2."""
+    return friction * normal + 2.0 * cohesion * room if normal > 0.0 else 0.0
 
 
 @jit
@@ -70,7 +80,7 @@ def set_friction(term, layers, slip, correction, state, pairs, mass, first, last
         sxx, syy, sxy = state.sxx, state.syy, state.sxy
         syx = transposed_shear(correction, state)
         for i in range(first, last):
-            base = side = base_shear = side_shear = 0.0
+            base = side = base_shear = side_shear = base_room = side_room = 0.0
             for k in range(pairs.start[i], pairs.end[i]):
                 j = pairs.neighbour[k]
                 gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
@@ -80,13 +90,15 @@ def set_friction(term, layers, slip, correction, state, pairs, mass, first, last
                     if j >= slip.first_side:
                         side -= math.copysign(1.0, gx) * ax
                         side_shear += ay
+                        side_room += abs(gx)
                     else:
                         base -= math.copysign(1.0, gy) * ay
                         base_shear += ax
+                        base_room += abs(gy)
             base_shear *= lightness(layers, i)
             side_shear *= lightness(layers, i)
-            state.friction_x[i] = term.base * max(base, 0.0) * lightness(layers, i)
-            state.friction_y[i] = term.sides * max(side, 0.0) * lightness(layers, i)
+            state.friction_x[i] = _strength(term.base, term.base_cohesion, base, base_room) * lightness(layers, i)
+            state.friction_y[i] = _strength(term.sides, term.sides_cohesion, side, side_room) * lightness(layers, i)
             state.ax[i] -= base_shear
             state.ay[i] -= side_shear
             taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])
@@ -94,8 +106,9 @@ def set_friction(term, layers, slip, correction, state, pairs, mass, first, last
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> WallFriction:
-    assert scene.walls.friction is not None
-    return WallFriction(scene.walls.friction.base, scene.walls.friction.sides)
+    wanted, unit = scene.walls.friction, 1e3 / scene.soil.density**2
+    assert wanted is not None
+    return WallFriction(wanted.base, wanted.sides, unit * wanted.base_cohesion, unit * wanted.sides_cohesion)
 
 
 TERM = Term("wall_friction", "walls.friction", lambda scene: scene.walls.friction is not None, _make)

@@ -18,6 +18,7 @@ import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
+from sph.solver.boundaries.contact import contact_part, keep_contact, let_go
 from sph.solver.boundaries.periodic import wrap
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.optional import Term
@@ -62,13 +63,13 @@ def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
 
 
 @jit
-def add_walls(term, wall, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Keep b_i in ``wall`` (n, 2), kg/m3; returns the sums of gradients and the moments of particle i with the walls' part."""
+def add_walls(term, contact, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
+    """Keep b_i in ``pairs.wall`` (n, 2), kg/m3; returns the sums of gradients and the moments of particle i with the walls' part."""
     if term is None:
         return sum_x, sum_y, m_xx, m_xy, m_yy
     else:
         reach = support(kernel)
-        b_x = b_y = 0.0
+        b_x = b_y = contact_x = contact_y = 0.0
         if not in_wall(term, i):
             for k in rows(candidates.start[i], candidates.start[i + 1]):
                 j = candidates.neighbour[k]
@@ -80,21 +81,25 @@ def add_walls(term, wall, candidates, period, kernel, cell_mass, x, y, i, sum_x,
                     across, up = _from_image(term, x[i], y[i], x[j], y[j])
                     b_x += gx
                     b_y += gy
+                    contact_x, contact_y = contact_part(contact, j, gx, gy, contact_x, contact_y)
                     m_xx -= 0.5 * gx * across
                     m_xy -= 0.25 * (gx * up + gy * across)
                     m_yy -= 0.5 * gy * up
-        wall[i, 0] = b_x
-        wall[i, 1] = b_y
+        pairs.wall[i, 0] = b_x
+        pairs.wall[i, 1] = b_y
+        keep_contact(contact, pairs.contact, i, contact_x, contact_y)
         return sum_x + b_x, sum_y + b_y, m_xx, m_xy, m_yy
 
 
 @jit
-def add_wall_gradient(term, wall, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+def add_wall_gradient(term, contact, state, pairs, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
     """Sums of velocity differences times g of particle i with the walls' part."""
     if term is None:
         return l_xx, l_xy, l_yx, l_yy
     else:
-        return l_xx - vx * wall[i, 0], l_xy - vx * wall[i, 1], l_yx - vy * wall[i, 0], l_yy - vy * wall[i, 1]
+        gone_x, gone_y = let_go(contact, state, pairs.contact, i)
+        b_x, b_y = pairs.wall[i, 0] - gone_x, pairs.wall[i, 1] - gone_y
+        return l_xx - vx * b_x, l_xy - vx * b_y, l_yx - vy * b_x, l_yy - vy * b_y
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> NoSlip:

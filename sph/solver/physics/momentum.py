@@ -12,6 +12,7 @@ needs no loop, because sum_j g_ij is kept with the pairs.
 
 from __future__ import annotations
 
+from sph.solver.boundaries.contact import gone
 from sph.solver.boundaries.no_slip import add_wall_gradient
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.physics.artificial_viscosity import add_dissipation, viscous_acceleration
@@ -21,7 +22,7 @@ from sph.solver.physics.residual_viscosity import add_residual, keep_residual
 
 
 @jit
-def velocity_gradients(state, pairs, term, walls, layers, gradient, first, last):  # type: ignore[no-untyped-def]
+def velocity_gradients(state, pairs, term, walls, contact, layers, gradient, first, last):  # type: ignore[no-untyped-def]
     """Sums of (v_j - v_i) g into ``gradient`` (4, n), and the artificial viscosity's acceleration, of particles first to last."""
     vx, vy = state.vx, state.vy
     for i in rows(first, last):
@@ -41,20 +42,21 @@ def velocity_gradients(state, pairs, term, walls, layers, gradient, first, last)
             l_yy += dvy * gy
             sum_x, sum_y = add_dissipation(term, layers, i, j, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
         gradient[0, i], gradient[1, i], gradient[2, i], gradient[3, i] = add_wall_gradient(
-            walls, pairs.wall, i, vx_i, vy_i, l_xx, l_xy, l_yx, l_yy
+            walls, contact, state, pairs, i, vx_i, vy_i, l_xx, l_xy, l_yx, l_yy
         )
         state.viscous_x[i] = viscous_acceleration(term, sum_x) * lightness(layers, i)
         state.viscous_y[i] = viscous_acceleration(term, sum_y) * lightness(layers, i)
 
 
 @jit
-def stress_accelerations(state, pairs, term, layers, viscosity, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def stress_accelerations(state, pairs, term, contact, layers, viscosity, strain_rate, first, last):  # type: ignore[no-untyped-def]
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(term, state)
     for i in rows(first, last):
-        ax = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i]
-        ay = syx[i] * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
+        gone_x, gone_y = gone(contact, pairs.contact, i)
+        ax = sxx[i] * (pairs.sum_x[i] - gone_x) + sxy[i] * (pairs.sum_y[i] - gone_y)
+        ay = syx[i] * (pairs.sum_x[i] - gone_x) + syy[i] * (pairs.sum_y[i] - gone_y)
         sum_x = sum_y = 0.0
         for k in range(pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
