@@ -14,6 +14,7 @@ SceneBuilder = Callable[[dict[str, Any]], Scene]
 """Makes a scene from dotted overrides."""
 
 SLOPE: dict[str, Any] = {
+    "scheme": "paper",
     "name": "small_slope",
     "duration": 3.0,
     "geometry": {"shape": "slope"},
@@ -25,6 +26,7 @@ SLOPE: dict[str, Any] = {
 """The paper's slope with 163 particles, shaken to failure within three seconds."""
 
 FREE_BLOCK: dict[str, Any] = {
+    "scheme": "paper",
     "name": "free_block",
     "duration": 1.0,
     "geometry": {"shape": "block", "width": 10.0, "height": 10.0},

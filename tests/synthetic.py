@@ -15,6 +15,7 @@ from sph.storage import trajectory
 from sph.study.tables import AXES, VALUES, Layout, joined_dataset, study_rows
 
 PAPER = {
+    "scheme": "paper",
     "name": "paper",
     "duration": 15.0,
     "geometry": {"shape": "slope"},

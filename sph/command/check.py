@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from sph.jobs.diagnostics import Diagnostic, Layer, diagnostics, highest_frequency, in_wave, layers_of, peak_accelerations
+from sph.jobs.diagnostics import Diagnostic, Layer, diagnostics, highest_frequency, in_wave, layers_of, peak_accelerations, strengths
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
@@ -38,6 +38,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
     lines = [
         ("scene", f"{scene.name}: {scene.title}"),
         ("box", f"{geometry.width:.6g} x {geometry.height:.6g} m, base {scene.walls.base}, sides {scene.walls.sides}"),
+        ("scheme", scene.scheme),
     ]
     if isinstance(geometry, SLOPES):
         toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
@@ -52,6 +53,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
         *lines,
         ("particles", f"{n:,} ({soil:,} soil, {n - soil:,} of the box), spacing {scene.numerics.spacing:g} m"),
         ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {expected.neighbours:.0f} neighbours"),
+        *((f"strength of {name}", text) for name, text in strengths(scene)),
         ("motion", shaking),
         ("PGA", peak_accelerations(scene)),
         ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),

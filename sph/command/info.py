@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from sph.experiments.cost_accuracy.advice import expected_sentence
-from sph.jobs.diagnostics import of_motion, peak_accelerations, short_length, thin_box
+from sph.jobs.diagnostics import of_initiation, of_motion, peak_accelerations, strengths, thin_box
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms
@@ -26,6 +26,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     n = particles.x.size
     rows = [
         ("scene", f"{scene.name}: {scene.title}"),
+        ("scheme", scene.scheme),
         ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls{lid})"),
         (
             "kernel",
@@ -36,10 +37,11 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
             (
                 f"layer {name}",
                 f"{np.count_nonzero((particles.layer == number) & (particles.kind == SOIL)):,} particles, {its.soil.density:g} kg/m3, "
-                f"V_s = {its.soil.s_wave_speed:.1f} m/s, c = {its.soil.cohesion:g} kPa, phi = {its.soil.friction_angle:g} degree",
+                f"V_s = {its.soil.s_wave_speed:.1f} m/s",
             )
             for number, (name, its) in enumerate(scene.layers.items(), 1)
         ),
+        *((f"strength of {name}", text) for name, text in strengths(scene)),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),
         ("wave speeds", f"V_s = {soil.s_wave_speed:.1f} m/s, V_p = {soil.p_wave_speed:.1f} m/s"),
         ("column frequency", f"V_s / 4H = {soil.s_wave_speed / (4 * scene.geometry.height):.2f} Hz"),
@@ -63,7 +65,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
-    rows += [("warning", diagnostic.sentence()) for diagnostic in thin_box(scene) + short_length(scene) + of_motion(scene)]
+    rows += [("warning", diagnostic.sentence()) for diagnostic in thin_box(scene) + of_initiation(scene) + of_motion(scene)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
         ("estimated cost", f"{expected.seconds:.3g} s on one core ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),

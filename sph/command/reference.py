@@ -39,7 +39,9 @@ from sph.experiments.trigger.maps import CELLS, SHARES
 from sph.experiments.trigger.points import POINTS
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.paper.study import AnyStudy
+from sph.scene.configuration import validated
 from sph.scene.schema import Scene
+from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import named_sections, sections
@@ -308,7 +310,38 @@ def _variables(columns: Iterable[Variable]) -> Reference:
     return Reference(VARIABLE_HEAD, list(variable_rows(columns)))
 
 
+def _schemes_table() -> Reference:
+    """Keys that the schemes fill in differently, or that the scheme of one's own slopes wants written."""
+    paper = validated(Scene, {"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}}, "paper").model_dump()
+    rows = [(name, f"`{_short(value)}`", f"`{_short(_at(paper, name))}`", "") for name, value in _flat(RESOLVED).items()]
+    rows += [(name, "must be written", f"`{_short(_at(paper, name))}`", text) for name, text in NEEDED.items()]
+    return Reference(("key", "`resolved`", "`paper`", "meaning"), rows)
+
+
+def _flat(section: dict[str, Any], prefix: str = "") -> dict[str, Any]:
+    return {
+        key: value
+        for name, part in section.items()
+        for key, value in (_flat(part, f"{prefix}{name}.") if isinstance(part, dict) else {prefix + name: part}).items()
+    }
+
+
+def _at(data: Any, name: str) -> Any:
+    for part in name.split("."):
+        data = None if data is None else data[part]
+    return data
+
+
+def _short(value: Any) -> str:
+    if isinstance(value, dict):
+        return ", ".join(f"{name}: {_short(part)}" for name, part in value.items())
+    return (
+        "null" if value is None else f"{value:g}" if isinstance(value, float) else str(list(value) if isinstance(value, tuple) else value)
+    )
+
+
 TABLES: dict[str, Callable[[], Reference]] = {
+    "schemes": _schemes_table,
     "scene": lambda: _keys(Scene),
     "study": lambda: _keys(AnyStudy),
     **{f"{each.name}_keys": functools.partial(_keys, each.keys) for each in EXPERIMENTS.values()},

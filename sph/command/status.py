@@ -31,7 +31,7 @@ import sph
 from sph.jobs.log import read_log
 from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml, without_files
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.strict_json import finite, parse_json
 from sph.storage.files import beside
 from sph.study.plan import Plan
@@ -194,7 +194,7 @@ def _facts(path: Path, changed: int) -> tuple[str, str, float]:
 def _scene(text: str) -> Scene | None:
     """A scene as an earlier version wrote it, without the keys added since; None for what this version refuses."""
     try:
-        return make_scene(parse_json(text))
+        return stored_scene(parse_json(text))
     except ValueError:
         return None
 

@@ -10,6 +10,7 @@ EXPERIMENTS: dict[str, Experiment] = {
     each.name: each
     for each in (
         cost_accuracy.EXPERIMENT,
+        cost_accuracy.RESOLUTION,
         assumptions.EXPERIMENT,
         robustness.EXPERIMENT,
     )

@@ -7,7 +7,7 @@
 * ``film``: one trajectory through time (``sph animate``)
 * ``scene``: a scene before it is run (``sph check``)
 * ``study``: a study of any dimensions: results against each
-* ``trade``: the cost-accuracy study: error against cost, results against spacing
+* ``trade``, ``resolution``: the cost-accuracy studies: error against cost, results against spacing
 * ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
 * ``style``: sizes, fonts, colours, the note on every figure, saving
 """

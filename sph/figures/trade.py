@@ -107,8 +107,13 @@ def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure
     return figure
 
 
-FIGURES: dict[str, Callable[[Mapping[str, pd.DataFrame]], Figure]] = {
-    "tradeoff": lambda tables: figure_tradeoff(tables["trade.csv"]),
-    "convergence": lambda tables: figure_convergence(tables["convergence.csv"], tables["trade.csv"]),
-}
+def figures_of(name: str) -> dict[str, Callable[[Mapping[str, pd.DataFrame]], Figure]]:
+    """The figures of a cost-accuracy study of this name."""
+    return {
+        "tradeoff": lambda tables: figure_tradeoff(tables[f"{name}.csv"]),
+        "convergence": lambda tables: figure_convergence(tables["convergence.csv"], tables[f"{name}.csv"]),
+    }
+
+
+FIGURES = figures_of("trade")
 """The figures of the experiment."""

@@ -58,6 +58,18 @@ class Diagnostic(NamedTuple):
         return f"{self.what}: {self.measured}, wanted {self.wanted}; change {self.key}"
 
 
+def strengths(scene: Scene) -> list[tuple[str, str]]:
+    """Name and strength of the scene's own soil and of every layer: at the peak and what failed soil keeps, with S_R and gamma."""
+    found = []
+    layers = [("soil", scene.soil, None, None), *((name, its.soil, its.S_R, its.gamma) for name, its in scene.layers.items())]
+    for name, soil, own_ratio, own_rate in layers:
+        ratio = scene.coupling.S_R if own_ratio is None else own_ratio
+        rate = scene.coupling.gamma if own_rate is None else own_rate
+        peak, residual = (f"c = {k * soil.cohesion:.4g} kPa, phi = {k * soil.friction_angle:.4g} degree" for k in (1.0, ratio))
+        found.append((name, f"peak {peak}; residual {residual} (S_R = {ratio:g}, gamma = {rate:g} 1/s)"))
+    return found
+
+
 class Layer(NamedTuple):
     """The soil particles of one material."""
 
@@ -103,7 +115,7 @@ def diagnostics(scene: Scene, particles: Particles) -> list[Diagnostic]:
         [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
-        + short_length(scene)
+        + of_initiation(scene)
         + of_motion(scene)
         + _series(scene)
         + _step(scene)
@@ -176,9 +188,18 @@ def thin_box(scene: Scene) -> list[Diagnostic]:
     return []
 
 
-def short_length(scene: Scene) -> list[Diagnostic]:
-    """A warning if the length over which failure begins is shorter than particles can average."""
+def of_initiation(scene: Scene) -> list[Diagnostic]:
+    """A warning if failure begins over no length, or over one that is shorter than particles can average; the paper's has none."""
     initiation, dx = scene.coupling.initiation, scene.numerics.spacing
+    if initiation is None and scene.scheme != "paper":
+        return [
+            Diagnostic(
+                "soil fails as soon as its stress reaches its strength, so that the spacing decides at which shaking the slope goes",
+                "no length",
+                "a slip and a length of a shear test",
+                "coupling.initiation",
+            )
+        ]
     if initiation is None or initiation.length >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
         return []
     return [

@@ -12,6 +12,7 @@ record of its own coefficients.  There are no on/off flags beside coefficients.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -27,6 +28,7 @@ from sph.scene.layers import Layer
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
+from sph.scene.scheme import filled, missing
 from sph.scene.soil import Coupling, Soil
 from sph.scene.walls import Walls
 
@@ -113,6 +115,11 @@ class Scene(Section):
 
     name: str = key("name used in file names and titles", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")
     title: str = key("one line for figures and tables", default="", max_length=200)
+    scheme: Literal["resolved", "paper"] = key(
+        "what fills the keys that are not written: resolved, the walls and the discretisation for slopes of one's own, which must write "
+        "soil, coupling and damping; paper, the paper's scene",
+        default="resolved",
+    )
     duration: float = key("simulated time", "s", "Sec. 4 (15 s)", gt=0, le=1e4, default=15.0)
     geometry: Geometry = key("shape of the soil", source="Fig. 1")
     walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
@@ -359,7 +366,24 @@ def _whole_multiple(value: float, unit: float, name: str, unit_name: str, of: st
 
 def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed."""
-    return validated(Scene, data, origin)
+    needed = missing(data, origin)
+    try:
+        made = validated(Scene, filled(data), origin)
+    except ValueError as error:
+        raise ValueError("\n".join([str(error), *needed])) from error
+    if needed:
+        raise ValueError("\n".join(needed))
+    return made
+
+
+def stored_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
+    """The scene that a file of this or an earlier version holds; ValueError as above.
+
+    Versions before schemes wrote every key, as this one does; what has become a key since then was as in the paper's scene.
+    """
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
+        return make_scene({"scheme": "paper"} | dict(data), origin)
 
 
 def written_scene(path: Path | str) -> dict[str, Any]:

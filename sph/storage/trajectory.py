@@ -12,7 +12,6 @@ import hashlib
 import os
 import platform
 import sys
-import warnings
 from collections.abc import Mapping
 from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
@@ -24,7 +23,7 @@ import xarray as xr
 
 from sph import __version__
 from sph.scene.configuration import in_order, without_files
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, stored_scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.storage.files import whole
 
@@ -228,6 +227,4 @@ def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
         data = parse_json(ds.attrs["scene"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{origin}: its attribute 'scene' cannot be read: {error}") from error
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
-        return make_scene(data, origin)
+    return stored_scene(data, origin)

@@ -91,9 +91,16 @@ def read_cases(folders: Sequence[Path], name: str) -> list[dict[str, str]]:
 
 
 def chosen_runs(config: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """A configuration laid over another, without the grid, cases or sample of the other where what was ``given`` over it has its own."""
-    chosen = [kind for kind in KINDS if given.get(kind) is not None]
-    return {name: value for name, value in config.items() if name not in KINDS or not chosen or name in chosen}
+    """A configuration laid over another, with the grid, cases or sample that were ``given`` in place of the other's.
+
+    ValueError where another scene was given, and none of them: the runs of the other configuration are for its own scene.
+    """
+    chosen = {kind: given[kind] for kind in KINDS if given.get(kind) is not None}
+    if chosen:
+        return {name: value for name, value in config.items() if name not in KINDS} | chosen
+    if "scene" in given:
+        raise ValueError(f"scene: {given['scene']}: a study of another scene must say which runs it has, by one of {', '.join(KINDS)}")
+    return dict(config)
 
 
 KINDS = ("grid", "cases", "sample")

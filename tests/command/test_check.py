@@ -22,6 +22,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.solver.time_step import limits, wave_speed_ratio
 
 SOUND: dict[str, Any] = {
+    "scheme": "paper",
     "name": "sound",
     "duration": 12.0,
     "geometry": {

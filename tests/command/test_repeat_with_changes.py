@@ -17,6 +17,7 @@ from sph.solver.restart import check_restart
 from sph.storage.trajectory import run_attributes, scene_of
 
 LAYERED: dict[str, Any] = {
+    "scheme": "paper",
     "name": "layered",
     "geometry": {"shape": "slope"},
     "soil": {"density": 1800.0, "cohesion": 40.0},

@@ -13,6 +13,7 @@ from sph.measures.metrics import METRICS
 from sph.scene.configuration import merge, validated
 
 SCENE: dict[str, Any] = {
+    "scheme": "paper",
     "name": "slope",
     "geometry": {"shape": "slope"},
     "motion": {"kind": "tapered_sine"},

@@ -32,7 +32,13 @@ from sph.storage.trajectory import scene_of
 from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
-SCENE: dict[str, Any] = {"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 15.0}
+SCENE: dict[str, Any] = {
+    "scheme": "paper",
+    "name": "slope",
+    "geometry": {"shape": "slope"},
+    "motion": {"kind": "tapered_sine"},
+    "duration": 15.0,
+}
 CONFIG: dict[str, Any] = {
     "scene": "scene.yaml",
     "overrides": {"numerics": {"spacing": 2.5, "time_step": 5e-4}},

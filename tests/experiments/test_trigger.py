@@ -274,7 +274,13 @@ def test_ends_are_confirmed_at_another_fidelity(tmp_path: Path) -> None:
 
 def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
     scene = make_scene(
-        {"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "numerics": {"time_step": 1e-2}}
+        {
+            "scheme": "paper",
+            "name": "slope",
+            "geometry": {"shape": "slope"},
+            "motion": {"kind": "tapered_sine"},
+            "numerics": {"time_step": 1e-2},
+        }
     )
     assert class_displacement("collapse", scene, MetricSettings()) == pytest.approx(2.5)
     amplitude = newmark_amplitude(scene, 3.0, 2.5)
@@ -282,19 +288,21 @@ def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
     assert amplitude > 3.0 and sliding_block(motion.time, motion.acceleration, 3.0).permanent == pytest.approx(2.5, rel=1e-3)
     assert newmark_amplitude(scene, 0.0, 2.5) == 0.0 and math.isnan(newmark_amplitude(scene, math.nan, 2.5))
     with pytest.raises(ValueError, match="not shaken"):
-        newmark_amplitude(make_scene({"name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
+        newmark_amplitude(make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
 
 
 @pytest.mark.parametrize(("amplitude", "slip"), [(2.9, 0.0), (3.1, math.inf), (-3.1, 0.0)])
 def test_a_load_that_stays_moves_the_block_without_end_or_not_at_all(amplitude: float, slip: float) -> None:
     load = {"kind": "constant", "amplitude": amplitude, "start": 3.0, "ramp": 1.0}
-    scene = make_scene({"name": "slope", "geometry": {"shape": "slope"}, "motion": load})
+    scene = make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}, "motion": load})
     assert baseline_metrics(scene, 3.0) == {"yield_acceleration": 3.0, "newmark_displacement": slip}
     assert newmark_amplitude(scene, 3.0, 2.5) == 3.0
 
 
 def test_a_motion_that_never_drives_the_block_downslope_has_no_amplitude() -> None:
-    scene = make_scene({"name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 3.0})
+    scene = make_scene(
+        {"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 3.0}
+    )
     assert newmark_amplitude(scene, 3.0, 2.5) == math.inf, "the run ends before the motion"
 
 

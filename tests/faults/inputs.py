@@ -23,6 +23,7 @@ from sph.stability.standing import FailureRule
 from sph.validation.suite import Validation
 
 TINY: dict[str, Any] = {
+    "scheme": "paper",
     "name": "tiny",
     "duration": 0.02,
     "geometry": {"shape": "block", "width": 4.0, "height": 3.0},

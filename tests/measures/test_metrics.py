@@ -263,7 +263,7 @@ class TestVerdicts:
 
 
 def test_synthetic_scene_is_the_papers() -> None:
-    scene = make_scene({"name": "paper", "geometry": {"shape": "slope"}})
+    scene = make_scene({"scheme": "paper", "name": "paper", "geometry": {"shape": "slope"}})
     assert synthetic().sizes["particle"] == 2404 and scene.geometry.toe == (55.0, 10.0)
 
 

@@ -29,6 +29,7 @@ def make_data(number: int) -> Data:
     geometry = {"slope": _slope, "survey": _survey, "mound": _mound}[shape](draw)
     shaking = _motion(draw, record=shape == "mound")
     data: Data = {
+        "scheme": "paper",
         "name": f"scene-{number}",
         "duration": draw.one_of(3.0, 3.5),
         "geometry": geometry,

@@ -28,6 +28,7 @@ PULSE_WIDTH = 5.0
 HEIGHT = 60.0
 PLACES = np.linspace(0.0, HEIGHT, 121)
 COLUMN: dict[str, Any] = {
+    "scheme": "paper",
     "name": "column",
     "duration": 0.3,
     "geometry": {"shape": "block", "width": 6.0, "height": HEIGHT},

@@ -129,6 +129,7 @@ def collapse(scheme: str) -> dict[str, np.ndarray]:
     scene = make_scene(
         merge(
             {
+                "scheme": "paper",
                 "name": "collapse",
                 "duration": 5.0,
                 "geometry": {"shape": "slope"},

@@ -20,6 +20,7 @@ SETTLEMENT = 0.5 * DENSITY * G * HEIGHT**2 / OEDOMETER
 def column(sides: str) -> dict[str, np.ndarray]:
     scene = make_scene(
         {
+            "scheme": "paper",
             "name": f"column_{sides}",
             "duration": 4.0,
             "geometry": {"shape": "block", "width": WIDTH, "height": HEIGHT},

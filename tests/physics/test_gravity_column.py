@@ -23,6 +23,7 @@ def column(smoothing_ratio: float, layers: int, kernel: str = "cubic_spline") ->
     """
     scene = make_scene(
         {
+            "scheme": "paper",
             "name": "column",
             "duration": 4.0,
             "geometry": {"shape": "block", "width": WIDTH, "height": HEIGHT},

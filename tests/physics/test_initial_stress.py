@@ -24,6 +24,7 @@ HEIGHT, DENSITY, POISSON, G = 20.0, 2000.0, 0.3, 9.81
 RATIO = POISSON / (1 - POISSON)
 STAGE = 0.3
 COLUMN: dict[str, Any] = {
+    "scheme": "paper",
     "name": "column",
     "duration": 1.0,
     "geometry": {"shape": "block", "width": 10.0, "height": HEIGHT},

@@ -26,6 +26,7 @@ HEAVY = {"density": 2250.0, "youngs_modulus": 1.2e6}
 def bar(layers: dict[str, Any], spacing: float = 0.5, **changes: Any) -> Scene:
     """A column of 4 m x 60 m without gravity that goes on periodically beside, so that a wave along it is plane."""
     data = {
+        "scheme": "paper",
         "name": "bar",
         "duration": 0.2,
         "geometry": {"shape": "block", "width": 4.0, "height": 60.0},

@@ -42,6 +42,7 @@ class Bench(NamedTuple):
 
 def bench(overrides: dict[str, Any] | None = None) -> Bench:
     base = {
+        "scheme": "paper",
         "name": "bench",
         "geometry": {"shape": "block", "width": 2.0, "height": 2.0},
         "walls": {"base": "none", "sides": "none"},

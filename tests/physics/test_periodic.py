@@ -23,6 +23,7 @@ from sph.storage import trajectory
 
 G, DENSITY, WIDTH, SPACING = 9.81, 2000.0, 4.0, 0.1
 PLATES: dict[str, Any] = {
+    "scheme": "paper",
     "name": "plates",
     "duration": 0.2,
     "geometry": {"shape": "block", "width": WIDTH, "height": 1.0},

@@ -18,6 +18,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.solver.run import run
 
 ELEMENT: dict[str, Any] = {
+    "scheme": "paper",
     "name": "element",
     "duration": 0.1,
     "geometry": {"shape": "block", "width": 1.0, "height": 1.0},

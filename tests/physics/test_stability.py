@@ -25,6 +25,7 @@ from sph.stability.standing import FailureRule, divided_strength, stand, static_
 HEIGHT, UNIT_WEIGHT, COHESION = 10.0, 20e3, 100e3
 
 LAYER: dict[str, Any] = {
+    "scheme": "paper",
     "name": "layer",
     "duration": 3.0,
     "geometry": {"shape": "block", "width": 6.0, "height": HEIGHT},

@@ -44,6 +44,7 @@ def pressed(up: float) -> xr.Dataset:
     motion = record(2.0, 0.01, [0.0] * time.size, (up * np.minimum(time / 2.0, 1.0)).tolist())
     scene = make_scene(
         {
+            "scheme": "paper",
             "name": "column",
             "duration": 6.0,
             "geometry": {"shape": "block", "width": 6.0, "height": 10.0},

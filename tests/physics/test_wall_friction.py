@@ -20,6 +20,7 @@ from sph.solver.run import run
 G, DENSITY = 9.81, 2000.0
 ANGLE = 30.0
 BLOCK: dict[str, Any] = {
+    "scheme": "paper",
     "name": "block",
     "duration": 1.0,
     "geometry": {

@@ -22,6 +22,7 @@ def block(width: float, height: float, smoothing_ratio: float) -> Scene:
     """A free block of the paper's soil without gravity, damping or any stabiliser."""
     return make_scene(
         {
+            "scheme": "paper",
             "name": "wave",
             "duration": 0.2,
             "geometry": {"shape": "block", "width": width, "height": height},

@@ -30,7 +30,7 @@ def scene(*bodies: dict[str, Any], spacing: float = 0.5, **sections: Any) -> Sce
     """Bodies in a box of 20 by 10 m; the free-slip walls that a test may ask for need two layers at h = 1.3 spacings."""
     geometry = {"shape": "bodies", "width": 20.0, "height": 10.0, "bodies": list(bodies)}
     numerics = {"spacing": spacing, "smoothing_ratio": 1.3}
-    return make_scene({"name": "bodies", "geometry": geometry, "numerics": numerics} | sections)
+    return make_scene({"scheme": "paper", "name": "bodies", "geometry": geometry, "numerics": numerics} | sections)
 
 
 def geometry(*bodies: dict[str, Any]) -> Bodies:

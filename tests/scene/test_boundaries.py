@@ -27,7 +27,7 @@ DRAWN = {
 
 
 def scene(geometry: dict[str, Any], spacing: float = 1.0, **sections: Any) -> Scene:
-    return make_scene({"name": "own", "geometry": geometry, "numerics": {"spacing": spacing}} | sections)
+    return make_scene({"scheme": "paper", "name": "own", "geometry": geometry, "numerics": {"spacing": spacing}} | sections)
 
 
 def assert_same_particles(one: Scene, other: Scene) -> None:

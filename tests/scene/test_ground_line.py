@@ -23,7 +23,12 @@ SLOPE = [[120.0, 440.0], [150.0, 440.0], [170.0, 465.0], [200.0, 465.0]]
 
 def scene(points: Any = None, spacing: float = 1.0, probes: Any = None, **geometry: Any) -> Scene:
     own = {} if points is None else {"points": points}
-    data = {"name": "own", "geometry": {"shape": "ground_line", "base": 430.0} | own | geometry, "numerics": {"spacing": spacing}}
+    data = {
+        "scheme": "paper",
+        "name": "own",
+        "geometry": {"shape": "ground_line", "base": 430.0} | own | geometry,
+        "numerics": {"spacing": spacing},
+    }
     return make_scene(data | ({"probes": probes} if probes else {}))
 
 
@@ -39,7 +44,7 @@ def in_survey(geometry: GroundLine) -> list[tuple[float, float]]:
 
 def test_a_plane_slope_is_that_of_the_shape_slope() -> None:
     plane = {"shape": "slope", "slope_angle": 50.0, "slope_height": 25.0, "base_depth": 10.0, "apron_length": 30.0, "crest_length": 30.0}
-    theirs = make_scene({"name": "own", "geometry": plane})
+    theirs = make_scene({"scheme": "paper", "name": "own", "geometry": plane})
     own = scene(list(zip(*theirs.geometry.surface, strict=True)), base=0.0)
     for one, other in zip(place_particles(own), place_particles(theirs), strict=True):
         np.testing.assert_array_equal(one, other)

@@ -241,7 +241,7 @@ UNRESOLVED = [
 @pytest.mark.parametrize(("motion", "step", "words"), UNRESOLVED)
 @pytest.mark.parametrize("numerics", [{}, {"adaptive_step": {}}])
 def test_a_motion_that_the_steps_do_not_resolve_is_refused(motion: dict, step: float, words: str, numerics: dict) -> None:
-    scene = {"name": "slope", "geometry": {"shape": "slope"}, "numerics": {"time_step": step} | numerics}
+    scene = {"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}, "numerics": {"time_step": step} | numerics}
     scene |= {"outputs": {"series_interval": 0.025}, "motion": motion}
     with pytest.raises(ValueError, match=f"numerics.time_step: {step:g} s is too long for motion .{motion['kind']}.*{words}"):
         make_scene(scene)

@@ -23,6 +23,7 @@ from sph.solver.terms import KEYS, active_terms, make_terms, wanted_terms
 Builder = Callable[[dict[str, Any]], Scene]
 
 BOX: dict[str, Any] = {
+    "scheme": "paper",
     "name": "box",
     "duration": 2.0,
     "geometry": {"shape": "block", "width": 6.0, "height": 4.0},

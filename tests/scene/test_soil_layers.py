@@ -10,7 +10,7 @@ import pytest
 from sph.scene.schema import make_scene
 from sph.solver.particles import layer_index, place_particles
 
-SLOPE: dict[str, Any] = {"name": "s", "geometry": {"shape": "slope"}, "soil": {"density": 1800.0, "cohesion": 40.0}}
+SLOPE: dict[str, Any] = {"scheme": "paper", "name": "s", "geometry": {"shape": "slope"}, "soil": {"density": 1800.0, "cohesion": 40.0}}
 
 
 def layered(**layers: Any) -> Any:

@@ -14,6 +14,7 @@ from sph.solver.particles import BASE, SIDE, SOIL, place_particles
 from sph.solver.physics.kernels import make_kernel
 
 SLOPE: dict[str, Any] = {
+    "scheme": "paper",
     "name": "slope",
     "geometry": {"shape": "slope", "slope_height": 10.0, "base_depth": 6.0, "apron_length": 10.0, "crest_length": 10.0},
     "walls": {"base": "absorbing", "sides": "absorbing", "layers": 3},

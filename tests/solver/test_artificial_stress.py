@@ -20,6 +20,7 @@ from sph.solver.state import State, initial_state
 from sph.solver.terms import make_terms
 
 BASE: dict[str, Any] = {
+    "scheme": "paper",
     "name": "patch",
     "geometry": {"shape": "block", "width": 4.0, "height": 4.0},
     "walls": {"base": "none", "sides": "none"},

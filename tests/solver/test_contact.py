@@ -19,6 +19,7 @@ from sph.solver.state import initial_state
 from sph.solver.terms import make_terms
 
 BOX: dict[str, Any] = {
+    "scheme": "paper",
     "name": "box",
     "duration": 5.0,
     "geometry": {"shape": "block", "width": 8.0, "height": 6.0},
@@ -86,6 +87,7 @@ def thrown(base: str) -> float:
     """How high (m) a block rises that starts upwards from a base at 2 m/s."""
     scene = make_scene(
         {
+            "scheme": "paper",
             "name": "thrown",
             "duration": 0.2,
             "geometry": {"shape": "bodies", "width": 8.0, "height": 6.0, "bodies": [{"kind": "polygon", "points": BLOCK}]},

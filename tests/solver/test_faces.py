@@ -76,6 +76,7 @@ def test_debris_stays_on_a_slip_floor() -> None:
     # Without the faces this soil sinks half a metre between the particles of the floor.
     scene = make_scene(
         {
+            "scheme": "paper",
             "name": "debris",
             "duration": 6.0,
             "geometry": {"shape": "slope", "slope_angle": 60.0},

@@ -15,6 +15,7 @@ from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED
 
 BLOCK = {
+    "scheme": "paper",
     "name": "block",
     "duration": 5.0,
     "geometry": {"shape": "block", "width": 20.0, "height": 20.0},
@@ -80,6 +81,7 @@ def test_strain_at_failure(slip: float) -> None:
     rate, length, dt = 0.1, 4.0, 1e-4
     scene = make_scene(
         {
+            "scheme": "paper",
             "name": "shear",
             "duration": 0.6,
             "geometry": {"shape": "block", "width": 10.0, "height": 10.0},

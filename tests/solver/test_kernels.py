@@ -96,7 +96,7 @@ def test_cubic_spline_by_hand() -> None:
 @pytest.mark.parametrize(("reading", "ends_at"), [("half_support", 4.6), ("support", 2.3)])
 def test_both_readings_of_the_smoothing_length(reading: str, ends_at: float) -> None:
     numerics = {"spacing": 1.0, "smoothing_ratio": 2.3, "smoothing_length_is": reading}
-    scene = make_scene({"name": "k", "geometry": {"shape": "slope"}, "numerics": numerics})
+    scene = make_scene({"scheme": "paper", "name": "k", "geometry": {"shape": "slope"}, "numerics": numerics})
     kernel = make_kernel(scene.numerics.kernel, scene.numerics.smoothing_length)
     assert support(kernel) == pytest.approx(ends_at, rel=1e-14)
     assert evaluate(kernel, ends_at * 0.999)[0] > 0

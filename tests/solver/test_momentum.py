@@ -25,7 +25,7 @@ G = MASS * SLOPE * 0.5
 @pytest.fixture
 def pair() -> tuple[State, Pairs]:
     """Two particles of 2 kg at x = 0 and 0.5 m."""
-    scene = make_scene({"name": "two", "duration": 5.0, "geometry": {"shape": "block", "width": 4.0, "height": 4.0}})
+    scene = make_scene({"scheme": "paper", "name": "two", "duration": 5.0, "geometry": {"shape": "block", "width": 4.0, "height": 4.0}})
     whole = initial_state(place_particles(scene), scene)
     state = State(*(np.zeros(2, array.dtype) if array.ndim == 1 else array for array in whole))
     state.x[:] = 0.0, 0.5

@@ -103,7 +103,7 @@ def test_mass_is_density_times_cell() -> None:
 
 
 def test_block_fills_its_rectangle() -> None:
-    block = {"name": "b", "geometry": {"shape": "block", "width": 6.0, "height": 4.0}, "numerics": {"spacing": 0.5}}
+    block = {"scheme": "paper", "name": "b", "geometry": {"shape": "block", "width": 6.0, "height": 4.0}, "numerics": {"spacing": 0.5}}
     particles = place_particles(make_scene(merge(block, {})))
     assert cells(particles, 0.5, (SOIL,)) == {(c, r) for c in range(12) for r in range(8)}
 

@@ -17,6 +17,7 @@ from sph.solver.state import State, initial_state
 from sph.solver.terms import make_terms
 
 BLOCK = {
+    "scheme": "paper",
     "name": "block",
     "duration": 5.0,
     "geometry": {"shape": "block", "width": 12.0, "height": 12.0},

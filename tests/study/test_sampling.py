@@ -46,7 +46,7 @@ def test_values_are_numbers_words_or_nothing() -> None:
 
 
 def test_a_dimension_has_the_unit_and_meaning_of_its_key() -> None:
-    scene = make_scene({"name": "s", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}})
+    scene = make_scene({"scheme": "paper", "name": "s", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}})
     cohesion, rate = dimension("soil.cohesion", ["20"], scene), dimension("gamma", ["1"], scene)
     assert cohesion == Dimension("soil.cohesion", "kPa", "cohesion of the solid state", False)
     assert (rate.label, dimension("motion.amplitude", ["1"], scene).label) == ("γ (1/s)", "motion.amplitude (m/s²)")
@@ -101,3 +101,12 @@ def test_the_runs_of_a_configuration_take_the_place_of_those_below_it() -> None:
     merged = {"study": "s", "grid": {"S_R": [1]}, "sample": {"size": 2}}
     assert chosen_runs(merged, {"sample": {"size": 2}}) == {"study": "s", "sample": {"size": 2}}
     assert chosen_runs(merged, {"study": "s"}) == merged
+    laid = {"study": "s", "grid": {"S_R": [1], "gamma": [100], "soil.cohesion": [20]}}
+    assert chosen_runs(laid, {"grid": {"soil.cohesion": [20]}}) == {"study": "s", "grid": {"soil.cohesion": [20]}}
+
+
+def test_a_study_of_another_scene_must_say_which_runs_it_has() -> None:
+    with pytest.raises(
+        ValueError, match=r"scene: own\.yaml: a study of another scene must say which runs it has, by one of grid, cases, sample"
+    ):
+        chosen_runs({"study": "s", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"scene": "own.yaml"})

@@ -19,7 +19,7 @@ from sph.validation.level import Found, Result
 from sph.validation.suite import Case, load_suite
 from sph.validation.table import case_rows, observed_order, verdict
 
-SCENE: dict[str, Any] = {"name": "small", "duration": 0.5, "geometry": {"shape": "block", "width": 4.0, "height": 4.0}}
+SCENE: dict[str, Any] = {"scheme": "paper", "name": "small", "duration": 0.5, "geometry": {"shape": "block", "width": 4.0, "height": 4.0}}
 SUITE: dict[str, Any] = {
     "cases": {
         "V14": {

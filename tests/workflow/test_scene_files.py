@@ -13,6 +13,7 @@ from sph.scene.schema import load_scene
 from sph.storage import trajectory
 
 SCENE: dict[str, Any] = {
+    "scheme": "paper",
     "name": "own",
     "duration": 3.0,
     "geometry": {"shape": "ground_line", "file": "ground.csv", "base": 430.0},

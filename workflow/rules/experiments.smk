@@ -1,5 +1,5 @@
-# Purpose: the experiments whose runs stand alone, each a target: what a saving of time costs in accuracy (`snakemake --cores 2 trade`),
-#          what the answers rest on (`limits`), how far the solver can be pushed (`extremes`).
+# Purpose: the experiments whose runs stand alone, each a target: what a saving of time costs in accuracy (`snakemake --cores 2 trade`;
+#          `resolution` for the scheme of one's own slopes), what the answers rest on (`limits`), how far the solver can be pushed (`extremes`).
 # Inputs:  config/<name>.yaml (config: experiments); the sources of solver, analysis and drawing.
 # Outputs: results/<name>: runs/**/*.nc, tables, figures/*
 import functools

@@ -23,7 +23,7 @@ from sph.study.plan import Plan
 
 PRESETS = "preset"
 """Parameter whose variants are the study's fidelities."""
-NOT_SCHEME = ("name", "title", "duration", "geometry", "soil", "motion", "probes", "outputs")
+NOT_SCHEME = ("name", "title", "scheme", "duration", "geometry", "soil", "motion", "probes", "outputs")
 """Sections and keys of a scene that say what is simulated, not how."""
 CASE_KEYS = ("S_R", "gamma")
 """Keys of ``coupling`` that say what is simulated."""
@@ -79,6 +79,9 @@ class Trade(Cases):
     reference: Reference = key("the variant from which deviations are measured, the finest that runs in every case")
     baseline: str = key("fidelity from which deviations are given as well", default="paper")
     convergence: str = key("parameter whose variants differ in spacing: the order of convergence is measured on it", default="spacing")
+    fidelities: dict[Name, Overrides] | None = key(
+        f"scene keys of the fidelities that are variants of {PRESETS!r}, by name; null: those of the study", min_length=1, default=None
+    )
     parameters: dict[Name, Parameter] = key(f"the parameters, by name; the study's fidelities are added as '{PRESETS}'", min_length=1)
 
     @model_validator(mode="before")
@@ -140,6 +143,7 @@ class TradeRuns:
     """A cost-accuracy study with its scene file read: every row of its table, and every run by file name without suffix."""
 
     def __init__(self, trade: Trade, base: Mapping[str, Any], fidelities: Mapping[str, Overrides], origin: str, probe: str = PROBE) -> None:
+        fidelities = fidelities if trade.fidelities is None else trade.fidelities
         check_known(f"{origin}: baseline", [trade.baseline], fidelities)
         self.trade, self._fidelities = trade, fidelities
         self.runs: dict[str, Run] = {}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 
 import pandas as pd
@@ -18,7 +19,9 @@ from sph.study.tables import flat_dataset
 TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
 
 
-def _measure(plan: TradeParameters, read: Callable[[str], xr.Dataset], settings: MetricSettings) -> dict[str, pd.DataFrame | xr.Dataset]:
+def _measure(
+    name: str, plan: TradeParameters, read: Callable[[str], xr.Dataset], settings: MetricSettings
+) -> dict[str, pd.DataFrame | xr.Dataset]:
     names = dict.fromkeys(name for row in plan.rows for name in row.runs)
     runs, machine = {name: measured_run(read(name), settings) for name in names}, machine_class()
     frame = trade_table(plan.rows, runs, plan.baseline, machine)
@@ -27,22 +30,28 @@ def _measure(plan: TradeParameters, read: Callable[[str], xr.Dataset], settings:
     facts |= {"machine": machine, "timing": TIMING, "baseline": plan.baseline}
     return {
         "convergence.csv": convergence_table(frame, plan.convergence),
-        "trade.nc": flat_dataset(frame, TRADE, facts),
-        "trade.csv": frame,
+        f"{name}.nc": flat_dataset(frame, TRADE, facts),
+        f"{name}.csv": frame,
     }
 
 
-EXPERIMENT = Experiment(
+def _experiment(name: str, title: str, about: str) -> Experiment:
+    tables = {
+        f"{name}.nc": Table(TRADE),
+        f"{name}.csv": Table(TRADE, "every variant"),
+        "convergence.csv": Table(CONVERGENCE, "order of convergence"),
+    }
+    about = f"{about} Every column is defined in docs/experiments/cost-accuracy.md."
+    return Experiment(name, title, about, Trade, load_trade, functools.partial(_measure, name), tables)
+
+
+EXPERIMENT = _experiment(
     "trade",
     "Cost and accuracy",
-    "What each saving of computing time costs: one row a variant and case, with deviations from the reference. "
-    "Every column is defined in docs/experiments/cost-accuracy.md.",
-    Trade,
-    load_trade,
-    _measure,
-    {
-        "trade.nc": Table(TRADE),
-        "trade.csv": Table(TRADE, "every variant"),
-        "convergence.csv": Table(CONVERGENCE, "order of convergence"),
-    },
+    "What each saving of computing time costs: one row a variant and case, with deviations from the reference.",
+)
+RESOLUTION = _experiment(
+    "resolution",
+    "Cost and accuracy of the scheme for one's own slopes",
+    "What finer particles bring, and what chance decides: one row a variant and case, with deviations from the finest.",
 )

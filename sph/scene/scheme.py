@@ -1,0 +1,72 @@
+"""What fills the keys that a scene does not name: its scheme.
+
+``paper`` takes everything from the paper's scene, its soil and its strength ratio included, and is for that scene and for tests.
+``resolved``, the default, takes from the program only how the scene is computed (``RESOLVED``).  What soil it is, what it keeps of its strength
+and how it is damped decide the answer, and must be written (``NEEDED``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from sph.scene.configuration import dotted, merge
+
+RESOLVED: dict[str, Any] = dotted(
+    {
+        "walls.base": "no_slip",
+        "walls.sides": "free_slip",
+        "numerics.smoothing_ratio": 1.3,
+        "numerics.time_step": 2.5e-3,
+        "numerics.adaptive_step.courant": 0.8,
+        "numerics.gradient_tolerance": 0.02,
+        "numerics.artificial_viscosity.alpha": 0.1,
+        "numerics.artificial_viscosity.reconstruction": "linear",
+    }
+)
+"""Keys of the scheme ``resolved`` whose defaults are not those of the paper's scene."""
+
+NEEDED = {
+    "soil.density": "density, kg/m3",
+    "soil.youngs_modulus": "Young's modulus, kPa; from the shear wave speed it is 2 (1 + nu) rho V_s^2",
+    "soil.poisson_ratio": "Poisson's ratio",
+    "soil.cohesion": "peak cohesion, kPa",
+    "soil.friction_angle": "peak friction angle, degree",
+    "soil.viscosity": "viscosity of failed soil beyond its yield stress, Pa s; the paper's debris has 2",
+    "coupling.S_R": "strength that failed soil keeps, over its peak: residual over peak c and phi in a shear box or ring shear test",
+    "coupling.gamma": "rate at which strength falls after failure, 1/s; 100 is at once (the paper), 1 within seconds",
+    "damping": "Rayleigh damping: ratio and two frequencies, of the slope and of the motion's upper end; or null",
+    "numerics.spacing": "spacing of the particles, m; a twentieth of the slope's height for a first look",
+}
+"""What a scene of the scheme ``resolved`` must write, and what it means."""
+
+
+def filled(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """A scene's mapping with what its scheme fills in."""
+    return merge(RESOLVED, data) if _is_resolved(data) else data
+
+
+def missing(data: Mapping[str, Any], origin: str) -> list[str]:
+    """A line for each key that a scene's mapping must write and does not."""
+    if not _is_resolved(data):
+        return []
+    lines = [
+        f"{origin}: {name}: must be written, since it decides the answer: {text}" for name, text in NEEDED.items() if not _has(data, name)
+    ]
+    return lines and [*lines, f"{origin}: scheme: paper would take what is not written from the paper's scene"]
+
+
+def _is_resolved(data: Mapping[str, Any]) -> bool:
+    return isinstance(data, Mapping) and data.get("scheme", "resolved") == "resolved"
+
+
+def _has(data: Mapping[str, Any], name: str) -> bool:
+    """Whether a dotted key is there; one whose section is no mapping is refused elsewhere."""
+    value: Any = data
+    for part in name.split("."):
+        if not isinstance(value, Mapping):
+            return True
+        if part not in value:
+            return False
+        value = value[part]
+    return True
