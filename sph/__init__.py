@@ -6,6 +6,7 @@ Scene in, dataset out:
 >>> scene = sph.make_scene(
 ...     {
 ...         "name": "steep",
+...         "scheme": "paper",
 ...         "duration": 6.0,
 ...         "geometry": {"shape": "slope", "slope_angle": 70.0, "slope_height": 20.0},
 ...         "coupling": {"S_R": 0.1},
@@ -26,8 +27,8 @@ Scene in, dataset out:
 >>> numbers["collapse_class"], round(numbers["runout"]) > 5
 ('collapse', True)
 
-What is left out has the default that `docs/reference/scene-keys.md` gives it; a mistake is refused by a ValueError with key, value and
-what is allowed.  Numbers are in SI units, but for kPa and degrees in scenes.  The first run of a kind of scene compiles for half a minute.
+What is left out is taken from the paper's scene here; without `scheme` a scene must write its soil and coupling (`docs/model/choices.md`).
+A mistake is refused by a ValueError with key, value and what is allowed.  Numbers are in SI units, but for kPa and degrees in scenes.  The first run of a kind of scene compiles for half a minute.
 
 The way through the house:
 

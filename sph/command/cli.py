@@ -464,18 +464,24 @@ def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
     of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
-    table: Annotated[Path | None, typer.Option(help="trade.csv to answer from; the one measured for this release by default")] = None,
+    scheme: Annotated[str, typer.Option(help="of the scenes: paper, or resolved for slopes of one's own")] = "paper",
+    table: Annotated[
+        Path | None, typer.Option(help="trade.csv or resolution.csv to answer from; by default the one measured for this release")
+    ] = None,
 ) -> None:
     """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
     with refusals():
         from sph.command.advise import lines
         from sph.experiments.cost_accuracy import advice
         from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, against, read_trade
+        from sph.scene.scheme import SCHEMES
 
         limit = parse_error(error)
         if quantity not in (*QUANTITIES, "both"):
             raise ValueError(f"--quantity {quantity!r}: must be {', '.join(QUANTITIES)} or both")
-        measured = read_trade(table) if table else advice.shipped_table()
+        if scheme not in SCHEMES:
+            raise ValueError(f"--scheme {scheme!r}: must be {' or '.join(SCHEMES)}")
+        measured = read_trade(table) if table else advice.shipped_table(scheme)
         if measured is None:
             raise ValueError(advice.NOT_MEASURED_YET)
         if of is not None:

@@ -340,12 +340,13 @@ def _short(value: Any) -> str:
     )
 
 
+_KINDS = {each.keys: each for each in reversed(EXPERIMENTS.values())}.values()
+"""The first experiment of each kind of configuration."""
 TABLES: dict[str, Callable[[], Reference]] = {
-    "schemes": _schemes_table,
     "scene": lambda: _keys(Scene),
     "study": lambda: _keys(AnyStudy),
-    **{f"{each.name}_keys": functools.partial(_keys, each.keys) for each in EXPERIMENTS.values()},
-    **{f"{each.name}_variables": functools.partial(_variables, each.tables[f"{each.name}.csv"].columns) for each in EXPERIMENTS.values()},
+    **{f"{each.name}_keys": functools.partial(_keys, each.keys) for each in _KINDS},
+    **{f"{each.name}_variables": functools.partial(_variables, each.tables[f"{each.name}.csv"].columns) for each in _KINDS},
     "validation_keys": lambda: _keys(Validation),
     "sensitivity_keys": lambda: _keys(Sensitivity),
     "failure_rule": lambda: _keys(FailureRule),
@@ -374,6 +375,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "fidelities": _fidelities_table,
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference(("command", "what it does"), list(command_lines())),
+    "schemes": _schemes_table,
     "presets": lambda: measured(PRESET_HEAD, preset_rows),
     "trade": lambda: measured(VARIANT_HEAD, variant_lines),
 }

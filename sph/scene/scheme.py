@@ -1,8 +1,8 @@
 """What fills the keys that a scene does not name: its scheme.
 
 ``paper`` takes everything from the paper's scene, its soil and its strength ratio included, and is for that scene and for tests.
-``resolved``, the default, takes from the program only how the scene is computed (``RESOLVED``).  What soil it is, what it keeps of its strength
-and how it is damped decide the answer, and must be written (``NEEDED``).
+``resolved``, the default, takes from the program only how the scene is computed (``RESOLVED``).  What soil it is, what it keeps of
+its strength and how it is damped decide the answer, and must be written (``NEEDED``).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from typing import Any
 
 from sph.scene.configuration import dotted, merge
 
+SCHEMES = ("resolved", "paper")
 RESOLVED: dict[str, Any] = dotted(
     {
         "walls.base": "no_slip",

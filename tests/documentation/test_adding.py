@@ -14,7 +14,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "development" / "adding.md").read_text(encoding="utf-8")
 MOST_FILES = 3
-SCENE = "{'name': 'block', 'duration': 5.0, 'geometry': {'shape': 'block', 'width': 10.0, 'height': 5.0}, %s}"
+SCENE = "{'name': 'block', 'scheme': 'paper', 'duration': 5.0, 'geometry': {'shape': 'block', 'width': 10.0, 'height': 5.0}, %s}"
 CHECKS = {
     "A term": f"""
 from sph.scene.schema import make_scene

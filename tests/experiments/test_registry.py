@@ -36,6 +36,7 @@ def test_the_parameters_of_a_measuring_job_are_the_same_each_time() -> None:
 def test_figures_are_those_of_the_module_of_that_name() -> None:
     assert {name: list(experiment_figures(name)) for name in EXPERIMENTS if experiment_figures(name)} == {
         "trade": ["tradeoff", "convergence"],
+        "resolution": ["tradeoff", "convergence"],
         "extremes": ["extremes"],
     }
 

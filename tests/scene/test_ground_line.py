@@ -159,7 +159,7 @@ def test_a_bad_line_is_refused(points: Any, geometry: Any, message: str) -> None
 
 def test_a_stored_scene_repeats_without_its_file(tmp_path: Path) -> None:
     (tmp_path / "ground.csv").write_text("x,y\n120,440\n150,440\n170,465\n200,465\n")
-    (tmp_path / "own.yaml").write_text("name: own\ngeometry: {shape: ground_line, file: ground.csv, base: 430}\n")
+    (tmp_path / "own.yaml").write_text("name: own\nscheme: paper\ngeometry: {shape: ground_line, file: ground.csv, base: 430}\n")
     loaded = load_scene(tmp_path / "own.yaml")
     assert loaded.geometry.surface == ground(SLOPE).surface  # type: ignore[union-attr]
     (tmp_path / "ground.csv").unlink()

@@ -20,6 +20,8 @@ from sph.study.tables import EXPECTED
 
 SHIPPED = Path(__file__).parents[1] / "measured" / "trade.csv"
 """Table measured for this release, by ``snakemake trade``."""
+SHIPPED_RESOLUTION = SHIPPED.with_name("resolution.csv")
+"""Table of the scheme for one's own slopes, by ``snakemake resolution``."""
 NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 trade' makes one"
 
 
@@ -48,17 +50,18 @@ class Advice(NamedTuple):
     fits: bool  # False: the best there is
 
 
-def shipped_table() -> pd.DataFrame | None:
-    """The table measured for this release; None while there is none."""
-    return read_trade(SHIPPED) if SHIPPED.is_file() else None
+def shipped_table(scheme: str = "paper") -> pd.DataFrame | None:
+    """The table measured for this release with a scene's scheme; None while there is none."""
+    path = SHIPPED if scheme == "paper" else SHIPPED_RESOLUTION
+    return read_trade(path) if path.is_file() else None
 
 
 def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected | None:
     """Errors of the variant with the scheme of a scene; None where no variant has it, one of its runs diverged, or there is no table.
 
-    ``table`` as from ``read_trade``; the shipped one by default.
+    ``table`` as from ``read_trade``; the shipped one of its scheme by default.
     """
-    table = shipped_table() if table is None else table
+    table = shipped_table(scene.scheme) if table is None else table
     if table is None:
         return None
     wanted = settings_text(scheme(scene))
@@ -75,7 +78,7 @@ def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected 
 
 def expected_sentence(scene: Scene) -> str:
     """What the shipped table says of a scene, in words."""
-    if not SHIPPED.is_file():
+    if shipped_table(scene.scheme) is None:
         return NOT_MEASURED_YET
     expected = expected_error(scene)
     return expected.sentence() if expected else "not measured: no variant of the cost-accuracy study has these numerics"
