@@ -29,6 +29,7 @@ from typing import Any
 import llvmlite.binding
 import numba
 import numpy as np
+from numba.core import event
 from numba.core.registry import CPUDispatcher
 
 from sph.solver.compiled.inlined import InlinedCompiler
@@ -150,6 +151,29 @@ def entry(function: Callable[..., Any]) -> Any:
     if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         _uncached.append(compiled)
     return compiled
+
+
+@contextmanager
+def before_compiling(function: Any, tell: Callable[[], None]) -> Iterator[None]:
+    """Call ``tell`` before the first variant of an entry that is compiled because the cache does not hold it."""
+    with event.install_listener("numba:compile", _Once(function, tell)):
+        yield
+
+
+class _Once(event.Listener):
+    """Calls back at the first event of a function."""
+
+    def __init__(self, function: Any, tell: Callable[[], None]) -> None:
+        self.function, self.tell = function, tell
+        self.told = False
+
+    def on_start(self, event: Any) -> None:
+        if event.data["dispatcher"] is self.function and not self.told:
+            self.told = True
+            self.tell()
+
+    def on_end(self, event: Any) -> None:
+        """Nothing."""
 
 
 @jit
