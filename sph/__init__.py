@@ -28,7 +28,8 @@ Scene in, dataset out:
 ('collapse', True)
 
 What is left out is taken from the paper's scene here; without `scheme` a scene must write its soil and coupling (`docs/model/choices.md`).
-A mistake is refused by a ValueError with key, value and what is allowed.  Numbers are in SI units, but for kPa and degrees in scenes.  The first run of a kind of scene compiles for half a minute.
+A mistake is refused by a ValueError with key, value and what is allowed.  Numbers are in SI units, but for kPa and degrees in scenes.
+The first run of a kind of scene compiles for some seconds.
 
 The way through the house:
 

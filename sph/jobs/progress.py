@@ -13,6 +13,8 @@ from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from sph.jobs.log import PROGRESS, JobLog
+from sph.solver.compiled.jit import before_compiling
+from sph.solver.integration import advance
 from sph.solver.run import Progress
 
 
@@ -22,13 +24,17 @@ def rate_text(progress: Progress) -> str:
     return f"{rate / 1e6:.2f} M particle-steps/s"
 
 
+COMPILING = "compiling the solver for this set of terms, once on a machine (some 10 s on a free core)"
 SECONDS = 30.0
 """Longest wall time between lines, s."""
 
 
 @contextmanager
 def reporter(label: str, stream: TextIO | None = None) -> Iterator[Callable[[Progress], None]]:
-    """A function to call with the progress of a run; chooses bar, lines or records by what ``stream`` is."""
+    """A function to call with the progress of a run; chooses bar, lines or records by what ``stream`` is.
+
+    Says so there if the solver is compiled.
+    """
     stream = stream or sys.stderr
     if stream.isatty():
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[note]}"), TimeRemainingColumn())
@@ -39,9 +45,11 @@ def reporter(label: str, stream: TextIO | None = None) -> Iterator[Callable[[Pro
                 note = f"{p.time:.2f} of {p.duration:g} s, {p.failed_fraction:.0%} failed, {rate_text(p)}"
                 bar.update(task, completed=p.time, total=p.duration, note=note)
 
-            yield on_terminal
+            with before_compiling(advance, lambda: bar.console.print(f"{label}: {COMPILING}")):
+                yield on_terminal
         return
-    yield Records(stream) if isinstance(stream, JobLog) else Lines(label, stream)
+    with before_compiling(advance, lambda: print(f"{label}: {COMPILING}", file=stream, flush=True)):
+        yield Records(stream) if isinstance(stream, JobLog) else Lines(label, stream)
 
 
 class Sparse:

@@ -11,12 +11,16 @@ an error of the size of one step's change of velocity.
 
 from __future__ import annotations
 
+from typing import Any
+
+from sph.scene.loading import Loading
 from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
 from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
 from sph.solver.boundaries.friction import rub, set_friction
 from sph.solver.compiled.jit import entry, jit, rows
+from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
-from sph.solver.neighbours import allocate_pairs, find_candidates, pair_terms, update_pairs
+from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
 from sph.solver.physics.initiation import average_plastic_strain
@@ -24,8 +28,10 @@ from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.physics.residual_viscosity import keep_strain_rate
-from sph.solver.state import FAILED, FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
+from sph.solver.state import FAILED, FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State
 from sph.solver.terms import active_terms, add_forces
+
+by_reference(Loading)
 
 
 @jit
@@ -118,23 +124,26 @@ def _add_up(sums, work):  # type: ignore[no-untyped-def]
     return int(failed)
 
 
-@entry
-def renew_candidates(state, terms):  # type: ignore[no-untyped-def]
+def renew_candidates(state: State, terms: Any) -> tuple[Candidates, Pairs]:
     """Candidates at the present positions, and room for their pairs."""
-    for i in rows(0, state.x.size):
-        state.x_candidates[i] = state.x[i]
-        state.y_candidates[i] = state.y[i]
+    state.x_candidates[:] = state.x
+    state.y_candidates[:] = state.y
     candidates = find_candidates(state.x, state.y, terms.reach, terms.periodic)
     return candidates, allocate_pairs(candidates, terms.zero, terms)
 
 
-@entry
-def make_lists(state, terms):  # type: ignore[no-untyped-def]
+def make_lists(state: State, terms: Any) -> tuple[Candidates, Pairs]:
     """Candidates and pairs as they were when the state was saved (or at the start)."""
     candidates = find_candidates(state.x_candidates, state.y_candidates, terms.reach, terms.periodic)
     pairs = allocate_pairs(candidates, terms.zero, terms)
-    update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
+    fill_pairs(state, candidates, pairs, terms)
     return candidates, pairs
+
+
+@entry
+def fill_pairs(state, candidates, pairs, terms):  # type: ignore[no-untyped-def]
+    """All pairs at the places at which the state's were made."""
+    update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
 
 
 @jit

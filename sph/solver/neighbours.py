@@ -15,14 +15,15 @@ loops, so that momentum and energy are conserved as before.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sph.solver.boundaries.contact import Contact
 from sph.solver.boundaries.no_slip import NoSlip, add_walls, in_wall
-from sph.solver.boundaries.periodic import Periodic, column_of, columns_around, columns_of_cells, wrap
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells, wrap
+from sph.solver.compiled.jit import entry, jit, rows
+from sph.solver.compiled.records import by_reference
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, invert
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
@@ -32,6 +33,7 @@ SMALLEST_NORM = 1e-30
 """kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
 
 
+@by_reference
 class Candidates(NamedTuple):
     """Neighbours within support + skin, by rows: those of i are neighbour[start[i]:start[i + 1]]."""
 
@@ -39,6 +41,7 @@ class Candidates(NamedTuple):
     neighbour: np.ndarray  # (m,) uint32
 
 
+@by_reference
 class Pairs(NamedTuple):
     """Neighbours within the support, by rows start[i] to end[i], and their gradients."""
 
@@ -59,47 +62,45 @@ class Pairs(NamedTuple):
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
 
-@jit
-def find_candidates(x, y, reach, period):  # type: ignore[no-untyped-def]
+def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic | None) -> Candidates:
     """All directed pairs nearer than ``reach`` (m), through a grid of cells of that size."""
-    n = x.size
-    x_min, width, columns = columns_of_cells(period, x, reach)
-    y_min = y.min()
-    rows_of_cells = np.int64((y.max() - y_min) / reach) + 1
-    cell = np.empty(n, np.int64)
+    n, y_min = x.size, y.min()
+    column, columns = columns_of_cells(period, x, reach)
+    rows_of_cells = int((y.max() - y_min) / reach) + 1
+    cell = column * rows_of_cells + ((y - y_min) / reach).astype(np.int64)
     first = np.zeros(columns * rows_of_cells + 1, np.int64)
-    for i in range(n):
-        cell[i] = column_of(period, x[i], x_min, width, columns) * rows_of_cells + np.int64((y[i] - y_min) / reach)
-        first[cell[i] + 1] += 1
-    for c in range(columns * rows_of_cells):
-        first[c + 1] += first[c]
-    fill = first[:-1].copy()
-    order = np.empty(n, np.uint32)
-    for i in range(n):
-        order[fill[cell[i]]] = i
-        fill[cell[i]] += 1
+    first[1:] = np.bincount(cell, minlength=first.size - 1).cumsum()
+    order = np.argsort(cell, kind="stable").astype(np.uint32)
+    start, index, done = np.zeros(n + 1, np.uint32), np.empty(64 * n, np.uint32), 0
+    while (done := gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_cells, start, index, done)) < n:
+        index = np.concatenate((index, np.empty(index.size + n, np.uint32)))
+    return Candidates(start, index[: start[n]].copy())
 
-    start = np.zeros(n + 1, np.uint32)
-    index = np.empty(64 * n, np.uint32)
+
+@entry
+def gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_cells, start, index, done):  # type: ignore[no-untyped-def]
+    """Fill the rows of candidates from row ``done`` on; returns the row before which ``index`` had no room, or the number of rows.
+
+    The particles of cell c are order[first[c]:first[c + 1]], and cells count up the columns.
+    """
     reach_square = reach * reach
-    total = np.uint64(0)
-    for i in range(n):
+    total = np.uint64(start[done])
+    for i in range(done, x.size):
         column, row = cell[i] // rows_of_cells, cell[i] % rows_of_cells
-        start[i] = total
         low, high = max(row - 1, 0), min(row + 1, rows_of_cells - 1)
         left, right = columns_around(period, column, columns)
         for c in range(left, right):
             base = (c if period is None else c % columns) * rows_of_cells
             begin, end = first[base + low], first[base + high + 1]
             if total + np.uint64(end - begin) > np.uint64(index.size):
-                index = np.concatenate((index, np.empty(index.size + end - begin, np.uint32)))
+                return i
             for k in rows(begin, end):
                 j = order[k]
                 # Without branches: written always, kept where the count goes on.
                 index[total] = j
                 total += np.uint64((j != i) & (wrap(period, x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
-    start[n] = total
-    return Candidates(start, index[:total].copy())
+        start[i + 1] = total
+    return x.size
 
 
 class PairTerms(NamedTuple):
@@ -132,20 +133,9 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
     )
 
 
-@jit
-def _room(term, size):  # type: ignore[no-untyped-def]
-    """Length of an array that only a term needs."""
-    if term is None:
-        return 0
-    else:
-        return size
-
-
-@jit
-def allocate_pairs(candidates, zero, terms):  # type: ignore[no-untyped-def]
+def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -> Pairs:
     """Room for the pairs of a candidate list (``terms`` as for ``pair_terms``); gradients get the type of the number ``zero``."""
-    n = candidates.start.size - 1
-    size = candidates.neighbour.size
+    n, size = candidates.start.size - 1, candidates.neighbour.size
     return Pairs(
         np.zeros(n, np.uint32),
         np.zeros(n, np.uint32),
@@ -158,10 +148,10 @@ def allocate_pairs(candidates, zero, terms):  # type: ignore[no-untyped-def]
         np.empty((n, 3)),
         np.empty(size, np.uint32),
         np.zeros(n, np.uint32),
-        np.zeros((_room(terms.no_slip, n), 2)),
-        np.zeros((_room(terms.contact, n), 3)),
-        np.full(_room(terms.residual_viscosity, size), zero),
-        np.full(_room(terms.artificial_stress, size), zero),
+        np.zeros((0 if terms.no_slip is None else n, 2)),
+        np.zeros((0 if terms.contact is None else n, 3)),
+        np.full(0 if terms.residual_viscosity is None else size, zero),
+        np.full(0 if terms.artificial_stress is None else size, zero),
     )
 
 

@@ -65,9 +65,6 @@ class Simulation:
             self.candidates, self.pairs = make_lists(self.state, self.list_terms)
             self.advance_steps(0)
             self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
-            # At the places of the last candidates: those of a run that diverged need not be numbers.
-            spare = State(*(a.copy() for a in self.state))
-            renew_candidates(spare._replace(x=spare.x_candidates, y=spare.y_candidates), self.list_terms)
             self.elastic_energy()
             self.cauchy_stress()
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:

@@ -8,6 +8,7 @@ import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.boundaries.absorbing import free_field_nodes
+from sph.solver.compiled.records import by_reference
 from sph.solver.particles import Particles
 
 UNARMED, ARMED, FAILED, HELD, YIELDED = range(5)
@@ -23,6 +24,7 @@ FAILURES = REPULSION + 1
 """Column of ``Team.sums`` after those of the works: particles that failed in the step."""
 
 
+@by_reference
 class State(NamedTuple):
     """Arrays over all n particles unless said otherwise; SI units."""
 

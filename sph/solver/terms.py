@@ -18,6 +18,7 @@ from sph.scene.schema import Scene
 from sph.solver.boundaries import absorbing, contact, faces, free_slip, friction, no_slip, periodic
 from sph.solver.boundaries.faces import push_from_faces
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics import (
@@ -80,7 +81,7 @@ class Always(NamedTuple):
 
 
 _of_names: Any = namedtuple  # type checkers want the names written out
-Terms = _of_names("Terms", (*Always._fields, *(term.name for term in TERMS)))
+Terms = by_reference(_of_names("Terms", (*Always._fields, *(term.name for term in TERMS))))
 """``Always``, and the record or None of every optional term by its name."""
 
 

@@ -95,13 +95,14 @@ def thrown(base: str) -> float:
             "soil": {"cohesion": 1e4, "youngs_modulus": 5e3},
             "gravity": {"ramp": 0.0, "duration": 0.01, "damping": 0.0},
             "initial_velocity": {"along": "y", "position": [0.0], "x": [0.0], "y": [2.0]},
-            "numerics": {"spacing": 0.5, "smoothing_ratio": 1.3, "time_step": 1e-3},
+            "numerics": {"spacing": 0.5, "smoothing_ratio": 1.3, "time_step": 5e-4},
             "outputs": {"frame_interval": 0.1, "series_interval": 0.01},
         }
     )
     trajectory = run(scene).trajectory
     soil = trajectory["kind"].values == 0
     y = trajectory["y"].values[:, soil].astype(float)
+    # Letting go costs at most the power of a step: 1.6, 0.75 and 0.36 % at 1e-3, 5e-4 and 2.5e-4 s.
     assert measure(trajectory, MetricSettings())["energy_error"] < 0.01
     return float((y[-1] - y[0]).mean())
 

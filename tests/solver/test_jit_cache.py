@@ -12,10 +12,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numba
 import pytest
 
 import sph
-from sph.solver.compiled.jit import COMPILED, mend, seal
+from sph.solver.compiled.inlined import InlinedLibrary
+from sph.solver.compiled.jit import COMPILED, OPTIONS, jit, mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -298,8 +300,10 @@ import hashlib, json, sys
 from sph.solver.integration import advance
 from sph.scene.schema import make_scene
 from sph.solver.run import run
+from sph.jobs.progress import reporter
 
-result = run(make_scene(json.loads(sys.argv[1])))
+with reporter("test") as report:
+    result = run(make_scene(json.loads(sys.argv[1])), report=report)
 print(sum(advance.stats.cache_misses.values()), hashlib.sha256(b"".join(a.values.tobytes() for a in result.restart.values())).hexdigest())
 """
 
@@ -321,6 +325,7 @@ class Cached(NamedTuple):
         )
         assert done.returncode == 0, done.stderr
         compiled, digest = done.stdout.split()
+        assert done.stderr.count("test: compiling the solver") == int(compiled), "compiling is said before it is done, once"
         return compiled, digest
 
 
@@ -338,6 +343,24 @@ def cached(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[..., 
 def test_compiled_and_loaded_code_give_the_same_bits(cached: Cached) -> None:
     """The first process on a machine compiles, the others of a study load."""
     assert cached.run() == ("0", cached.digest)
+
+
+def test_what_is_inlined_gets_no_machine_code_of_its_own() -> None:
+    @jit
+    def inner(x):  # type: ignore[no-untyped-def]
+        return 2.0 * x + 1.0
+
+    @numba.jit(**OPTIONS)
+    def outer(x):  # type: ignore[no-untyped-def]
+        return inner(x)
+
+    assert outer(3.0) == 7.0
+    (inlined,), (called,) = inner.overloads.values(), outer.overloads.values()
+    engine = called.library.codegen._engine
+    assert engine.is_symbol_defined(called.fndesc.llvm_func_name)
+    assert isinstance(inlined.library, InlinedLibrary)
+    assert not engine.is_symbol_defined(inlined.fndesc.llvm_func_name)
+    assert inlined.fndesc.llvm_func_name not in called.library.get_llvm_str(), "inlined everywhere"
 
 
 # ---------------------------------------------------------------- damaged files

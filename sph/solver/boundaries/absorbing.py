@@ -43,6 +43,7 @@ import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import compile_lock, jit
+from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
 from sph.solver.particles import BASE, Particles, layer_index
@@ -55,6 +56,7 @@ VELOCITY, MEAN_VELOCITY, ELASTIC_STRESS, STRESS, ACCELERATION = range(5)
 kick, elastic stress on level planes (Pa), that with damping, acceleration (m/s2)."""
 
 
+@by_reference
 class AbsorbingWalls(NamedTuple):
     """Boundary particles that move, by their number after the soil; directions x and y come first."""
 
@@ -64,6 +66,7 @@ class AbsorbingWalls(NamedTuple):
     node: np.ndarray  # (boundary,) node of the free field beside
 
 
+@by_reference
 class FreeField(NamedTuple):
     """Columns of level ground beside the model, the left one's nodes first, each from the bottom up."""
 

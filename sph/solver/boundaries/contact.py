@@ -7,7 +7,7 @@ what that soil can bear at the time: failed soil slides on it with what strength
 
 with the wall's part b of the sum of kernel gradients and the tension T that the wall bears, and that moves away from it, sees no
 wall in this step, neither in its strain nor in its force.  Both loops over pairs leave out the same particles, so that contact takes
-no energy.
+no energy, but for the power of the one step in which it lets go.
 """
 
 from __future__ import annotations

@@ -30,24 +30,14 @@ def wrap(period, dx):  # type: ignore[no-untyped-def]
         return dx - period.length * math.floor(dx / period.length + 0.5)
 
 
-@jit
-def columns_of_cells(period, x, reach):  # type: ignore[no-untyped-def]
-    """Left end (m), width (m) and number of the columns of cells; of a period as many as fill it."""
+def columns_of_cells(period: Periodic | None, x: np.ndarray, reach: float) -> tuple[np.ndarray, int]:
+    """Column of cells in which each x (n,) lies, and the number of columns; they are ``reach`` (m) wide, or as many as fill a period."""
     if period is None:
         x_min = x.min()
-        return x_min, reach, np.int64((x.max() - x_min) / reach) + 1
-    else:
-        count = np.int64(period.length / reach)
-        return 0.0, period.length / count, count
-
-
-@jit
-def column_of(period, x, x_min, width, columns):  # type: ignore[no-untyped-def]
-    """Column of cells in which x lies."""
-    if period is None:
-        return np.int64((x - x_min) / width)
-    else:
-        return min(np.int64((x - period.length * math.floor(x / period.length)) / width), columns - 1)
+        return ((x - x_min) / reach).astype(np.int64), int((x.max() - x_min) / reach) + 1
+    columns = int(period.length / reach)
+    inside = x - period.length * np.floor(x / period.length)
+    return np.minimum((inside / (period.length / columns)).astype(np.int64), columns - 1), columns
 
 
 @jit

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import ast
 import fcntl
+import gc
 import hashlib
 import json
 import os
@@ -28,7 +29,10 @@ from typing import Any
 import llvmlite.binding
 import numba
 import numpy as np
+from numba.core import event
 from numba.core.registry import CPUDispatcher
+
+from sph.solver.compiled.inlined import InlinedCompiler
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
@@ -111,6 +115,8 @@ Inlining makes code compiled here and code loaded from the cache give the same b
 step (a test compares them), probably because a function called from the cached object is optimised apart from the one compiled
 here, with sums in another order.
 """
+INLINED: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+"""For what is compiled into its callers and has no calls from Python or C."""
 _uncached: list[Any] = []
 """Entries whose compiled code is not kept yet."""
 
@@ -130,7 +136,10 @@ def jit(function: Callable[..., Any]) -> Any:
     """Compile for the solver, into the functions that call this one; from Python it can be called too, but is compiled in each process."""
     if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         return function
-    return update_wrapper(_Part(function, targetoptions=OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}), function)
+    return update_wrapper(
+        _Part(function, targetoptions=OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}, pipeline_class=InlinedCompiler),
+        function,
+    )
 
 
 def entry(function: Callable[..., Any]) -> Any:
@@ -138,10 +147,33 @@ def entry(function: Callable[..., Any]) -> Any:
 
     Importing this package needs no folder that can be written.
     """
-    compiled = numba.jit(**OPTIONS)(function)
+    compiled = numba.jit(**(OPTIONS | {"no_cfunc_wrapper": True}))(function)
     if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
         _uncached.append(compiled)
     return compiled
+
+
+@contextmanager
+def before_compiling(function: Any, tell: Callable[[], None]) -> Iterator[None]:
+    """Call ``tell`` before the first variant of an entry that is compiled because the cache does not hold it."""
+    with event.install_listener("numba:compile", _Once(function, tell)):
+        yield
+
+
+class _Once(event.Listener):
+    """Calls back at the first event of a function."""
+
+    def __init__(self, function: Any, tell: Callable[[], None]) -> None:
+        self.function, self.tell = function, tell
+        self.told = False
+
+    def on_start(self, event: Any) -> None:
+        if event.data["dispatcher"] is self.function and not self.told:
+            self.told = True
+            self.tell()
+
+    def on_end(self, event: Any) -> None:
+        """Nothing."""
 
 
 @jit
@@ -175,10 +207,23 @@ def _cache() -> Iterator[None]:
             fcntl.flock(handle, fcntl.LOCK_EX)
             mend(folder)
             _keep_in(folder)
-            yield
+            with _no_collection():
+                yield
             seal(folder)
     except OSError as error:
         raise OSError(f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or {REMEDY}") from error
+
+
+@contextmanager
+def _no_collection() -> Iterator[None]:
+    """Without Python's search for cycles, which takes a twelfth of the time to compile and finds next to nothing."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def _keep_in(folder: Path) -> None:

@@ -20,6 +20,7 @@ from numba import types
 from numba.extending import intrinsic
 
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
 
 BLOCK = 256
 """Rows of particles that one thread takes together, and over which sums are kept."""
@@ -30,6 +31,7 @@ PATIENCE = 1_000
 """Looks at the barrier before a waiting thread lets others use its core."""
 
 
+@by_reference
 class Team(NamedTuple):
     """One thread's place among those that advance a scene."""
 

@@ -25,11 +25,13 @@ import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 
 
+@by_reference
 class Initiation(NamedTuple):
     """Coefficients of the term."""
 

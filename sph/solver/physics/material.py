@@ -26,6 +26,7 @@ from sph.scene.layers import Layer
 from sph.scene.schema import Scene
 from sph.scene.soil import Coupling, Soil
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -54,6 +55,7 @@ class Material(NamedTuple):
     """exp(-gamma dt)"""
 
 
+@by_reference
 class Layers(NamedTuple):
     """Materials of layers."""
 
