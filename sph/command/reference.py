@@ -117,9 +117,19 @@ def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield variant.variant, f"{variant.cost:.3g} s", *values, *_errors(variant), baseline, f"{variant.classes_agree} of {variant.cases}"
 
 
-def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]]) -> Reference:
-    """Table of the shipped cost-accuracy study with the machine as its note; without rows while there is none."""
-    table = advice.shipped_table()
+def resolved_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (fidelity, spacing, time of a run, A's displacement in each case, errors, class) of the scheme of one's own slopes."""
+    presets = table[table["parameter"] == PRESETS]
+    for variant in summary(presets):
+        own = presets[presets["variant"] == variant.variant]
+        values = " / ".join(f"{value:.3g}" for value in own["displacement_magnitude"]) + " m"
+        classes = f"{variant.classes_agree} of {variant.cases}"
+        yield variant.variant, f"{own['spacing'].iloc[0]:g} m", f"{variant.cost:.3g} s", values, *_errors(variant), classes
+
+
+def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequence[str]]], scheme: str = "paper") -> Reference:
+    """Table of the shipped cost-accuracy study of a scheme with the machine as its note; without rows while there is none."""
+    table = advice.shipped_table(scheme)
     if table is None:
         return Reference(head, [], f"{advice.NOT_MEASURED_YET[0].upper()}{advice.NOT_MEASURED_YET[1:]}.")
     cases = ", ".join(dict.fromkeys(table["case"]))
@@ -291,6 +301,7 @@ PRESET_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
     "class as the reference",
 )  # fmt: skip
+RESOLVED_HEAD = ("fidelity", "spacing", "one run", "A's displacement", "A's displacement within", "run-out within", "class as the reference")
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
@@ -378,6 +389,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "schemes": _schemes_table,
     "presets": lambda: measured(PRESET_HEAD, preset_rows),
     "trade": lambda: measured(VARIANT_HEAD, variant_lines),
+    "resolved": lambda: measured(RESOLVED_HEAD, resolved_lines, "resolved"),
+    "resolution": lambda: measured(VARIANT_HEAD, variant_lines, "resolved"),
 }
 """The tables by name."""
 MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
