@@ -171,55 +171,73 @@ def draw_slump(levels: Mapping[str, Level]) -> Figure:
 
 # ---------------------------------------------------------------- V8: granular column
 
-COLUMNS = ("a05", "a10", "a20", "soil2")
+COLUMNS = ("a10", "a15", "a20", "a30", "soil2_a10", "soil2_a20")
 """The runs that are columns."""
-SCALING = 1.2
-"""(L_f - L_0) / L_0 over the aspect ratio, for aspect ratios below 2.3 (Lube et al. 2005; Lajeunesse et al. 2005)."""
+SHARE = 0.99
+"""Share of the mass within the second of the distances that are measured: what a film of single particles ahead of the deposit does not decide."""
+
+
+def rods_runout(aspect_ratio: float) -> float:
+    """(d - d_0) / d_0 of rods from their column's height over width, at least 0.65 (Nguyen, Bui and Fukagawa 2015)."""
+    return 3.25 * aspect_ratio**0.96 if aspect_ratio <= 1.5 else 3.80 * aspect_ratio**0.73
+
+
+def rods_height(aspect_ratio: float) -> float:
+    """Height of the rods at the wall over that of their column, at least 0.65 times as high as wide (Nguyen, Bui and Fukagawa 2015)."""
+    return 1.0 / (1.42 * aspect_ratio ** (2.0 / 3.0))
+
+
+def reach_of_share(result: Result, share: float = SHARE) -> float:
+    """Distance from the wall behind the column that holds a share of the soil's mass, m."""
+    distance = result.scene.geometry.width - result.frame("x")
+    return float(np.quantile(distance, share)) + 0.5 * result.scene.numerics.spacing
 
 
 def measure_granular_column(level: Level) -> dict[str, Found]:
-    """Spread over the column's length, and the height that stays at the wall."""
-    found = {}
+    """Run-out over the column's width by front and by mass, the height that stays at the wall, and what holds a sliding layer."""
+    fronts, masses, heights = {}, {}, {}
     for name in COLUMNS:
         result = level[name]
-        length, height = column(result.scene)
-        found[f"runout_{name}"] = Found(
-            f"(L_f - L_0)/L_0, a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°",
-            "1",
-            (front(result) - length) / length,
-            SCALING * height / length,
-        )
-    layer, (length, height) = level["layer"], column(level["a05"].scene)
-    found["friction"] = Found(
-        "friction on a sliding layer over g tan φ",
-        "1",
-        deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.tan(layer.scene.soil.friction_angle_si)),
-        1.0,
-    )
-    found["plateau_a05"] = Found("height at the wall over H_0, a = 0.5", "1", height_at_wall(level["a05"]) / height, 1.0)
-    return found
+        width, height = column(result.scene)
+        case = f"a = {height / width:g}, φ = {result.scene.soil.friction_angle:g}°"
+        law = rods_runout(height / width)
+        fronts[f"front_{name}"] = Found(f"(d - d_0)/d_0 of the front, {case}", "1", front(result) / width - 1.0, law)
+        masses[f"mass99_{name}"] = Found(f"(d - d_0)/d_0 of 99 % of the mass, {case}", "1", reach_of_share(result) / width - 1.0, law)
+        heights[f"height_{name}"] = Found(f"h/h_0 at the wall, {case}", "1", height_at_wall(result) / height, rods_height(height / width))
+    layer = level["layer"]
+    held = deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.tan(layer.scene.soil.friction_angle_si))
+    return {**fronts, **masses, **heights, "friction": Found("friction on a sliding layer over g tan φ", "1", held, 1.0)}
 
 
 @styled
 def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
-    """Deposits of granular columns at the finest level; dashed the column at the start, the triangle the reach of the experiments."""
+    """Deposits of columns of rods at the finest level, in widths of the column: dashed the column at the start, the circle the height and
+    the triangle the front of the experiments, the bar the distance that holds 99 % of the mass."""
     level = list(levels.values())[-1]
-    figure = Figure(figsize=(WIDTH, 3.4), layout="compressed")
-    axes = figure.subplots(2, 2, sharex=True, sharey=True)
+    figure = Figure(figsize=(WIDTH, 5.4), layout="compressed")
+    axes = figure.subplots(len(COLUMNS), 1, sharex=True, height_ratios=[column(level[name].scene)[1] for name in COLUMNS])
     titles = []
-    for ax, name in zip(axes.flat, COLUMNS, strict=True):
+    for ax, name in zip(axes, COLUMNS, strict=True):
         result = level[name]
-        length, height = column(result.scene)
-        spacing = result.scene.numerics.spacing
-        x, y = spread(result)
-        draw_circles(ax, x, y, spacing, facecolor="#d9c9a8", edgecolor="0.4", linewidth=0.1)
-        ax.plot([0.0, length, length], [height, height, 0.0], color="black", linestyle="--", linewidth=0.8)
-        ax.plot(length + SCALING * height, 0.0, marker="^", color="black", clip_on=False, zorder=5)
-        ax.set(aspect="equal", xlim=(0.0, 0.6), ylim=(0.0, 0.22))
-        titles.append(f"a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°")
-    label_panels(axes.flat, titles)
-    for ax in axes[-1]:
-        ax.set_xlabel("distance from the wall (m)")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("height (m)")
+        width, height = column(result.scene)
+        ratio = height / width
+        distance = (result.scene.geometry.width - result.frame("x")) / width
+        draw_circles(
+            ax,
+            distance,
+            result.frame("y") / width,
+            result.scene.numerics.spacing / width,
+            facecolor="#d9c9a8",
+            edgecolor="0.4",
+            linewidth=0.1,
+        )
+        ax.plot([0.0, 1.0, 1.0], [ratio, ratio, 0.0], color="black", linestyle="--", linewidth=0.8)
+        ax.plot(1.0 + rods_runout(ratio), 0.0, marker="^", color="black", clip_on=False, zorder=5)
+        ax.plot(0.0, ratio * rods_height(ratio), marker="o", markersize=4, color="black", clip_on=False, zorder=5)
+        ax.plot(np.full(2, reach_of_share(result) / width), [0.0, 0.4], color="black", linewidth=1.2)
+        ax.set(aspect="equal", xlim=(0.0, 11.0), ylim=(0.0, ratio + 0.05))
+        titles.append(f"a = {ratio:g}, φ = {result.scene.soil.friction_angle:g}°")
+    label_panels(axes, titles)
+    axes[-1].set_xlabel("distance from the wall over the column's width")
+    figure.supylabel("height over the column's width")
     return figure
