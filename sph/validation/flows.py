@@ -174,7 +174,15 @@ def draw_slump(levels: Mapping[str, Level]) -> Figure:
 COLUMNS = ("a10", "a15", "a20", "a30", "soil2_a10", "soil2_a20")
 """The runs that are columns."""
 SHARE = 0.99
-"""Share of the mass within the second of the distances that are measured: what a film of single particles ahead of the deposit does not decide."""
+"""Share of the mass within the second distance measured, which a film of single particles ahead of the deposit does not decide."""
+BIN = 0.2
+"""Length over which the thickness of a deposit is averaged, in widths of the column."""
+
+
+def aspect_ratio(scene: Scene) -> float:
+    """Height over width of the column at the start, free of rounding."""
+    width, height = column(scene)
+    return round(height / width, 9)
 
 
 def rods_runout(aspect_ratio: float) -> float:
@@ -198,46 +206,48 @@ def measure_granular_column(level: Level) -> dict[str, Found]:
     fronts, masses, heights = {}, {}, {}
     for name in COLUMNS:
         result = level[name]
-        width, height = column(result.scene)
-        case = f"a = {height / width:g}, φ = {result.scene.soil.friction_angle:g}°"
-        law = rods_runout(height / width)
+        (width, height), ratio = column(result.scene), aspect_ratio(result.scene)
+        case = f"a = {ratio:g}, φ = {result.scene.soil.friction_angle:g}°"
+        law = rods_runout(ratio)
         fronts[f"front_{name}"] = Found(f"(d - d_0)/d_0 of the front, {case}", "1", front(result) / width - 1.0, law)
         masses[f"mass99_{name}"] = Found(f"(d - d_0)/d_0 of 99 % of the mass, {case}", "1", reach_of_share(result) / width - 1.0, law)
-        heights[f"height_{name}"] = Found(f"h/h_0 at the wall, {case}", "1", height_at_wall(result) / height, rods_height(height / width))
+        heights[f"height_{name}"] = Found(f"h/h_0 at the wall, {case}", "1", height_at_wall(result) / height, rods_height(ratio))
     layer = level["layer"]
-    held = deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.tan(layer.scene.soil.friction_angle_si))
-    return {**fronts, **masses, **heights, "friction": Found("friction on a sliding layer over g tan φ", "1", held, 1.0)}
+    held = deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.sin(layer.scene.soil.friction_angle_si))
+    return {**fronts, **masses, **heights, "friction": Found("friction on a sliding layer over g sin φ", "1", held, 1.0)}
+
+
+def thickness(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the wall behind the column (n,) and mean thickness of the deposit there (n,), in widths of the column."""
+    width = column(result.scene)[0]
+    distance = (result.scene.geometry.width - result.frame("x")) / width
+    edges = np.arange(0.0, result.scene.geometry.width / width, BIN)
+    count, _ = np.histogram(distance, edges)
+    return edges[:-1] + 0.5 * BIN, count * (result.scene.numerics.spacing / width) ** 2 / BIN
 
 
 @styled
 def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
-    """Deposits of columns of rods at the finest level, in widths of the column: dashed the column at the start, the circle the height and
-    the triangle the front of the experiments, the bar the distance that holds 99 % of the mass."""
-    level = list(levels.values())[-1]
-    figure = Figure(figsize=(WIDTH, 5.4), layout="compressed")
-    axes = figure.subplots(len(COLUMNS), 1, sharex=True, height_ratios=[column(level[name].scene)[1] for name in COLUMNS])
+    """Thickness of the deposits of columns of rods, in widths of the column, heights exaggerated: dashed with the second friction angle.
+    Circle and triangle are height and front of the experiments, bars the distance that holds 99 % of the mass, thin lines the column."""
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    axes = figure.subplots(2, 2)
     titles = []
-    for ax, name in zip(axes, COLUMNS, strict=True):
-        result = level[name]
-        width, height = column(result.scene)
-        ratio = height / width
-        distance = (result.scene.geometry.width - result.frame("x")) / width
-        draw_circles(
-            ax,
-            distance,
-            result.frame("y") / width,
-            result.scene.numerics.spacing / width,
-            facecolor="#d9c9a8",
-            edgecolor="0.4",
-            linewidth=0.1,
-        )
-        ax.plot([0.0, 1.0, 1.0], [ratio, ratio, 0.0], color="black", linestyle="--", linewidth=0.8)
+    for ax, name in zip(axes.flat, ("a10", "a15", "a20", "a30"), strict=True):
+        for colour, (label, level) in zip(curve_colours(len(levels)), levels.items(), strict=True):
+            ax.plot(*thickness(level[name]), color=colour, label=label)
+            ax.plot(reach_of_share(level[name]) / column(level[name].scene)[0], 0.0, marker="|", markersize=10, color=colour, clip_on=False)
+        ratio = aspect_ratio(level[name].scene)
+        if f"soil2_{name}" in level:
+            second = level[f"soil2_{name}"]
+            ax.plot(*thickness(second), color=colour, linestyle="--", label=f"{label}, φ = {second.scene.soil.friction_angle:g}°")
+        ax.plot([0.0, 1.0, 1.0], [ratio, ratio, 0.0], color="black", linewidth=0.5)
         ax.plot(1.0 + rods_runout(ratio), 0.0, marker="^", color="black", clip_on=False, zorder=5)
         ax.plot(0.0, ratio * rods_height(ratio), marker="o", markersize=4, color="black", clip_on=False, zorder=5)
-        ax.plot(np.full(2, reach_of_share(result) / width), [0.0, 0.4], color="black", linewidth=1.2)
-        ax.set(aspect="equal", xlim=(0.0, 11.0), ylim=(0.0, ratio + 0.05))
-        titles.append(f"a = {ratio:g}, φ = {result.scene.soil.friction_angle:g}°")
-    label_panels(axes, titles)
-    axes[-1].set_xlabel("distance from the wall over the column's width")
-    figure.supylabel("height over the column's width")
+        ax.set(xlim=(0.0, 1.25 * (1.0 + rods_runout(ratio))), ylim=(0.0, 1.05 * ratio))
+        titles.append(f"a = {ratio:g}, φ = {level[name].scene.soil.friction_angle:g}°")
+    label_panels(axes.flat, titles)
+    axes[0, 0].legend()
+    figure.supxlabel("distance from the wall over the column's width")
+    figure.supylabel("thickness over the column's width")
     return figure
