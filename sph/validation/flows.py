@@ -171,55 +171,83 @@ def draw_slump(levels: Mapping[str, Level]) -> Figure:
 
 # ---------------------------------------------------------------- V8: granular column
 
-COLUMNS = ("a05", "a10", "a20", "soil2")
+COLUMNS = ("a10", "a15", "a20", "a30", "soil2_a10", "soil2_a20")
 """The runs that are columns."""
-SCALING = 1.2
-"""(L_f - L_0) / L_0 over the aspect ratio, for aspect ratios below 2.3 (Lube et al. 2005; Lajeunesse et al. 2005)."""
+SHARE = 0.99
+"""Share of the mass within the second distance measured, which a film of single particles ahead of the deposit does not decide."""
+BIN = 0.2
+"""Length over which the thickness of a deposit is averaged, in widths of the column."""
+
+
+def aspect_ratio(scene: Scene) -> float:
+    """Height over width of the column at the start, free of rounding."""
+    width, height = column(scene)
+    return round(height / width, 9)
+
+
+def rods_runout(aspect_ratio: float) -> float:
+    """(d - d_0) / d_0 of rods from their column's height over width, at least 0.65 (Nguyen, Bui and Fukagawa 2015)."""
+    return 3.25 * aspect_ratio**0.96 if aspect_ratio <= 1.5 else 3.80 * aspect_ratio**0.73
+
+
+def rods_height(aspect_ratio: float) -> float:
+    """Height of the rods at the wall over that of their column, at least 0.65 times as high as wide (Nguyen, Bui and Fukagawa 2015)."""
+    return 1.0 / (1.42 * aspect_ratio ** (2.0 / 3.0))
+
+
+def reach_of_share(result: Result, share: float = SHARE) -> float:
+    """Distance from the wall behind the column that holds a share of the soil's mass, m."""
+    distance = result.scene.geometry.width - result.frame("x")
+    return float(np.quantile(distance, share)) + 0.5 * result.scene.numerics.spacing
 
 
 def measure_granular_column(level: Level) -> dict[str, Found]:
-    """Spread over the column's length, and the height that stays at the wall."""
-    found = {}
+    """Run-out over the column's width by front and by mass, the height that stays at the wall, and what holds a sliding layer."""
+    fronts, masses, heights = {}, {}, {}
     for name in COLUMNS:
         result = level[name]
-        length, height = column(result.scene)
-        found[f"runout_{name}"] = Found(
-            f"(L_f - L_0)/L_0, a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°",
-            "1",
-            (front(result) - length) / length,
-            SCALING * height / length,
-        )
-    layer, (length, height) = level["layer"], column(level["a05"].scene)
-    found["friction"] = Found(
-        "friction on a sliding layer over g tan φ",
-        "1",
-        deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.tan(layer.scene.soil.friction_angle_si)),
-        1.0,
-    )
-    found["plateau_a05"] = Found("height at the wall over H_0, a = 0.5", "1", height_at_wall(level["a05"]) / height, 1.0)
-    return found
+        (width, height), ratio = column(result.scene), aspect_ratio(result.scene)
+        case = f"a = {ratio:g}, φ = {result.scene.soil.friction_angle:g}°"
+        law = rods_runout(ratio)
+        fronts[f"front_{name}"] = Found(f"(d - d_0)/d_0 of the front, {case}", "1", front(result) / width - 1.0, law)
+        masses[f"mass99_{name}"] = Found(f"(d - d_0)/d_0 of 99 % of the mass, {case}", "1", reach_of_share(result) / width - 1.0, law)
+        heights[f"height_{name}"] = Found(f"h/h_0 at the wall, {case}", "1", height_at_wall(result) / height, rods_height(ratio))
+    layer = level["layer"]
+    held = deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.sin(layer.scene.soil.friction_angle_si))
+    return {**fronts, **masses, **heights, "friction": Found("friction on a sliding layer over g sin φ", "1", held, 1.0)}
+
+
+def thickness(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the wall behind the column (n,) and mean thickness of the deposit there (n,), in widths of the column."""
+    width = column(result.scene)[0]
+    distance = (result.scene.geometry.width - result.frame("x")) / width
+    edges = np.arange(0.0, result.scene.geometry.width / width, BIN)
+    count, _ = np.histogram(distance, edges)
+    return edges[:-1] + 0.5 * BIN, count * (result.scene.numerics.spacing / width) ** 2 / BIN
 
 
 @styled
 def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
-    """Deposits of granular columns at the finest level; dashed the column at the start, the triangle the reach of the experiments."""
-    level = list(levels.values())[-1]
-    figure = Figure(figsize=(WIDTH, 3.4), layout="compressed")
-    axes = figure.subplots(2, 2, sharex=True, sharey=True)
+    """Thickness of the deposits of columns of rods, in widths of the column, heights exaggerated: dashed with the second friction angle.
+    Circle and triangle are height and front of the experiments, bars the distance that holds 99 % of the mass, thin lines the column."""
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    axes = figure.subplots(2, 2)
     titles = []
-    for ax, name in zip(axes.flat, COLUMNS, strict=True):
-        result = level[name]
-        length, height = column(result.scene)
-        spacing = result.scene.numerics.spacing
-        x, y = spread(result)
-        draw_circles(ax, x, y, spacing, facecolor="#d9c9a8", edgecolor="0.4", linewidth=0.1)
-        ax.plot([0.0, length, length], [height, height, 0.0], color="black", linestyle="--", linewidth=0.8)
-        ax.plot(length + SCALING * height, 0.0, marker="^", color="black", clip_on=False, zorder=5)
-        ax.set(aspect="equal", xlim=(0.0, 0.6), ylim=(0.0, 0.22))
-        titles.append(f"a = {height / length:g}, φ = {result.scene.soil.friction_angle:g}°")
+    for ax, name in zip(axes.flat, ("a10", "a15", "a20", "a30"), strict=True):
+        for colour, (label, level) in zip(curve_colours(len(levels)), levels.items(), strict=True):
+            ax.plot(*thickness(level[name]), color=colour, label=label)
+            ax.plot(reach_of_share(level[name]) / column(level[name].scene)[0], 0.0, marker="|", markersize=10, color=colour, clip_on=False)
+        ratio = aspect_ratio(level[name].scene)
+        if f"soil2_{name}" in level:
+            second = level[f"soil2_{name}"]
+            ax.plot(*thickness(second), color=colour, linestyle="--", label=f"{label}, φ = {second.scene.soil.friction_angle:g}°")
+        ax.plot([0.0, 1.0, 1.0], [ratio, ratio, 0.0], color="black", linewidth=0.5)
+        ax.plot(1.0 + rods_runout(ratio), 0.0, marker="^", color="black", clip_on=False, zorder=5)
+        ax.plot(0.0, ratio * rods_height(ratio), marker="o", markersize=4, color="black", clip_on=False, zorder=5)
+        ax.set(xlim=(0.0, 1.25 * (1.0 + rods_runout(ratio))), ylim=(0.0, 1.05 * ratio))
+        titles.append(f"a = {ratio:g}, φ = {level[name].scene.soil.friction_angle:g}°")
     label_panels(axes.flat, titles)
-    for ax in axes[-1]:
-        ax.set_xlabel("distance from the wall (m)")
-    for ax in axes[:, 0]:
-        ax.set_ylabel("height (m)")
+    axes[0, 0].legend()
+    figure.supxlabel("distance from the wall over the column's width")
+    figure.supylabel("thickness over the column's width")
     return figure
