@@ -23,6 +23,7 @@ from sph.solver.particles import Particles
 from sph.solver.physics import (
     artificial_stress,
     artificial_viscosity,
+    dilation,
     gradient_correction,
     initiation,
     material,
@@ -52,6 +53,7 @@ TERMS: tuple[Term, ...] = (
     absorbing.FREE_FIELD,
     no_slip.TERM,
     residual_viscosity.TERM,
+    dilation.TERM,
     initiation.TERM,
 )
 

@@ -23,7 +23,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.optimize import brentq, minimize
+from scipy.optimize import brentq, minimize  # type: ignore[import-untyped]
 
 SMALLEST_FACTOR, LARGEST_FACTOR = 0.01, 100.0
 """Factors of safety between which the limit is sought."""
