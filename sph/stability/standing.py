@@ -38,7 +38,9 @@ REARRANGEMENT = 0.5
 SMALL_KERNEL = 1.3
 """Smoothing length over the spacing up to which the lattice does not rearrange."""
 SMALL_KERNEL_REARRANGEMENT = 0.1
-"""The same distance there (measured: standing slopes of V17 move by 0.03 spacings at most)."""
+"""The same distance there (measured: slopes of V17 well below their limit move by 0.03 spacings at most)."""
+FEWEST_ROWS = 10
+"""Rows of particles over the height that such a slope has at least."""
 
 
 class FailureRule(Section):
@@ -65,12 +67,11 @@ def slope_height(scene: Scene) -> float:
 
 def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
     """Largest spacing at which the rule's displacement is more than a rearrangement of the lattice, m."""
-    return rule.displacement * slope_height(scene) / _rearrangement(scene)
-
-
-def _rearrangement(scene: Scene) -> float:
-    small = scene.numerics.smoothing_length <= SMALL_KERNEL * scene.numerics.spacing * (1.0 + 1e-9)
-    return SMALL_KERNEL_REARRANGEMENT if small else REARRANGEMENT
+    displacement, numerics = rule.displacement * slope_height(scene), scene.numerics
+    coarsest = displacement / REARRANGEMENT
+    if numerics.smoothing_length <= SMALL_KERNEL * numerics.spacing * (1.0 + 1e-9):
+        return max(coarsest, min(displacement / SMALL_KERNEL_REARRANGEMENT, slope_height(scene) / FEWEST_ROWS))
+    return coarsest
 
 
 def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
@@ -83,7 +84,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     if spacing > coarsest_spacing(scene, rule) * (1.0 + 1e-9):
         raise ValueError(
             f"numerics.spacing: {spacing:g} m is too coarse for the rule: {rule.displacement:g} H is {rule.displacement * height:.3g} m, "
-            f"and particles that only rearrange their lattice move by {_rearrangement(scene):g} spacings"
+            f"less than particles move that only rearrange their lattice; take {coarsest_spacing(scene, rule):.3g} m at most"
         )
     stage, interval = scene.gravity.duration, scene.outputs.series_interval
     frame = max(round(FRAME_INTERVAL / interval), 1) * interval

@@ -62,6 +62,7 @@ def test_the_spacings() -> None:
 def test_a_small_kernel_allows_a_rule_of_one_per_cent() -> None:
     rule = FailureRule(displacement=0.01)
     assert two_spacings(scene(1.0, smoothing_ratio=1.3), rule) == (2.0, 1.0)
+    assert two_spacings(scene(1.5, smoothing_ratio=1.3), rule) == (2.0, 1.5), "ten rows of particles at least"
     with pytest.raises(ValueError, match="numerics.spacing"):
         two_spacings(scene(1.0), rule)
 
