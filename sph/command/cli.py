@@ -129,6 +129,16 @@ def parse_error(text: str) -> float:
         raise ValueError(f"--error {text!r}: write 10% or 0.1") from error
 
 
+def parse_spacings(text: str | None) -> tuple[float, ...] | None:
+    """``"2,1"`` as (2.0, 1.0); ValueError for anything else."""
+    if text is None:
+        return None
+    try:
+        return tuple(float(number) for number in text.split(","))
+    except ValueError as error:
+        raise ValueError(f"--spacings {text!r}: write two numbers (m), e.g. 2,1") from error
+
+
 def parse_acceleration(text: str, option: str) -> float:
     """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
     from sph.scene.gravity import GRAVITY
@@ -416,6 +426,13 @@ AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI un
 Trials = Annotated[Path | None, typer.Option(help="table of the trials to write (CSV)")]
 
 
+Spacings = Annotated[
+    str | None,
+    typer.Option(metavar="COARSE,FINE", help="two spacings (m) to extrapolate from; by default twice the scene's and the scene's"),
+]
+Single = Annotated[bool, typer.Option("--single", help="search at the scene's own spacing alone, without extrapolation")]
+
+
 @app.command(epilog="Examples:  sph fos slope.yaml  |  sph fos slope.yaml --reduce S_R --set numerics.spacing=2 --rule observation=20")
 def fos(
     scene: SceneFile,
@@ -425,8 +442,10 @@ def fos(
     rule: Rule = None,
     as_json: AsJson = False,
     out: Trials = None,
+    spacings: Spacings = None,
+    single: Single = False,
 ) -> None:
-    """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands."""
+    """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands, extrapolated to spacing 0."""
     with refusals():
         from sph.command.repeat import read_given
         from sph.command.stability import answer
@@ -436,7 +455,7 @@ def fos(
         loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
             check_writable(out, inputs)
-        answer(reduce, loaded, tolerance, parse_settings(rule, "--rule"), as_json, out)
+        answer(reduce, loaded, tolerance, parse_settings(rule, "--rule"), as_json, out, single, parse_spacings(spacings))
 
 
 @app.command(epilog="Example:  sph yield-acceleration slope.yaml --set numerics.spacing=2 --out trials.csv")
@@ -447,8 +466,10 @@ def yield_acceleration(
     rule: Rule = None,
     as_json: AsJson = False,
     out: Trials = None,
+    spacings: Spacings = None,
+    single: Single = False,
 ) -> None:
-    """Find the constant horizontal acceleration at which the slope fails (pseudo-static), for Newmark's method."""
+    """Find the constant horizontal acceleration at which the slope fails (pseudo-static), extrapolated, for Newmark's method."""
     with refusals():
         from sph.command.repeat import read_given
         from sph.command.stability import answer
@@ -456,7 +477,7 @@ def yield_acceleration(
         loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
             check_writable(out, inputs)
-        answer("acceleration", loaded, tolerance, parse_settings(rule, "--rule"), as_json, out)
+        answer("acceleration", loaded, tolerance, parse_settings(rule, "--rule"), as_json, out, single, parse_spacings(spacings))
 
 
 @app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")

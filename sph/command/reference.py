@@ -301,7 +301,15 @@ PRESET_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
     "class as the reference",
 )  # fmt: skip
-RESOLVED_HEAD = ("fidelity", "spacing", "one run", "A's displacement", "A's displacement within", "run-out within", "class as the reference")
+RESOLVED_HEAD = (
+    "fidelity",
+    "spacing",
+    "one run",
+    "A's displacement",
+    "A's displacement within",
+    "run-out within",
+    "class as the reference",
+)
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (

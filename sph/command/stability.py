@@ -1,9 +1,9 @@
-"""What ``sph fos`` and ``sph yield-acceleration`` do and print: each trial when it is done, then the answer, the rule and the bracket."""
+"""What ``sph fos`` and ``sph yield-acceleration`` do and print: each trial when it is done, then the answer, its error and the rule."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,6 +13,7 @@ from sph.scene.configuration import validated
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
+from sph.stability.extrapolation import Extrapolated, extrapolated, two_spacings
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
@@ -43,14 +44,39 @@ QUESTIONS = {
 """The questions by what is reduced or applied."""
 
 
-def answer(asked: str, scene: Scene, tolerance: float, rule: dict[str, Any], as_json: bool, out: Path | None) -> None:
-    """Search, print and write; ValueError for what is refused."""
+def answer(
+    asked: str,
+    scene: Scene,
+    tolerance: float,
+    rule: dict[str, Any],
+    as_json: bool,
+    out: Path | None,
+    single: bool = False,
+    spacings: Sequence[float] | None = None,
+) -> None:
+    """Search at two spacings and extrapolate, or at the scene's own alone; print and write.  ValueError for what is refused."""
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
-    found = question.find(scene, tolerance, used, None if as_json else lambda trial: print(trial_line(question, trial), flush=True))
+    if single and spacings is not None:
+        raise ValueError("--single: takes the scene's own spacing, --spacings two others; give one of them")
+
+    def report(spacing: float, trial: Trial) -> None:
+        if not as_json:
+            print(f"{spacing:g} m: {trial_line(question, trial)}", flush=True)
+
+    found: Search | Extrapolated
+    if single:
+        own = scene.numerics.spacing
+        found = question.find(scene, tolerance, used, lambda trial: report(own, trial))
+        searches = {own: found}
+    else:
+        found = extrapolated(question.find, scene, two_spacings(scene, used, spacings), tolerance, used, report)
+        searches = dict(zip(found.spacings, found.searches, strict=True))
     if out is not None:
+        rows = [{"spacing": spacing} | trial._asdict() for spacing, each in searches.items() for trial in each.trials]
         with whole(out) as temporary:
-            pd.DataFrame(found.trials).to_csv(temporary, index=False)
-    print(to_json(record(question, found, used), indent=1) if as_json else "\n".join(lines(question, found, used)))
+            pd.DataFrame(rows).to_csv(temporary, index=False)
+    text = [*lines(question, searches), *(remaining(question, found) if isinstance(found, Extrapolated) else ()), used.sentence()]
+    print(to_json(record(question, found, searches, used), indent=1) if as_json else "\n".join(text))
 
 
 def trial_line(question: Question, trial: Trial) -> str:
@@ -62,27 +88,46 @@ def trial_line(question: Question, trial: Trial) -> str:
     )
 
 
-def lines(question: Question, found: Search, rule: FailureRule) -> list[str]:
-    """The answer, its bracket, the number of runs and the rule."""
-    if not found.upper > 0:
-        head = f"{question.name}: 0, the slope fails without the load"
-    else:
-        head = f"{question.name}: {question.text(found.value)}, stands at {found.stood:.4f} and fails at {found.failed:.4f}"
-    return [f"{head}; {len(found.trials)} runs", rule.sentence()]
+def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
+    """What was found at each spacing: the value, its bracket and the number of runs."""
+    text = []
+    for spacing, found in searches.items():
+        if not found.upper > 0:
+            head = f"{question.name} at {spacing:g} m: 0, the slope fails without the load"
+        else:
+            value = question.text(found.value)
+            head = f"{question.name} at {spacing:g} m: {value}, stands at {found.stood:.4f} and fails at {found.failed:.4f}"
+        text.append(f"{head}; {len(found.trials)} runs")
+    return text
 
 
-def record(question: Question, found: Search, rule: FailureRule) -> dict[str, Any]:
-    """The answer for machines; numbers that are not finite are null."""
-    trials = [{name: _finite(value) for name, value in trial._asdict().items()} for trial in found.trials]
+def remaining(question: Question, found: Extrapolated) -> list[str]:
+    """The extrapolated value and the error that remains."""
+    return [
+        f"{question.name} extrapolated to spacing 0: {question.text(found.value)}, remaining error about {question.text(found.error)} "
+        "(half the step of the extrapolation, the brackets, and the displacement that the rule allows)"
+    ]
+
+
+def record(question: Question, found: Search | Extrapolated, searches: Mapping[float, Search], rule: FailureRule) -> dict[str, Any]:
+    """The answer for machines; numbers that are not finite are null.  The error is null for a single spacing."""
     return {
         "quantity": question.name,
         "unit": question.unit,
         "value": found.value,
-        "lower": found.lower,
-        "upper": found.upper,
-        "runs": len(trials),
+        "error": found.error if isinstance(found, Extrapolated) else None,
+        "runs": sum(len(search.trials) for search in searches.values()),
         "rule": rule.model_dump() | {"text": rule.sentence()},
-        "trials": trials,
+        "spacings": [
+            {
+                "spacing": spacing,
+                "value": search.value,
+                "lower": search.lower,
+                "upper": search.upper,
+                "trials": [{name: _finite(value) for name, value in trial._asdict().items()} for trial in search.trials],
+            }
+            for spacing, search in searches.items()
+        ],
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from sph.scene.configuration import Section, key
 
@@ -18,7 +18,21 @@ class Soil(Section):
     poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.499, default=0.346)
     cohesion: float = key("cohesion of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
     friction_angle: float = key("internal friction angle of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
+    dilation_angle: float = key(
+        "dilation angle of the solid state, at most the friction angle; equal to it the flow is associated, as in limit analysis",
+        "degree",
+        "ours",
+        ge=0,
+        le=50,
+        default=0.0,
+    )
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
+
+    @model_validator(mode="after")
+    def _flow(self) -> Soil:
+        if self.dilation_angle > self.friction_angle:
+            raise ValueError(f"dilation_angle: {self.dilation_angle} degrees, at most the friction_angle: {self.friction_angle}")
+        return self
 
     @property
     def shear_modulus_si(self) -> float:

@@ -24,6 +24,7 @@ from sph.solver.particles import Particles
 from sph.solver.physics import (
     artificial_stress,
     artificial_viscosity,
+    dilation,
     gradient_correction,
     initiation,
     material,
@@ -54,6 +55,7 @@ TERMS: tuple[Term, ...] = (
     no_slip.TERM,
     contact.TERM,
     residual_viscosity.TERM,
+    dilation.TERM,
     initiation.TERM,
 )
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
-from sph.stability.search import Search, Trial, search
+from sph.stability.search import Search, Trial, around, search
 from sph.stability.standing import FailureRule, divided_strength, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Status
 
@@ -23,22 +23,30 @@ ACCELERATIONS = (0.0, *(0.1 * GRAVITY * GROWTH**power for power in range(11)))
 Report = Callable[[Trial], None]
 Known = Mapping[float, Trial]
 DEFAULT_RULE = FailureRule()
+ONSET_RULE = FailureRule(displacement=0.01)
+"""Failure at the onset of sliding, to compare with limit analysis; needs h of at most 1.3 spacings."""
+ONSET_TOLERANCE = 0.005
 
 
 def factor_of_safety(
-    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None, known: Known | None = None
+    scene: Scene,
+    tolerance: float = 0.01,
+    rule: FailureRule = DEFAULT_RULE,
+    report: Report | None = None,
+    known: Known | None = None,
+    near: float | None = None,
 ) -> Search:
     """The factor by which cohesion and tan(phi) can be divided until the slope fails, to a relative tolerance.
 
-    ValueError where the slope stands or fails at every factor tried, and where the bracket ends at a run that diverged before the slope
-    failed.
+    The search begins around ``near`` where that is given.  ValueError where the slope stands or fails at every factor tried, and where
+    the bracket ends at a run that diverged before the slope failed.
     """
     static = static_scene(scene, rule)
 
     def test(factor: float) -> Trial:
         return stand(divided_strength(static, factor), rule, factor)
 
-    found = search(test, FACTORS, FACTORS.index(1.0), tolerance, report=report, known=known)
+    found = search(test, *around(FACTORS, near, FACTORS.index(1.0)), tolerance, report=report, known=known)
     _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not decide its stability")
@@ -48,7 +56,12 @@ def factor_of_safety(
 
 
 def critical_strength_ratio(
-    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None, known: Known | None = None
+    scene: Scene,
+    tolerance: float = 0.01,
+    rule: FailureRule = DEFAULT_RULE,
+    report: Report | None = None,
+    known: Known | None = None,
+    near: float | None = None,
 ) -> Search:
     """The paper's S_R, on cohesion and phi, at which the fully weakened slope just stands, to a relative tolerance.
 
@@ -59,7 +72,7 @@ def critical_strength_ratio(
     def test(ratio: float) -> Trial:
         return stand(weakened(static, ratio), rule, ratio)
 
-    found = search(test, STRENGTH_RATIOS, 0, tolerance, report=report, known=known)
+    found = search(test, *around(STRENGTH_RATIOS, near, 0), tolerance, report=report, known=known)
     _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not decide its stability")
@@ -70,7 +83,12 @@ def critical_strength_ratio(
 
 
 def yield_acceleration(
-    scene: Scene, tolerance: float = 0.01, rule: FailureRule = DEFAULT_RULE, report: Report | None = None, known: Known | None = None
+    scene: Scene,
+    tolerance: float = 0.01,
+    rule: FailureRule = DEFAULT_RULE,
+    report: Report | None = None,
+    known: Known | None = None,
+    near: float | None = None,
 ) -> Search:
     """The constant horizontal acceleration of the box, towards the toe, at which the slope fails (pseudo-static), m/s2.
 
@@ -81,7 +99,7 @@ def yield_acceleration(
     def test(acceleration: float) -> Trial:
         return stand(static_scene(scene, rule, acceleration), rule, acceleration)
 
-    found = search(test, ACCELERATIONS, 0, tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
+    found = search(test, *around(ACCELERATIONS, near, 0), tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
     _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
         raise ValueError(f"{scene.name}: stands even at {found.stood / GRAVITY:.3g} g")

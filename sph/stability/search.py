@@ -8,6 +8,8 @@ from typing import NamedTuple
 
 SMALLEST_TOLERANCE = 1e-6
 """Smallest relative width of a bracket; bisection of numbers ends at 1e-16, and a simulation's verdict long before."""
+NEARBY = 1.03
+"""Ratio of neighbouring values about one that is near the limit."""
 
 
 class Trial(NamedTuple):
@@ -47,6 +49,16 @@ class Search(NamedTuple):
     def value(self) -> float:
         """Middle of the bracket."""
         return 0.5 * (self.stood + self.failed)
+
+
+def around(values: Sequence[float], near: float | None, start: int) -> tuple[Sequence[float], int]:
+    """The values of a walk and its start, closer about one that is ``near`` the limit; as they are without it or beyond their ends."""
+    if near is None or not min(values) < near < max(values):
+        return values, start
+    steps = [near * NEARBY**power for power in range(-5, 6)]
+    beside = [value for value in values if not steps[0] <= value <= steps[-1] or value in (values[0], values[-1])]
+    closer = sorted({*beside, *(value for value in steps if min(values) < value < max(values))}, reverse=values[0] > values[-1])
+    return closer, closer.index(near)
 
 
 def search(

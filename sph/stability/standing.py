@@ -35,6 +35,12 @@ LONGEST_OBSERVATION = 1e4
 """Longest free observation, s."""
 REARRANGEMENT = 0.5
 """Distance over the spacing by which particles of a standing slope may move as their lattice rearranges (measured: h = 1.6 spacings)."""
+SMALL_KERNEL = 1.3
+"""Smoothing length over the spacing up to which the lattice does not rearrange."""
+SMALL_KERNEL_REARRANGEMENT = 0.1
+"""The same distance there (measured: slopes of V17 well below their limit move by 0.03 spacings at most)."""
+FEWEST_ROWS = 10
+"""Rows of particles over the height that such a slope has at least."""
 
 
 class FailureRule(Section):
@@ -59,6 +65,15 @@ def slope_height(scene: Scene) -> float:
     return scene.geometry.crest[1] - scene.geometry.toe[1]
 
 
+def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
+    """Largest spacing at which the rule's displacement is more than a rearrangement of the lattice, m."""
+    displacement, numerics = rule.displacement * slope_height(scene), scene.numerics
+    coarsest = displacement / REARRANGEMENT
+    if numerics.smoothing_length <= SMALL_KERNEL * numerics.spacing * (1.0 + 1e-9):
+        return max(coarsest, min(displacement / SMALL_KERNEL_REARRANGEMENT, slope_height(scene) / FEWEST_ROWS))
+    return coarsest
+
+
 def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
     """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe."""
     if scene.gravity.acceleration == 0:
@@ -66,10 +81,10 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     if scene.prescribed_velocity_gradient is not None:
         raise ValueError("prescribed_velocity_gradient: an element test has no stability")
     height, spacing = slope_height(scene), scene.numerics.spacing
-    if rule.displacement * height < (REARRANGEMENT - 1e-9) * spacing:
+    if spacing > coarsest_spacing(scene, rule) * (1.0 + 1e-9):
         raise ValueError(
             f"numerics.spacing: {spacing:g} m is too coarse for the rule: {rule.displacement:g} H is {rule.displacement * height:.3g} m, "
-            f"and particles that only rearrange their lattice move by {REARRANGEMENT:g} spacings"
+            f"less than particles move that only rearrange their lattice; take {coarsest_spacing(scene, rule):.3g} m at most"
         )
     stage, interval = scene.gravity.duration, scene.outputs.series_interval
     frame = max(round(FRAME_INTERVAL / interval), 1) * interval
@@ -102,33 +117,35 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
 
 
 def divided_strength(scene: Scene, factor: float) -> Scene:
-    """A scene whose cohesion and tan(phi) are divided by a factor: classical strength reduction.
+    """A scene whose cohesion, tan(phi) and tan(psi) are divided by a factor: classical strength reduction.
 
     Not validated: with a factor below 1 the strength may lie above what a scene file may hold.
     """
-    return _with_strength(
-        scene, lambda soil, _: (soil.cohesion / factor, math.degrees(math.atan(math.tan(soil.friction_angle_si) / factor)))
-    )
+
+    def divided(angle: float) -> float:
+        return math.degrees(math.atan(math.tan(math.radians(angle)) / factor))
+
+    return _with_strength(scene, lambda soil, _: (soil.cohesion / factor, divided(soil.friction_angle), divided(soil.dilation_angle)))
 
 
 def weakened(scene: Scene, strength_ratio: float) -> Scene:
-    """A scene whose cohesion and phi are multiplied by the paper's S_R (Eqs. 14 and 15): the fluid state's strength throughout.
+    """A scene whose cohesion, phi and psi are multiplied by the paper's S_R (Eqs. 14 and 15): the fluid state's strength throughout.
 
     A layer with an S_R of its own keeps that.
     """
 
-    def strength(soil: Soil, own: float | None) -> tuple[float, float]:
+    def strength(soil: Soil, own: float | None) -> tuple[float, float, float]:
         ratio = strength_ratio if own is None else own
-        return ratio * soil.cohesion, ratio * soil.friction_angle
+        return ratio * soil.cohesion, ratio * soil.friction_angle, ratio * soil.dilation_angle
 
     return _with_strength(scene, strength)
 
 
-def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float]]) -> Scene:
-    """A scene with other cohesion (kPa) and friction angle (degree): a function of each soil and the S_R of its layer."""
+def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float, float]]) -> Scene:
+    """A scene with other cohesion (kPa), friction and dilation angle (degree): a function of each soil and the S_R of its layer."""
 
     def changed(soil: Soil, own: float | None = None) -> Soil:
-        return soil.model_copy(update=dict(zip(("cohesion", "friction_angle"), strength(soil, own), strict=True)))
+        return soil.model_copy(update=dict(zip(("cohesion", "friction_angle", "dilation_angle"), strength(soil, own), strict=True)))
 
     layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
     return scene.model_copy(update={"soil": changed(scene.soil), "layers": layers})

@@ -5,7 +5,7 @@
 * ``columns``: V1 gravity column, V2 waves, V3 shear column
 * ``solids``: V4 plate, V5 rings, V12 block on an incline
 * ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column
-* ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope
+* ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V17 and V18 both against limit analysis
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy
 * ``table``: errors, orders of convergence, verdicts
@@ -41,7 +41,7 @@ from sph.validation.flows import (
     measure_slump,
 )
 from sph.validation.level import Draw, Measure
-from sph.validation.slopes import draw_search, measure_search
+from sph.validation.slopes import draw_limits, draw_search, measure_limits, measure_search
 from sph.validation.solids import draw_incline, draw_plate, draw_rings, measure_incline, measure_plate, measure_rings
 
 CASES: dict[str, tuple[Measure, Draw]] = {
@@ -60,6 +60,8 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V13": (measure_simple_shear, draw_simple_shear),
     "V14": (measure_return, draw_return),
     "V15": (measure_conservation, draw_conservation),
+    "V17": (measure_limits, draw_limits),
+    "V18": (measure_limits, draw_limits),
 }
 """What is measured and drawn for every case."""
 PROBES = {"V2": 2, "V3": 1, "V4": 1}

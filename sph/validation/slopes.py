@@ -1,4 +1,4 @@
-"""V9 and V10: slopes that just stand."""
+"""V9, V10, V17 and V18: slopes that just stand."""
 
 from __future__ import annotations
 
@@ -8,6 +8,10 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from sph.figures.style import WIDTH, curve_colours, styled
+from sph.scene.geometry import Slope
+from sph.scene.gravity import GRAVITY
+from sph.stability.extrapolation import extrapolate
+from sph.stability.limit_analysis import limit_factor, limit_strength_ratio
 from sph.storage import trajectory
 from sph.validation.level import Found, Level, Result
 
@@ -51,4 +55,41 @@ def draw_search(levels: Mapping[str, Level]) -> Figure:
     ax.axvline(REFERENCES[by], color="black", linewidth=0.7)
     ax.set(xlabel=TEXTS[by], ylabel="displaced area over H²", ylim=(0.0, None))
     ax.legend(title="spacing")
+    return figure
+
+
+LIMITS = {"onset_factor": limit_factor, "onset_strength_ratio": limit_strength_ratio}
+"""Limit analysis of what a search finds."""
+
+
+def measure_limits(level: Level) -> dict[str, Found]:
+    """Limit found for every slope, beside the upper bound of limit analysis."""
+    return {name: _beside_limit(result) for name, result in level.items()}
+
+
+def _beside_limit(result: Result) -> Found:
+    slope, soil, data = result.scene.geometry, result.scene.soil, result.data
+    assert isinstance(slope, Slope)
+    by = data.attrs["by"]
+    weight, depth = soil.density * GRAVITY, slope.base_depth
+    limit = LIMITS[by](slope.slope_angle, slope.slope_height, weight, soil.cohesion_si, soil.friction_angle, depth)
+    symbol = "F" if by == "onset_factor" else "S_R"
+    text = f"{symbol}, {slope.slope_angle:g}°, φ = {soil.friction_angle:g}°"
+    return Found(text, "1", float(data.attrs["value"]), limit)
+
+
+@styled
+def draw_limits(levels: Mapping[str, Level]) -> Figure:
+    """Error of every slope's limit against the spacing over its height, and the line through the two finest spacings to 0."""
+    figure = Figure(figsize=(0.65 * WIDTH, 2.9), layout="constrained")
+    ax = figure.subplots()
+    found = [measure_limits(level) for level in levels.values()]
+    for colour, name in zip(curve_colours(len(found[-1])), found[-1], strict=True):
+        sizes = [level[name].scene.numerics.spacing / level[name].scene.geometry.slope_height for level in levels.values()]  # type: ignore[union-attr]
+        errors = [100.0 * each[name].error for each in found]
+        zero = extrapolate(errors[-2], errors[-1], sizes[-2] / sizes[-1])
+        ax.plot([*sizes, 0.0], [*errors, zero], color=colour, marker="o", markersize=3, linewidth=0.7, label=found[-1][name].text)
+    ax.axhline(0.0, color="black", linewidth=0.7)
+    ax.set(xlabel="spacing over H", ylabel="error (%)", xlim=(0.0, None))
+    ax.legend(fontsize="xx-small", ncols=2)
     return figure

@@ -35,12 +35,16 @@ class Case(Section):
 
     title: str = key("what is tested", min_length=1)
     scene: str = key("scene file, relative to the working folder or the workflow's")
-    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "computation"] = key(
-        "how its result is found: runs of the scene, a search for the strength at which the scene stands, or functions alone",
+    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "onset_factor", "onset_strength_ratio", "computation"] = key(
+        "how its result is found: runs of the scene, a search for the strength at which the scene stands (onset: slides by less than 1 % "
+        "of its height), or functions alone",
         default="simulation",
     )
     source: str = key("where the reference comes from", min_length=1)
     size: Literal["numerics.spacing", "numerics.time_step"] = key("key by which levels differ", default="numerics.spacing")
+    compared: Literal["finest", "extrapolated"] = key(
+        "what is compared: the finest level, or what the two finest give at spacing 0, as sph fos extrapolates", default="finest"
+    )
     runs: dict[Name, Overrides] = key("scene keys of each variant, by name", min_length=1, default={"run": {}})
     levels: dict[Label, Overrides] = key("scene keys of each resolution, by label, from coarse to fine", min_length=1, default={"only": {}})
     quantities: dict[Name, Quantity] = key("what is compared, by name", min_length=1)

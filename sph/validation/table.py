@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from sph.stability.extrapolation import extrapolate
 from sph.storage.trajectory import Status, Variable
 from sph.study.tables import number_column, read_csv, text_column
 from sph.study.verdicts import HOLDS, MISSES
@@ -27,13 +28,13 @@ VALIDATION: tuple[Variable, ...] = (
     text_column("quantity", "name of the quantity"),
     text_column("text", "the quantity in words"),
     text_column("units", "its unit"),
-    number_column("computed", "see units", "value on the finest level"),
+    number_column("computed", "see units", "value on the finest level, or extrapolated from the two finest"),
     number_column("reference", "see units", "value to meet"),
     number_column("error", "1", "difference over the reference; where that is 0 the difference, in units"),
-    number_column("tolerance", "1", "largest error allowed on the finest level"),
+    number_column("tolerance", "1", "largest error allowed on the value computed"),
     text_column("verdict", f"{HOLDS} or {MISSES}"),
     text_column("levels", "resolutions, from coarse to fine"),
-    text_column("errors", "errors of the levels, from coarse to fine"),
+    text_column("errors", "errors of the levels, from coarse to fine, then of what they are extrapolated to"),
     number_column(
         "order",
         "1",
@@ -58,7 +59,10 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequenc
 
     Raises ValueError where the measure and the configuration do not name the same quantities.
     """
-    found = [measured(name, level) for level in levels.values()]
+    found, labels = [measured(name, level) for level in levels.values()], list(levels)
+    if case.compared == "extrapolated":
+        found.append(at_spacing_zero(found[-2], found[-1], sizes[-2] / sizes[-1]))
+        labels.append("extrapolated")
     if set(found[-1]) != set(case.quantities):
         raise ValueError(f"{name}: quantities {sorted(case.quantities)} are asked for, {sorted(found[-1])} are measured")
     cost = sum(float(result.data.attrs.get("wall_time_s", 0.0)) for level in levels.values() for result in level.values())
@@ -78,15 +82,20 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequenc
                 "error": finest.error,
                 "tolerance": asked.tolerance,
                 "verdict": verdict(finest, asked.tolerance),
-                "levels": ", ".join(levels),
+                "levels": ", ".join(labels),
                 "errors": ", ".join(f"{error:.3g}" for error in errors),
-                "order": observed_order(sizes, errors),
+                "order": observed_order(sizes, errors[: len(sizes)]),
                 "cost": cost,
                 "reason": asked.reason,
                 "source": case.source,
             }
         )
     return rows
+
+
+def at_spacing_zero(coarse: Mapping[str, Found], fine: Mapping[str, Found], ratio: float) -> dict[str, Found]:
+    """What two levels with spacings of a ratio give at spacing 0, by quantity."""
+    return {name: found._replace(computed=extrapolate(coarse[name].computed, found.computed, ratio)) for name, found in fine.items()}
 
 
 def measured(name: str, level: Level) -> dict[str, Found]:

@@ -268,27 +268,37 @@ def call(tmp_path: Path, command: str, *arguments: object) -> Result:
 
 def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
     out = tmp_path / "trials.csv"
-    tilted = ("--set", "gravity.inclination=20", "--tolerance", "0.1", "--rule", "observation=5", "--out", out)
+    rule = ("--rule", "observation=5", "--rule", "displacement=0.1")
+    tilted = ("--set", "gravity.inclination=20", "--tolerance", "0.1", *rule, "--out", out)
     result = call(tmp_path, "fos", *tilted)
     assert result.exit_code == 0, result.output
     trials = pd.read_csv(out)
-    *tried, answered, rule = result.stdout.splitlines()
-    assert len(tried) == len(trials) and tried[0].startswith("F = 1.0000  stands: 0 m2 displaced")
-    assert answered.startswith("factor of safety: 1.") and f"{len(trials)} runs" in answered
-    assert "0.05 H" in rule and "5 sqrt(H/g)" in rule
-    assert list(trials.columns) == list(Trial._fields)
+    *tried, coarse, fine, answered, sentence = result.stdout.splitlines()
+    assert (
+        len(tried) == len(trials) and tried[0].startswith("2 m: F = 1.0000  stands: 0 m2 displaced") and tried[-1].startswith("1 m: F = ")
+    )
+    for line, spacing in ((coarse, 2.0), (fine, 1.0)):
+        assert line.startswith(f"factor of safety at {spacing:g} m: ") and f"{(trials['spacing'] == spacing).sum()} runs" in line
+    assert answered.startswith("factor of safety extrapolated to spacing 0: ") and "remaining error about 0." in answered
+    assert "0.1 H" in sentence and "5 sqrt(H/g)" in sentence
+    assert list(trials.columns) == ["spacing", *Trial._fields]
 
     found = json.loads(call(tmp_path, "fos", *tilted, "--reduce", "S_R", "--json").stdout)
-    assert found["quantity"] == "critical strength ratio" and found["lower"] < found["value"] < found["upper"]
-    assert found["runs"] == len(found["trials"]) and found["rule"]["observation"] == 5.0
+    coarse, fine = found["spacings"]
+    assert found["quantity"] == "critical strength ratio" and (coarse["spacing"], fine["spacing"]) == (2.0, 1.0)
+    assert (
+        found["value"] == pytest.approx(2.0 * fine["value"] - coarse["value"]) and found["error"] > abs(found["value"] - fine["value"]) / 2
+    )
+    assert fine["lower"] < fine["value"] < fine["upper"]
+    assert found["runs"] == len(coarse["trials"]) + len(fine["trials"]) and found["rule"]["observation"] == 5.0
 
 
 def test_the_yield_acceleration_is_printed_in_both_units(tmp_path: Path) -> None:
-    result = call(tmp_path, "yield-acceleration", "--tolerance", "0.2", "--rule", "observation=5")
+    result = call(tmp_path, "yield-acceleration", "--tolerance", "0.2", "--rule", "observation=5", "--single")
     assert result.exit_code == 0, result.output
-    assert "yield acceleration: " in result.stdout and " g)" in result.stdout
-    fails = call(tmp_path, "yield-acceleration", "--set", "gravity.inclination=20", "--set", "soil.cohesion=30")
-    assert "yield acceleration: 0, the slope fails without the load" in fails.stdout
+    assert "yield acceleration at 1 m: " in result.stdout and " g)" in result.stdout and "extrapolated" not in result.stdout
+    fails = call(tmp_path, "yield-acceleration", "--set", "gravity.inclination=20", "--set", "soil.cohesion=30", "--single")
+    assert "yield acceleration at 1 m: 0, the slope fails without the load" in fails.stdout
 
 
 @pytest.mark.parametrize(
@@ -297,9 +307,14 @@ def test_the_yield_acceleration_is_printed_in_both_units(tmp_path: Path) -> None
         (("--reduce", "cohesion"), "--reduce 'cohesion': must be strength or S_R"),
         (("--rule", "area=2"), "--rule: area: Input should be less than or equal to 1 (found 2)"),
         (("--rule", "width"), "--rule 'width': write KEY=VALUE"),
-        (("--tolerance", "0"), "tolerance: 0.0 must be positive"),
+        (("--tolerance", "0", "--single"), "tolerance: 0.0 must be positive"),
         (("--out", "absent/folder/trials.csv"), "--out"),
-        (("--set", "gravity.acceleration=0"), "gravity.acceleration: 0"),
+        ((), "numerics.spacing: 1 m leaves no coarser one to extrapolate from"),
+        (("--spacings", "2,1,0.5"), "--spacings: 3 numbers, must be two"),
+        (("--spacings", "coarse"), "--spacings 'coarse': write two numbers (m), e.g. 2,1"),
+        (("--spacings", "2,1", "--single"), "--single: takes the scene's own spacing"),
+        (("--spacings", "2,1"), "numerics.spacing: 2 m is too coarse for the rule"),
+        (("--set", "gravity.acceleration=0", "--single"), "gravity.acceleration: 0"),
     ],
 )
 def test_refusals(tmp_path: Path, arguments: tuple[str, ...], wanted: str) -> None:

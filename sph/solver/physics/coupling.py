@@ -18,6 +18,7 @@ from __future__ import annotations
 import numpy as np
 
 from sph.solver.compiled.jit import entry, jit, rows
+from sph.solver.physics.dilation import dilate
 from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
@@ -83,7 +84,7 @@ def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type
 
 
 @jit
-def _update_solid(solid, initiation, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
+def _update_solid(solid, dilation, initiation, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
     if solid is None:
         return 0.0, 0.0, 0.0, 0.0
     else:
@@ -91,13 +92,14 @@ def _update_solid(solid, initiation, shear_modulus, bulk_modulus, state, i, p, r
         d += rate_d * dt
         q += rate_q * dt
         z = state.solid_z[i] + rate_z * dt
-        p_solid = limit_tension(solid, p)
+        p_limited = limit_tension(solid, p)
+        p_solid = dilate(dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus)
         factor = return_factor(solid, p_solid, d, q, z)
-        gather_plastic_strain(initiation, state, i, factor, d, q, (p_solid - p) / bulk_modulus, shear_modulus)
+        gather_plastic_strain(initiation, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
         state.solid_d[i] = d * factor
         state.solid_q[i] = q * factor
         state.solid_z[i] = z * factor
-        reached[k] = 1.0 if factor < 1.0 or p_solid > p else 0.0
+        reached[k] = 1.0 if factor < 1.0 or p_limited > p else 0.0
         return p_solid, state.solid_d[i], state.solid_q[i], state.solid_z[i]
 
 
@@ -137,7 +139,21 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         beta = _update_beta(fluid, state, i, soil.beta_decay)
         p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
         p_s, d_s, q_s, z_s = _update_solid(
-            solid, terms.initiation, soil.shear_modulus, bulk, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, i - np.uint64(first)
+            solid,
+            terms.dilation,
+            terms.initiation,
+            soil.shear_modulus,
+            bulk,
+            state,
+            i,
+            p,
+            rate_d,
+            rate_q,
+            rate_z,
+            angle,
+            dt,
+            reached,
+            i - np.uint64(first),
         )
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
         mean = -blend(beta, p_s, p_f) - 0.5 * z

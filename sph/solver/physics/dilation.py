@@ -1,0 +1,59 @@
+"""Dilation of intact soil at yield: plastic flow with a dilation angle psi (Mohr-Coulomb potential in plane strain).
+
+Plastic shear strain lambda comes with the increase of volume lambda sin(psi).  The density is that of the elastic part of the volume, from
+which the pressure follows; so it grows where soil dilates and cannot expand.  With the bulk modulus K the trial stress returns
+to the surface by
+
+    lambda = (demand - strength) / (G + K sin(phi) sin(psi)),   dp = K lambda sin(psi).
+
+Without this term plastic flow keeps the volume.  With psi = phi the flow is associated, as limit analysis takes it.  Dilation fades with
+beta: soil that has failed is at its critical state.  The out-of-plane deviator is left out of lambda; the return that follows is exact
+at the pressure found.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.yield_surface import shear_demand, strength
+
+
+class Dilation(NamedTuple):
+    """Coefficients of the term."""
+
+    flow: np.ndarray
+    """(particles with a stress of their own,) sin(psi)"""
+    friction: np.ndarray
+    """the same of sin(phi)"""
+
+
+@jit
+def dilate(term, surface, state, i, p, d, q, z, shear_modulus, bulk_modulus):  # type: ignore[no-untyped-def]
+    """Pressure (Pa) after the dilation of particle i in a step, from its pressure p and trial deviator (d, q, z); notes the density."""
+    if term is None:
+        return p
+    else:
+        excess = max(shear_demand(surface, d, q, z) - strength(surface, p), 0.0)
+        growth = state.beta[i] * excess * term.flow[i] / (shear_modulus + bulk_modulus * term.friction[i] * term.flow[i])
+        state.density[i] *= 1.0 + growth
+        return p + (bulk_modulus + p) * growth
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Dilation:
+    layer = particles.layer[: particles.first_no_slip]
+    psi, phi = (np.radians([getattr(soil, name) for soil in scene.soils]) for name in ("dilation_angle", "friction_angle"))
+    return Dilation(np.sin(psi)[layer], np.sin(phi)[layer])
+
+
+def _wanted(scene: Scene) -> bool:
+    return any(soil.dilation_angle > 0 for soil in scene.soils)
+
+
+TERM = Term("dilation", "soil.dilation_angle: soil at yield dilates", _wanted, _make)

@@ -1,0 +1,90 @@
+"""A limit of stability without the error of the spacing, from searches at two spacings.
+
+The limit found at a spacing dx is too high, about in proportion to dx (config/validation.yaml, V17 and V18): a slip surface is a band
+of some spacings, and the soil beside a face is supported by the kernel's width.  With f at dx and c at r dx the value at spacing 0 is
+
+    f + (f - c) / (r - 1).
+
+The remaining error is an estimate, not a bound: half of that step, for an order of convergence that is not 1; half of the brackets'
+widths as the extrapolation magnifies them; and the rule's displacement over H, since a slope that slides by delta comes to rest
+flatter by about delta / H, so that a limit by displacement is too high by as much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.stability.search import Search, Trial
+from sph.stability.standing import FailureRule, coarsest_spacing
+
+RATIO = 2.0
+"""Coarse spacing over the scene's own, unless the rule needs a finer one."""
+SMALLEST_RATIO = 1.3
+"""Of two spacings; closer ones magnify the brackets too much."""
+
+
+class Extrapolated(NamedTuple):
+    """The limit at two spacings and at none."""
+
+    spacings: tuple[float, float]
+    """coarse and fine, m"""
+    searches: tuple[Search, Search]
+    value: float
+    """extrapolated to spacing 0"""
+    error: float
+    """estimate of what remains, in the value's unit"""
+
+
+def extrapolate(coarse: float, fine: float, ratio: float) -> float:
+    """Value at spacing 0 from those at two spacings of a ratio, for an error of first order."""
+    return fine + (fine - coarse) / (ratio - 1.0)
+
+
+def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None = None) -> tuple[float, float]:
+    """Coarse and fine spacing (m): those asked for, or the scene's own and one twice as coarse or as coarse as the rule allows.
+
+    ValueError for spacings too close to each other, and for a number of them other than two.
+    """
+    own = scene.numerics.spacing
+    spacings = (max(min(RATIO * own, coarsest_spacing(scene, rule)), own), own) if asked is None else tuple(sorted(asked, reverse=True))
+    if len(spacings) != 2:
+        raise ValueError(f"--spacings: {len(spacings)} numbers, must be two")
+    coarse, fine = spacings
+    if not coarse >= SMALLEST_RATIO * fine > 0.0:
+        raise ValueError(
+            f"numerics.spacing: {fine:g} m leaves no coarser one to extrapolate from: at most {coarse:g} m for the rule, "
+            f"and {SMALLEST_RATIO:g} times {fine:g} m at least; take a finer spacing, or --single for the value at this one"
+        )
+    return coarse, fine
+
+
+def extrapolated(
+    find: Callable[..., Search],
+    scene: Scene,
+    spacings: tuple[float, float],
+    tolerance: float,
+    rule: FailureRule,
+    report: Callable[[float, Trial], None] | None = None,
+) -> Extrapolated:
+    """Search at two spacings (m), coarse and fine, by a function of ``sph.stability.safety``; the fine search begins around the coarse.
+
+    ``report`` gets the spacing and each trial.  ValueError as from the searches.
+    """
+    searches: list[Search] = []
+    for spacing in spacings:
+        at = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
+        near = searches[0].value if searches else None
+
+        def tell(trial: Trial, spacing: float = spacing) -> None:
+            if report is not None:
+                report(spacing, trial)
+
+        searches.append(find(at, tolerance, rule, tell, near=near))
+    coarse, fine = searches
+    ratio = spacings[0] / spacings[1]
+    value = extrapolate(coarse.value, fine.value, ratio)
+    brackets = 0.5 * (ratio * (fine.upper - fine.lower) + (coarse.upper - coarse.lower)) / (ratio - 1.0)
+    error = 0.5 * abs(value - fine.value) + brackets + rule.displacement * abs(value)
+    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error)

@@ -1,0 +1,81 @@
+"""Extrapolation of a limit over two spacings, with slopes that need no simulation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from sph.scene.schema import Scene, make_scene
+from sph.stability.extrapolation import extrapolate, extrapolated, two_spacings
+from sph.stability.safety import ACCELERATIONS, FACTORS, STRENGTH_RATIOS, factor_of_safety
+from sph.stability.search import Trial, around
+from sph.stability.standing import FailureRule
+
+EXACT = 1.234
+SLOPE = 0.1
+"""Error of the limit over the spacing, 1/m."""
+
+
+def scene(spacing: float = 0.5, **numerics: Any) -> Scene:
+    shape = {"shape": "slope", "slope_angle": 60.0, "slope_height": 20.0}
+    numerics = {"spacing": spacing, "time_step": 1e-4, "smoothing_ratio": 1.6, **numerics}
+    return make_scene({"name": "slope", "duration": 4.0, "geometry": shape, "numerics": numerics})
+
+
+@given(st.floats(0.1, 10.0), st.floats(-0.5, 0.5), st.floats(0.1, 2.0), st.floats(1.3, 4.0))
+def test_an_error_of_first_order_vanishes(exact: float, slope: float, spacing: float, ratio: float) -> None:
+    coarse, fine = (exact + slope * dx for dx in (ratio * spacing, spacing))
+    assert extrapolate(coarse, fine, ratio) == pytest.approx(exact, abs=1e-9)
+
+
+@pytest.mark.parametrize("rule", [FailureRule(), FailureRule(displacement=0.1)])
+def test_the_search_at_two_spacings_finds_the_limit_at_none(rule: FailureRule, monkeypatch: pytest.MonkeyPatch) -> None:
+    def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
+        stands = value < EXACT + SLOPE * scene.numerics.spacing
+        return Trial(value, stands, 0.0 if stands else 1e3, 0.0, "complete", 0.0)
+
+    monkeypatch.setattr("sph.stability.safety.stand", stand)
+    told: list[float] = []
+    found = extrapolated(factor_of_safety, scene(), (1.0, 0.5), 0.001, rule, lambda spacing, _: told.append(spacing))
+    assert found.spacings == (1.0, 0.5)
+    assert abs(found.value - EXACT) < 0.003 and abs(found.value - EXACT) < found.error
+    assert found.error > rule.displacement * EXACT
+    coarse, fine = (len(search.trials) for search in found.searches)
+    assert fine < coarse and told == [1.0] * coarse + [0.5] * fine, "the fine search begins around what the coarse one found"
+
+
+def test_the_spacings() -> None:
+    rule = FailureRule()
+    assert two_spacings(scene(0.5), rule) == (1.0, 0.5)
+    assert two_spacings(scene(1.5), rule) == (2.0, 1.5), "no coarser than the rule allows"
+    assert two_spacings(scene(0.5), rule, (0.5, 2.0)) == (2.0, 0.5)
+    for spacing, asked in ((2.0, None), (0.5, (0.5, 0.6)), (0.5, (1.0, -1.0)), (0.5, (1.0, float("nan")))):
+        with pytest.raises(ValueError, match="numerics.spacing: .* --single"):
+            two_spacings(scene(spacing), rule, asked)
+    with pytest.raises(ValueError, match="--spacings: 3 numbers, must be two"):
+        two_spacings(scene(), rule, (1.0, 0.5, 0.25))
+
+
+def test_a_small_kernel_allows_a_rule_of_one_per_cent() -> None:
+    rule = FailureRule(displacement=0.01)
+    assert two_spacings(scene(1.0, smoothing_ratio=1.3), rule) == (2.0, 1.0)
+    assert two_spacings(scene(1.5, smoothing_ratio=1.3), rule) == (2.0, 1.5), "ten rows of particles at least"
+    with pytest.raises(ValueError, match="numerics.spacing"):
+        two_spacings(scene(1.0), rule)
+
+
+@pytest.mark.parametrize("values", [FACTORS, STRENGTH_RATIOS, ACCELERATIONS])
+@given(near=st.floats(0.07, 0.99))
+def test_values_around_one(values: tuple[float, ...], near: float) -> None:
+    closer, start = around(values, near, 0)
+    assert closer[start] == near
+    assert list(closer) == sorted(set(closer), reverse=values[0] > values[-1])
+    assert {closer[0], closer[-1]} == {values[0], values[-1]}
+
+
+def test_values_beyond_the_ends_and_none() -> None:
+    assert around(FACTORS, None, 7) == (FACTORS, 7)
+    assert around(ACCELERATIONS, 0.0, 0) == (ACCELERATIONS, 0)
