@@ -32,11 +32,27 @@ SMALLEST_ACCELERATION = 1e-6
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
 app = typer.Typer(
-    help="Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics.",
     no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
 )
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        import sph
+
+        print(f"sph {sph.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def common(
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and end")] = False,
+) -> None:
+    """Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics."""
+
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which holds its scene")]
 Settings = Annotated[
@@ -152,6 +168,20 @@ def parse_acceleration(text: str, option: str) -> float:
     if not SMALLEST_ACCELERATION <= value <= LARGEST_ACCELERATION:
         raise ValueError(f"{option} {text!r}: must be positive and finite, from {SMALLEST_ACCELERATION:g} to {LARGEST_ACCELERATION:g} m/s2")
     return value
+
+
+@app.command(epilog="Example:  sph new ground.csv RSN6_ELC180.AT2 --out myslope")
+def new(
+    ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .csv)")],
+    out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
+) -> None:
+    """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""
+    with refusals():
+        from sph.command.new import write_new
+
+        scene, study = write_new(ground, record, out)
+    print(f"{scene}, {study}: replace the soil, then sph check {scene} --plot scene.png")
 
 
 @app.command(

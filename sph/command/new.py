@@ -1,0 +1,151 @@
+"""What ``sph new`` writes: a scene and a study of a slope of one's own, with comments, from its ground line and a record."""
+
+from __future__ import annotations
+
+import math
+import os
+from pathlib import Path
+from typing import Any
+
+from sph.scene.configuration import validated
+from sph.scene.ground_line import GroundLine
+from sph.scene.ground_motion import read_record
+from sph.scene.schema import load_scene
+from sph.scene.survey import read_line
+from sph.storage.files import whole
+
+SCENE, STUDY = "scene.yaml", "study.yaml"
+ROWS = 20
+"""Particles over the height of the slope, at least."""
+SPACINGS = (1.0, 2.0, 2.5, 5.0)
+"""What a spacing is rounded down to, times a power of ten, m."""
+DEPTH = 0.4
+"""Soil below the lowest ground, over the slope's height."""
+START, AFTER = 3.0, 5.0
+"""Beginning of the record, after the gravity stage, and what is simulated after its end, s."""
+SPEED = 250.0
+"""Speed of shear waves in the soil that stands in the scene until it is replaced, m/s."""
+DENSITY, POISSON = 1900.0, 0.3
+
+SCENE_TEXT = """\
+# {title}
+# Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked so, then look:
+#   sph check {scene} --plot scene.png
+#   sph fos {scene}
+#   sph run {scene}
+# Every key is described in docs/reference/scene-keys.md.
+name: {name}
+title: "{title} (the soil is not replaced yet)"
+duration: {duration:g} # s, the record and {after:g} s more
+geometry:
+  shape: ground_line
+  file: {ground}
+  base: {base:g} # m, elevation of the model's base; deeper than any slip surface
+  downhill: {downhill}
+# walls: no-slip base, frictionless sides; for a real site {{base: absorbing, sides: absorbing}} on level ground beyond the debris
+soil:
+  density: {density:g} # kg/m3                                         REPLACE
+  youngs_modulus: {modulus:.4g} # kPa, 2 (1 + nu) rho V_s^2 with V_s = {speed:g} m/s  REPLACE
+  poisson_ratio: {poisson:g} #                                           REPLACE
+  cohesion: 20.0 # kPa, at the peak                                REPLACE
+  friction_angle: 30.0 # degree, at the peak                       REPLACE
+  viscosity: 2.0 # Pa s, of debris beyond its yield stress; matters little
+# layers: # of other soil, by depth, elevation or polygon; only the keys that differ
+#   clay: {{region: {{kind: depth, top: 6.0, bottom: 9.0}}, soil: {{cohesion: 12.0, friction_angle: 19.0}}, S_R: 0.6}}
+coupling:
+  S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
+  gamma: 100.0 # 1/s, rate at which strength falls after failure; 100 is at once
+  initiation: {{slip: 1.0e-3, length: {length:g}}} # m; displacement beyond the peak in the shear test, and the width that yields first  REPLACE
+damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
+motion: {{kind: record, file: {record}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
+numerics:
+  spacing: {spacing:g} # m, {rows} particles over the height of the slope; {finer:g} to see what finer ones change
+"""
+STUDY_TEXT = """\
+# How far does the slope go, by the shaking and by what its soil keeps of its strength?
+#   snakemake --cores 2 --configfile {study}
+study: {name}
+scene: {scene}
+fidelity: own
+grid:
+  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and half as much again
+  S_R: ["0.3", "0.5", "0.7"]
+fidelities:
+  coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look
+  own: {{}} # the scene as it is
+"""
+
+
+def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
+    """Write ``SCENE`` and ``STUDY`` into a folder, which is made; their paths.
+
+    ValueError for a ground line or a record that cannot be used, and where one of the files exists.
+    """
+    scene, study = folder / SCENE, folder / STUDY
+    for path in (scene, study):
+        if path.exists():
+            raise ValueError(f"--out {folder}: {path} is there already; name another folder")
+    line, downhill = _ground(ground)
+    motion = read_record(record)
+    height = line.slope_height
+    spacing, frequency = _rounded(height / ROWS), _digits(SPEED / (4.0 * height))
+    name = "".join(letter if letter.isalnum() else "_" for letter in ground.stem)[:60] or "slope"
+    facts: dict[str, Any] = {
+        "name": name if name[0].isalnum() else f"slope{name}",
+        "title": f"Slope of {ground.name}",
+        "scene": scene,
+        "study": study,
+        "ground": os.path.relpath(ground, folder),
+        "record": os.path.relpath(record, folder),
+        "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
+        "base": line.base,
+        "downhill": downhill,
+        "density": DENSITY,
+        "poisson": POISSON,
+        "speed": SPEED,
+        "modulus": 2e-3 * (1.0 + POISSON) * DENSITY * SPEED**2,
+        "length": 4.0 * spacing,
+        "low": frequency,
+        "high": 5.0 * frequency,
+        "start": START,
+        "after": AFTER,
+        "peak": motion.peak,
+        "spacing": spacing,
+        "rows": round(height / spacing),
+        "finer": 0.75 * spacing,
+        "coarse": 2.0 * spacing,
+        "amplitudes": ", ".join(f'"{factor * motion.peak:.3g}"' for factor in (0.5, 1.0, 1.5)),
+    }
+    folder.mkdir(parents=True, exist_ok=True)
+    for path, text in ((scene, SCENE_TEXT), (study, STUDY_TEXT)):
+        with whole(path) as temporary:
+            temporary.write_text(text.format(**facts), encoding="utf-8")
+    load_scene(scene)
+    return scene, study
+
+
+def _ground(path: Path) -> tuple[GroundLine, str]:
+    """The ground with a base below it, and the side to which its largest slope falls."""
+    points = read_line(path)
+    lowest = min(y for _, y in points)
+    found, refused = [], []
+    for downhill in ("left", "right"):
+        keys: dict[str, Any] = {"shape": "ground_line", "points": points, "base": lowest - 1.0, "downhill": downhill}
+        try:
+            line = validated(GroundLine, keys, str(path))
+            base = math.floor(lowest - max(DEPTH * line.slope_height, 1.0))
+            found.append((validated(GroundLine, keys | {"base": base}, str(path)), downhill))
+        except ValueError as error:
+            refused.append(str(error))
+    if not found:
+        raise ValueError(refused[0])
+    return max(found, key=lambda each: each[0].slope_height)
+
+
+def _rounded(spacing: float) -> float:
+    unit = 10.0 ** math.floor(math.log10(spacing))
+    return _digits(unit * max(step for step in SPACINGS if step * unit <= spacing * (1 + 1e-9)))
+
+
+def _digits(value: float) -> float:
+    return float(f"{value:.2g}")
