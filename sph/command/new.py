@@ -55,7 +55,8 @@ soil:
 coupling:
   S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
   gamma: 100.0 # 1/s, rate at which strength falls after failure; 100 is at once
-  initiation: {{slip: 1.0e-3, length: {length:g}}} # m; displacement beyond the peak in the shear test, and the width that yields first  REPLACE
+  # Displacement beyond the peak in the shear test before its stress falls, and the width of what yields first, m  REPLACE
+  initiation: {{slip: 1.0e-3, length: {length:g}}}
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
 motion: {{kind: record, file: {record}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
