@@ -264,11 +264,15 @@ def check(
     scene: SceneFile,
     set_: Settings = None,
     plot: Annotated[Path | None, typer.Option(help="picture of the scene to write (.png, .pdf, .svg)")] = None,
+    static: Annotated[
+        bool,
+        typer.Option("--stability", help="also whether it stands unshaken, its factor of safety and yield acceleration; takes minutes"),
+    ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
 ) -> None:
     """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
     with refusals():
-        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
+        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows, stability
         from sph.command.check import check as look_at
         from sph.command.repeat import read_given
 
@@ -280,21 +284,25 @@ def check(
             from sph.figures.style import save
 
             save(draw(found), plot)
+        facts, told = rows(found), found.diagnostics
+        if static:
+            said, fails = stability(loaded)
+            facts, told = facts + said, fails + told
     layers = layer_rows(found)
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        print(to_json({"rows": dict(rows(found)), "layers": named, "warnings": [c._asdict() for c in found.diagnostics]}, indent=1))
+        print(to_json({"rows": dict(facts), "layers": named, "warnings": [each._asdict() for each in told]}, indent=1))
         return
-    width = max(len(label) for label, _ in rows(found))
-    for label, text in rows(found):
+    width = max(len(label) for label, _ in facts)
+    for label, text in facts:
         print(f"{label:<{width}}  {text}")
     table = Table(*LAYER_COLUMNS)
     for row in layers:
         table.add_row(*row)
     Console().print(table)
-    for diagnostic in found.diagnostics:
+    for diagnostic in told:
         print(f"warning: {diagnostic.sentence()}")
-    if not found.diagnostics:
+    if not told:
         print("no warnings")
 
 

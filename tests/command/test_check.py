@@ -13,13 +13,15 @@ import yaml
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from typer.testing import CliRunner, Result
 
-from sph.command.check import check, draw, layer_rows, rows
+from sph.command.check import check, draw, layer_rows, rows, stability
 from sph.command.cli import REFUSED, app
 from sph.figures.scene import FEW
 from sph.jobs.diagnostics import FEWEST_IN_WAVE, Diagnostic, highest_frequency, in_wave
 from sph.scene.configuration import dotted, merge
+from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
 from sph.solver.time_step import limits, wave_speed_ratio
+from sph.stability.limit_analysis import limit_factor
 
 SOUND: dict[str, Any] = {
     "scheme": "paper",
@@ -187,3 +189,33 @@ def test_axes_of_a_slope_that_falls_to_the_right_decrease() -> None:
     assert len(ticks) > 3 and ticks == sorted(ticks, reverse=True)
     places = {label: place for label, place in zip(ticks, figure.axes[0].get_xticks(), strict=True)}
     assert all(place == pytest.approx(220 - label) for label, place in places.items())
+
+
+STEEP: dict[str, Any] = {
+    "geometry.points": [[100, 440], [120, 440], [130, 450], [150, 450]],
+    "geometry.base": 435,
+    "motion": {"kind": "none"},
+}
+"""A slope of 1 : 1, 10 m high."""
+
+
+def test_a_slope_that_does_not_stand_is_told_before_any_search() -> None:
+    said, fails = stability(scene(**STEEP, **{"soil.cohesion": 2.0, "numerics.spacing": 1.0}))
+    assert said == [("unshaken, at its peak strength", "does not stand")]
+    assert [diagnostic.what for diagnostic in fails] == [
+        "the slope does not stand unshaken, so that its failure is not that of an earthquake"
+    ]
+
+
+@pytest.mark.long
+def test_the_stability_of_a_slope_is_that_of_limit_analysis() -> None:
+    said, fails = stability(scene(**STEEP, **{"soil.cohesion": 25.0, "soil.friction_angle": 20.0, "numerics.spacing": 0.5}))
+    told = dict(said)
+    assert fails == []
+    assert told["unshaken, at its peak strength"] == "stands"
+    assert told["unshaken, at its residual strength"].startswith("does not stand: soil that fails runs down")
+    # Soil that does not dilate is some per cent weaker than limit analysis says.
+    assert float(told["static factor of safety"].split(",")[0]) == pytest.approx(
+        limit_factor(45.0, 10.0, 1964.0 * GRAVITY, 25e3, 20.0, 5.0), rel=0.08
+    )
+    assert 0.1 < float(told["yield acceleration, pseudo-static"].split("(")[1].split(" ")[0]) < 0.6
