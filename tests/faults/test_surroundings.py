@@ -33,8 +33,8 @@ from sph.command.cli import app
 record, scene = sys.argv[1:]
 commands = {
     "help": ["--help"], "motion": ["motion", record], "newmark": ["newmark", scene, "--ay", "1"], "check": ["check", scene],
-    "info": ["info", scene], "run": ["run", scene], "fos": ["fos", scene],
-    "yield-acceleration": ["yield-acceleration", scene],
+    "info": ["info", scene], "run": ["run", scene], "fos": ["fos", scene, "--single"],
+    "yield-acceleration": ["yield-acceleration", scene, "--single"],
 }
 found = {name: CliRunner().invoke(app, arguments) for name, arguments in commands.items()}
 print(json.dumps({name: [done.exit_code, done.stderr, repr(done.exception)] for name, done in found.items()}))

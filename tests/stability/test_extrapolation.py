@@ -22,7 +22,7 @@ SLOPE = 0.1
 def scene(spacing: float = 0.5, **numerics: Any) -> Scene:
     shape = {"shape": "slope", "slope_angle": 60.0, "slope_height": 20.0}
     numerics = {"spacing": spacing, "time_step": 1e-4, "smoothing_ratio": 1.6, **numerics}
-    return make_scene({"name": "slope", "duration": 4.0, "geometry": shape, "numerics": numerics})
+    return make_scene({"name": "slope", "scheme": "paper", "duration": 4.0, "geometry": shape, "numerics": numerics})
 
 
 @given(st.floats(0.1, 10.0), st.floats(-0.5, 0.5), st.floats(0.1, 2.0), st.floats(1.3, 4.0))

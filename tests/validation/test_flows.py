@@ -20,6 +20,7 @@ def column_of(height: float) -> dict[str, Any]:
     return {
         "name": "column",
         "duration": 0.1,
+        "scheme": "paper",
         "geometry": {"shape": "bodies", "width": 1.0, "height": 0.4, "bodies": [{"kind": "polygon", "points": points}]},
         "walls": {"base": "fixed", "sides": "free_slip"},
         "gravity": {"ramp": 0.01, "duration": 0.01},

@@ -16,6 +16,7 @@ from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
 from sph.study.plan import Plan, Study
+from sph.study.sampling import chosen_runs
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -40,7 +41,7 @@ def test_the_shipped_study_covers_the_papers_cases() -> None:
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config" / "studies").glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_shipped_studies_of_other_slopes_stand(path: Path) -> None:
-    data = merge(GOOD, read_yaml(path))
+    data = chosen_runs(merge(GOOD, read_yaml(path)), read_yaml(path))
     for fidelity in read_yaml(path)["fidelities"]:
         chosen = load_study({**data, "fidelity": fidelity}, [ROOT])
         assert len(chosen.study.runs) == 12 and chosen.study.study == path.stem
