@@ -10,7 +10,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from sph.experiments.cost_accuracy.design import PRESETS
 from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, Summary, non_dominated, summary
@@ -73,6 +73,9 @@ def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mappin
             ax.annotate(variant.variant, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5)
     ax.set(xscale="log", yscale="log", xlabel="computing time of one run (s)")
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+        axis.set_minor_formatter(NullFormatter())
     ax.margins(x=0.12, y=0.08)
 
 

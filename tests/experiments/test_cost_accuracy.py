@@ -30,7 +30,7 @@ from sph.experiments.cost_accuracy.table import TRADE as VARIABLES
 from sph.figures.trade import figure_convergence, figure_tradeoff
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge, validated
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, load_scene, make_scene
 from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset, write_csv
 
@@ -64,6 +64,31 @@ def row_of(frame: pd.DataFrame, parameter: str, variant: str, case: str = "weak"
     found = frame[(frame["parameter"] == parameter) & (frame["variant"] == variant) & (frame["case"] == case)]
     assert len(found) == 1
     return found.iloc[0].to_dict()
+
+
+class TestResolution:
+    """The study of the scheme for one's own slopes."""
+
+    def test_it_is_valid_and_its_slope_has_the_height_that_errors_are_looked_up_by(self) -> None:
+        shipped = load_trade("config/resolution.yaml", study_plan({"paper": {}}), [ROOT])
+        assert {row.variant for row in shipped.rows if row.parameter == "preset"} == {"draft", "standard", "fine"}
+        assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
+        geometry = load_scene(ROOT / "config" / "scenes" / "long_box.yaml").geometry
+        assert geometry.slope_height == advice.HEIGHT  # type: ignore[union-attr]
+
+    @pytest.mark.parametrize(
+        ("spacing", "variant"), [(0.5, "preset: standard"), (0.4, "preset: standard"), (0.375, "preset: fine"), (1.01, None)]
+    )
+    def test_a_slope_of_ones_own_is_looked_up_by_its_rows_of_particles(self, spacing: float, variant: str | None) -> None:
+        # 12.5 m high: 0.5 m is as 1 m on the slope of the study, 25 m high.  Coarser than 2 m there nothing was measured.
+        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": spacing}, "coupling": {"initiation": {"length": 5.0}}}
+        found = expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings))
+        assert (found and found.variant) == variant
+
+    def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
+        for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.6}}):
+            settings = merge({"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 0.5}}, other)
+            assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) is None
 
 
 class TestConfiguration:
