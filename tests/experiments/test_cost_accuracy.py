@@ -86,7 +86,7 @@ class TestResolution:
         assert (found and found.variant) == variant
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
-        for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.6}}):
+        for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.2}}):
             settings = merge({"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 0.5}}, other)
             assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) is None
 
