@@ -37,9 +37,9 @@ class Expected(NamedTuple):
 
     def sentence(self) -> str:
         """The expectation in words."""
+        other = f", {percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of {self.baseline}" if self.baseline else ""
         return (
-            f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the finest run, "
-            f"{percent(self.from_baseline[0])} and {percent(self.from_baseline[1])} of {self.baseline} "
+            f"A's displacement within {percent(self.displacement)}, run-out within {percent(self.runout)} of the finest run{other} "
             f"(measured on the slope of the cost-accuracy study, {self.variant})"
         )
 
@@ -77,7 +77,7 @@ def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected 
                 variant.errors["runout"],
                 (variant.baseline_errors["displacement"], variant.baseline_errors["runout"]),
                 variant.name,
-                Expected._field_defaults["baseline"] if scene.scheme == "paper" else "25 rows of particles over the height",
+                Expected._field_defaults["baseline"] if scene.scheme == "paper" else "",
             )
     return None
 
@@ -88,15 +88,15 @@ HEIGHT = 25.0
 
 
 def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
-    """For a slope that is computed as the resolution study's but for spacing and initiation: the finest variant with no more rows of
-    particles over its height than the scene's slope has; none where the scene is coarser than all."""
+    """For a slope that is computed as the resolution study's but for spacing, damping and initiation: the finest variant with no more rows
+    of particles over its height than the scene's slope has; none where the scene is coarser than all."""
     if not isinstance(scene.geometry, SLOPES) or scene.coupling.initiation is None:
         return []
 
     def rest(keys: dict[str, Any]) -> str:
         numerics = {name: value for name, value in keys.get("numerics", {}).items() if name not in ("spacing", "lattice_shift")}
         coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "initiation"}
-        return settings_text(keys | {"numerics": numerics, "coupling": coupling})
+        return settings_text(keys | {"numerics": numerics, "coupling": coupling, "damping": None})  # each slope has a damping of its own
 
     own, spacing = rest(scheme(scene)), HEIGHT * scene.numerics.spacing / scene.geometry.slope_height
     alike = [
