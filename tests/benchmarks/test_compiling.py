@@ -9,6 +9,7 @@ import pytest
 
 SCENE = """
 name: {name}
+scheme: paper
 duration: 0.01
 geometry: {{shape: block, width: 4.0, height: 4.0}}
 gravity: {{ramp: 0.001, duration: 0.002}}

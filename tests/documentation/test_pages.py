@@ -68,8 +68,8 @@ def anchors(page: Path) -> set[str]:
     return found
 
 
-def broken(page: Path) -> list[str]:
-    """Relative links of a page that lead nowhere."""
+def broken(page: Path, site: Path = ROOT / "docs") -> list[str]:
+    """Relative links of a page that lead nowhere, or from the site to what is not in it."""
     faults = []
     for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
         if re.match(r"\w+:", target):
@@ -81,7 +81,8 @@ def broken(page: Path) -> list[str]:
             fine = module.with_suffix(".py").is_file() or (module / "__init__.py").is_file()
         else:
             fine = file.is_file() and (not anchor or anchor in anchors(file))
-        faults += [] if fine else [target]
+        leaves_the_site = page.is_relative_to(site) and not file.resolve().is_relative_to(site)
+        faults += [] if fine and not leaves_the_site else [target]
     return faults
 
 
@@ -96,6 +97,14 @@ def test_broken_links_are_seen(tmp_path: Path) -> None:
     links = " ".join(f"[a]({target})" for target in ["#a-title-of-x", *targets])
     page.write_text(f"# A title: of `x`\n{links} `[a](in_code)`\n", encoding="utf-8")
     assert broken(page) == targets
+
+
+def test_a_link_out_of_the_site_is_seen(tmp_path: Path) -> None:
+    site = tmp_path / "docs"
+    site.mkdir()
+    (tmp_path / "README.md").write_text("[a](docs/page.md)")
+    (site / "page.md").write_text("[a](../README.md) [b](page.md)")
+    assert broken(site / "page.md", site) == ["../README.md"] and not broken(tmp_path / "README.md", site)
 
 
 def test_every_page_is_linked() -> None:

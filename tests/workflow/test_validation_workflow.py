@@ -48,7 +48,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
 
 def test_the_shipped_suite_and_limits_are_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "validation", "limits")
-    assert jobs["validation_case"] == 15 and jobs["experiment_run"] > 60 and "gravity" not in jobs
+    assert jobs["validation_case"] == 17 and jobs["experiment_run"] > 60 and "gravity" not in jobs
 
 
 def test_the_table_holds_every_case(validated: Path) -> None:
