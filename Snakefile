@@ -12,7 +12,7 @@ from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.paper.study import load_study
 from sph.study.planned import planned, sources
-from sph.study.sampling import chosen_runs
+from sph.study.sampling import chosen_study
 from sph.experiments.trigger.design import load_trigger, plan_of
 from sph.scene.configuration import check_files
 from sph.solver.compiled.jit import solver_digest
@@ -33,7 +33,7 @@ SPH = Path(os.path.abspath(sph.__file__)).parent
 FOLDERS = [Path.cwd(), SPH.parent]
 # Its scenes are built before the first job, not again by each.
 PLAN = load_study(
-    chosen_runs(config, workflow.config_settings.overwrite_config),
+    chosen_study(config, workflow.config_settings.overwrite_config),
     FOLDERS,
     workflow.is_main_process,
 )
@@ -43,7 +43,7 @@ SECTIONS = sections_of(PLAN.study)
 # Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
 RUN = "{folder}/runs/{run}.nc"
 TRIGGER = functools.cache(
-    functools.partial(load_trigger, PLAN.study.file_of("trigger"), PLAN, FOLDERS)
+    lambda: load_trigger(PLAN.experiment_file("trigger"), PLAN, FOLDERS)
 )
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
 # Snakemake does not see edits in imported modules: the contents of the sources of each stage are its parameters.

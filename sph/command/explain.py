@@ -28,8 +28,8 @@ from sph.experiments.sensitivity.tables import sample_columns
 from sph.experiments.study_row import run_values
 from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
 from sph.experiments.trigger.design import TriggerPlan, load_trigger
-from sph.experiments.trigger.points import POINTS
-from sph.measures.metrics import GRID, measure
+from sph.experiments.trigger.points import point_columns
+from sph.measures.metrics import measure
 from sph.scene.configuration import CONTENT_KEYS
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest
@@ -117,12 +117,12 @@ class Project:
     @functools.cached_property
     def trigger(self) -> TriggerPlan:
         """The searches for critical amplitudes."""
-        return load_trigger(self.plan.study.file_of("trigger"), self.plan, self._folders)
+        return load_trigger(self.plan.experiment_file("trigger"), self.plan, self._folders)
 
     @functools.cached_property
     def sensitivity(self) -> SensitivityPlan:
         """The designs of the sensitivity analysis."""
-        return load_sensitivity(self.plan.study.file_of("sensitivity"), self.plan, self._folders, check=False)
+        return load_sensitivity(self.plan.experiment_file("sensitivity"), self.plan, self._folders, check=False)
 
     def design(self, name: str) -> Any:
         """An experiment whose runs stand alone, with its configuration read."""
@@ -168,7 +168,7 @@ class Project:
     @functools.cached_property
     def _searched(self) -> dict[str, tuple[Plan, Point | None]]:
         """The same of what the search for critical amplitudes has asked for."""
-        if not self.plan.study.is_grid_over(GRID):
+        if not any((self.folder / "results" / self.plan.study.study).glob(f"*/{TRIGGER_FOLDER}")):
             return {}
         asked: dict[str, dict[str, Point]] = {folder: {} for folder in self.trigger.plans}
         for _, _, folder, point in self.trigger.asked(self.folder):
@@ -192,9 +192,9 @@ class Project:
         if Path(place).parts[-1:] == (TRIGGER_FOLDER,) and name in ("points.csv", "maps.csv") and place.startswith("results/"):
             trigger, fidelity = self.trigger, self.trigger.fidelity
             return Table(
-                POINTS,
-                ["case", *GRID],
-                lambda row: [f"{trigger.folders[fidelity, row['case']]}/runs/{point_name({axis: row[axis] for axis in GRID})}.nc"],
+                point_columns(trigger.dimensions.all),
+                ["case", *trigger.names],
+                lambda row: [f"{trigger.folders[fidelity, row['case']]}/runs/{point_name({axis: row[axis] for axis in trigger.names})}.nc"],
                 lambda runs: measure(runs[0], settings),
             )
         if file == f"{plan.folder}/sensitivity/sample.csv" or place == f"{plan.folder}/sensitivity/samples":

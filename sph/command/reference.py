@@ -33,10 +33,10 @@ from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
-from sph.experiments.trigger.critical import CONFIRM, CRITICAL
-from sph.experiments.trigger.design import Trigger
-from sph.experiments.trigger.maps import CELLS, SHARES
-from sph.experiments.trigger.points import POINTS
+from sph.experiments.trigger.critical import confirm_columns, critical_columns
+from sph.experiments.trigger.design import Searched, Trigger
+from sph.experiments.trigger.maps import cell_columns, share_columns
+from sph.experiments.trigger.points import point_columns
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.paper.study import AnyStudy
 from sph.scene.configuration import validated
@@ -44,7 +44,7 @@ from sph.scene.schema import Scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
-from sph.study.dimensions import named_sections, sections
+from sph.study.dimensions import SHORT_NAMES, dimension, named_sections, sections
 from sph.study.tables import VALUES
 from sph.study.verdicts import HOLDS, MISSES
 from sph.validation.suite import Validation
@@ -337,6 +337,14 @@ def _schemes_table() -> Reference:
     return Reference(("key", "`resolved`", "`paper`", "meaning"), rows)
 
 
+def _searched() -> Searched:
+    """The dimensions of the searches in the paper's study."""
+    scene = validated(
+        Scene, {"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}}, "paper"
+    )
+    return Searched(tuple(dimension(name, ["1"], scene) for name in SHORT_NAMES), "amplitude")
+
+
 def _flat(section: dict[str, Any], prefix: str = "") -> dict[str, Any]:
     return {
         key: value
@@ -377,11 +385,11 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "cross_validation_variables": lambda: _variables(CROSS_VALIDATION),
     "confirmation_variables": lambda: _variables(CONFIRMED),
     "trigger_keys": lambda: _keys(Trigger),
-    "trigger_variables": lambda: _variables(CRITICAL),
-    "points_variables": lambda: _variables(POINTS),
-    "confirm_variables": lambda: _variables(CONFIRM),
-    "cells_variables": lambda: _variables(CELLS),
-    "shares_variables": lambda: _variables(SHARES),
+    "trigger_variables": lambda: _variables(critical_columns(_searched())),
+    "points_variables": lambda: _variables(point_columns(_searched().all)),
+    "confirm_variables": lambda: _variables(confirm_columns(_searched())),
+    "cells_variables": lambda: _variables(cell_columns(_searched())),
+    "shares_variables": lambda: _variables(share_columns(_searched())),
     "validation": lambda: Reference(CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION)))),
     "limits": lambda: _limits_table(read_limits()),
     "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),

@@ -35,7 +35,7 @@ from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.strict_json import finite, parse_json
 from sph.storage.files import beside
 from sph.study.plan import Plan
-from sph.study.sampling import chosen_runs
+from sph.study.sampling import chosen_study
 
 REFRESH = 2.0
 """Wall time between looks of ``--watch``, s."""
@@ -121,7 +121,7 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
     data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
     if configfile:
         given = read_yaml(configfile)
-        data = chosen_runs(merge(data, given), given)
+        data = chosen_study(merge(data, given), given)
     if place:
         if data.get("study") != place.parent.name:
             raise ValueError(f"{folder}: the configuration's study is {data.get('study')!r}; name that of this one by --configfile")

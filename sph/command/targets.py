@@ -42,13 +42,13 @@ def _listed(plan: Plan, folder: Path, tables: tuple[tuple[Path, int], ...]) -> t
 def _searched(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]:
     if not (folder / "trigger").is_dir():
         return
-    trigger, own = load_trigger(plan.study.file_of("trigger"), plan, folders), plan.files()
+    trigger, own = load_trigger(plan.experiment_file("trigger"), plan, folders), plan.files()
     for target, case, at, point in trigger.asked(folder.parents[2]):
         name = point_name(point)
         if f"{at}/runs/{name}.nc" in own:
             continue
         scene = trigger.plans[at].built(**point)
-        group = f"{target} {case} {point['amplitude']}"
+        group = f"{target} {case} {point[trigger.trigger.intensity.dimension]}"
         yield Job(Kind.RUN, group, name, f"runs/{name}.nc", scene, os.path.relpath(at, plan.folder), target)
 
 
@@ -56,7 +56,7 @@ def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]
     place = folder / "sensitivity"
     if not place.is_dir():
         return
-    sensitivity = load_sensitivity(plan.study.file_of("sensitivity"), plan, folders, check=False)
+    sensitivity = load_sensitivity(plan.experiment_file("sensitivity"), plan, folders, check=False)
     factors = chosen_factors(place / "factors.json") if (place / "factors.json").is_file() else []
     for design in ("morris", "tornado", "sobol", "confirm"):
         for run in sensitivity.design(design, factors) if factors or design in ("morris", "tornado") else ():

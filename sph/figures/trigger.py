@@ -1,10 +1,10 @@
-"""Critical amplitudes against S_R, maps over S_R and amplitude, shares of S_R and gamma that reach a class."""
+"""Critical intensities, maps over a dimension and the intensity, shares of the values searched that reach a class."""
 
 from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,11 +17,12 @@ from matplotlib.patches import Patch
 from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
+from sph.experiments.trigger.design import Searched
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note
 from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.study.dimensions import Dimension, is_number
 
 MARKERS = "osD^v<>p"
-AMPLITUDE = "amplitude of the shaking (m/s²)"
 GRID_POINTS = 241
 """Points along each side of a map's background."""
 
@@ -46,69 +47,92 @@ def class_colours() -> list[Any]:
     return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
 
 
-@styled
-def figure_critical(table: pd.DataFrame, note: str = "") -> Figure:
-    """Critical amplitude against S_R, a curve a gamma, a row a class and a column a case; bars are the brackets.
+def _words(found: Dimension, value: str) -> str:
+    """A dimension and one of its values."""
+    return plain(f"{found.symbol} = {value} {found.shown_unit}".rstrip())
 
-    ``table`` as from ``read_critical``.  An arrow stands where there is no bracket: down, the class is reached at the lowest
-    amplitude; up, it is not reached at the highest.  Raises ValueError for an empty table.
+
+def _at(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> pd.Series:
+    """What every row is at, in words: the values of some dimensions."""
+    return table.apply(lambda row: ", ".join(_words(found, row[found.name]) for found in dimensions), axis=1)
+
+
+def _across(table: pd.DataFrame, others: Sequence[Dimension]) -> tuple[Dimension | None, list[Dimension]]:
+    """The dimension along the horizontal axis, the first of numbers if there is one, and the rest."""
+    x = next((found for found in others if table[found.name].map(is_number).all()), None)
+    return x, [found for found in others if found != x]
+
+
+@styled
+def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
+    """Critical intensity against the first other dimension of numbers, a curve a value of the rest, a row a class and a column a case.
+
+    ``table`` as from ``read_critical``; bars are the brackets.  An arrow stands where there is no bracket: down, the class is reached at
+    the lowest intensity; up, it is not reached at the highest.  Raises ValueError for an empty table.
     """
     if table.empty:
         raise ValueError("table: no row to draw")
+    across, rest = _across(table, searched.others)
+    table = table.assign(curve=_at(table, rest), x=table[across.name].astype(float) if across else 0.0)
     cases, classes = (list(dict.fromkeys(table[name])) for name in ("case", "collapse_class"))
-    gammas = sorted(set(table["gamma"]), key=float)
-    looks = [dict(color=colour, marker=MARKERS[number % len(MARKERS)]) for number, colour in enumerate(curve_colours(len(gammas)))]
+    curves = list(dict.fromkeys(table["curve"]))
+    looks = [dict(color=colour, marker=MARKERS[number % len(MARKERS)]) for number, colour in enumerate(curve_colours(len(curves)))]
     figure = Figure(figsize=(WIDTH, 0.7 + 2.3 * len(classes)), layout="constrained")
     axes = figure.subplots(len(classes), len(cases), sharex=True, sharey=True, squeeze=False)
     titles = []
     for ax, (name, case) in zip(axes.flat, ((name, case) for name in classes for case in cases), strict=True):
         rows = table[(table["collapse_class"] == name) & (table["case"] == case)]
-        for look, gamma in zip(looks, gammas, strict=True):
-            _draw_brackets(ax, rows[rows["gamma"] == gamma], look)
-        for column, style in zip(ESTIMATES, LINE_STYLES[1:], strict=False):
+        for look, curve in zip(looks, curves, strict=True):
+            _draw_brackets(ax, rows[rows["curve"] == curve], look)
+        for column, style in zip(_estimates(searched), LINE_STYLES[1:], strict=False):
             ax.axhline(rows[column].iloc[0], color=GREY, linewidth=1.0, linestyle=style, zorder=1)
         titles.append(f"{name}: {plain(case)}")
     label_panels(axes.flat, titles)
     axes[0, 0].set_ylim(0.0, None)
     for ax in axes[-1]:
-        ax.set_xlabel("strength ratio $S_R$")
+        ax.set(xlabel=plain(across.label)) if across else ax.set(xticks=[])
     for ax in axes[:, 0]:
-        ax.set_ylabel("critical amplitude (m/s²)")
-    handles = [Line2D([], [], markersize=4, label=f"γ = {gamma} s⁻¹", **look) for look, gamma in zip(looks, gammas, strict=True)]
+        ax.set_ylabel(plain(f"critical {searched.intensity.label}"))
+    handles = [Line2D([], [], markersize=4, label=curve, **look) for look, curve in zip(looks, curves, strict=True) if curve]
     handles += [
         Line2D([], [], color=GREY, linewidth=1.0, linestyle=style, label=label)
-        for (label, style) in zip(ESTIMATES.values(), LINE_STYLES[1:], strict=False)
+        for (column, label), style in zip(_estimates(searched).items(), LINE_STYLES[1:], strict=False)
+        if table[column].notna().any()
     ]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), handlelength=3.0)
+    if handles:
+        figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), handlelength=3.0)
     write_note(figure, note)
     return figure
 
 
-ESTIMATES = {"yield_acceleration": "pseudo-static", "newmark_amplitude": "sliding block (Newmark)"}
-"""Columns of the horizontal lines, and their names."""
+def _estimates(searched: Searched) -> dict[str, str]:
+    """Columns of the horizontal lines, and their names; an acceleration is drawn where the intensity is one."""
+    static = {"yield_acceleration": "pseudo-static"} if searched.intensity.unit == "m/s2" else {}
+    return {**static, "newmark_intensity": "sliding block (Newmark)"}
 
 
 def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
-    rows = rows.assign(x=rows["S_R"].astype(float)).sort_values("x")
+    rows = rows.sort_values("x")
     found = rows[rows["outcome"] == BRACKETED]
     error = found["resolution_error"].to_numpy()
-    ax.errorbar(found["x"], found["critical_amplitude"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
+    ax.errorbar(found["x"], found["critical_intensity"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
     marks = [(rows["outcome"] == outcome, end, marker, 7) for outcome, end, marker in ((AT_LOWEST, "upper", "v"), (NEVER, "lower", "^"))]
-    marks.append(((rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0)), "critical_amplitude", "o", 10))
+    marks.append(((rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0)), "critical_intensity", "o", 10))
     for where, column, marker, size in marks:
         _draw_marks(ax, rows[where], column, marker=marker, markersize=size, markerfacecolor="none", color=look["color"])
 
 
 @styled
-def figure_class_map(points: pd.DataFrame, note: str = "") -> Figure:
-    """Class over S_R and amplitude, a column a gamma and a row a case; dots are the points that were run, crosses those that diverged.
+def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
+    """Class over a dimension and the intensity, a column a value of the rest and a row a case; dots are the points that were run, crosses
+    those that diverged.
 
     ``points`` as from ``read_points``.  Between the points the ground has the class nearest to the interpolated rank.  Raises
     ValueError for an empty table.
     """
     colours = class_colours()
     norm = BoundaryNorm(np.arange(len(CLASSES) + 1) - 0.5, len(CLASSES))
-    figure, panels = _panels(points)
+    figure, panels = _panels(points, searched)
     for ax, plane in panels:
         known = plane[plane["collapse_class"] != UNDETERMINED]
         values = known["collapse_class"].map(CLASSES.index).to_numpy(dtype=float)
@@ -121,12 +145,12 @@ def figure_class_map(points: pd.DataFrame, note: str = "") -> Figure:
 
 
 @styled
-def figure_map(points: pd.DataFrame, mapped: Mapped, note: str = "") -> Figure:
-    """A quantity over S_R and amplitude, a column a gamma and a row a case, linear between the points that were run (dots).
+def figure_map(points: pd.DataFrame, searched: Searched, mapped: Mapped, note: str = "") -> Figure:
+    """A quantity over a dimension and the intensity, a column a value of the rest and a row a case, linear between the points.
 
-    ``points`` as from ``read_points``; crosses diverged.  Raises ValueError for an empty table.
+    ``points`` as from ``read_points``, drawn as dots; crosses diverged.  Raises ValueError for an empty table.
     """
-    figure, panels = _panels(points)
+    figure, panels = _panels(points, searched)
     highest = float(np.nanmax(points[mapped.column].to_numpy(), initial=0.0)) or 1.0
     for ax, plane in panels:
         known = plane[plane[mapped.column].notna()]
@@ -138,22 +162,25 @@ def figure_map(points: pd.DataFrame, mapped: Mapped, note: str = "") -> Figure:
     return figure
 
 
-def _panels(points: pd.DataFrame) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A panel a case and gamma of the undivided lattice, and the points in its plane."""
+def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
+    """A panel a case and value of the dimensions beside the first on the undivided lattice, and the points in its plane."""
     if points.empty:
         raise ValueError("points: no point to draw")
-    points = points.assign(x=points["S_R"].astype(float), y=points["amplitude"].astype(float))
-    cases, gammas = list(dict.fromkeys(points["case"])), sorted(set(points.loc[points["round"] == 0, "gamma"]), key=float)
+    across, *rest = searched.others
+    points = points.assign(x=points[across.name].astype(float), y=points[searched.intensity_name].astype(float), plane=_at(points, rest))
+    cases = list(dict.fromkeys(points["case"]))
+    undivided = points[points["round"] == 0].sort_values([found.name for found in rest], key=lambda column: column.astype(float))
+    planes = list(dict.fromkeys(undivided["plane"]))
     figure = Figure(figsize=(WIDTH, 0.7 + 2.4 * len(cases)), layout="constrained")
-    axes = figure.subplots(len(cases), len(gammas), sharex=True, sharey=True, squeeze=False)
-    pairs = [(case, gamma) for case in cases for gamma in gammas]
-    label_panels(axes.flat, [plain(f"γ = {gamma} s⁻¹" + (f", {case}" if len(cases) > 1 else "")) for case, gamma in pairs])
+    axes = figure.subplots(len(cases), len(planes), sharex=True, sharey=True, squeeze=False)
+    pairs = [(case, plane) for case in cases for plane in planes]
+    label_panels(axes.flat, [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs])
     for ax in axes[-1]:
-        ax.set_xlabel("strength ratio $S_R$")
+        ax.set_xlabel(plain(across.label))
     for ax in axes[:, 0]:
-        ax.set_ylabel(AMPLITUDE)
-    planes = [points[(points["case"] == case) & (points["gamma"] == gamma)] for case, gamma in pairs]
-    return figure, list(zip(axes.flat, planes, strict=True))
+        ax.set_ylabel(plain(searched.intensity.label))
+    shown = [points[(points["case"] == case) & (points["plane"] == plane)] for case, plane in pairs]
+    return figure, list(zip(axes.flat, shown, strict=True))
 
 
 def _draw_ground(ax: Axes, plane: pd.DataFrame, values: np.ndarray, **look: Any) -> Any:
@@ -195,16 +222,16 @@ def _point_handles(points: pd.DataFrame) -> list[Line2D]:
     return handles
 
 
-def _mapped(mapped: Mapped, points: pd.DataFrame, note: str) -> Figure:
-    return figure_map(points, mapped, note)
+def _mapped(mapped: Mapped, points: pd.DataFrame, searched: Searched, note: str) -> Figure:
+    return figure_map(points, searched, mapped, note)
 
 
 @styled
-def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
-    """Share of the searched values of S_R and gamma with which a class, or a worse one, is reached, against amplitude, a panel a class.
+def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
+    """Share of the values searched with which a class, or a worse one, is reached, against the intensity, a panel a class.
 
     ``shares`` as from ``read_shares``.  A band lies between the lower and the upper bound that the points leave.  It is a share of values
-    of two parameters, not a probability of a ground motion.  Raises ValueError for an empty table.
+    of parameters, not a probability of a ground motion.  Raises ValueError for an empty table.
     """
     if shares.empty:
         raise ValueError("shares: no row to draw")
@@ -215,13 +242,13 @@ def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
     for ax, name in zip(axes, CLASSES[1:], strict=True):
         for case, colour, line in looks:
             rows = shares[(shares["case"] == case) & (shares["collapse_class"] == name)]
-            at = np.append(rows["amplitude_lower"], rows["amplitude_upper"].iloc[-1])
+            at = np.append(rows[f"{searched.intensity_name}_lower"], rows[f"{searched.intensity_name}_upper"].iloc[-1])
             low, high = (np.append(rows[end], rows[end].iloc[-1]) for end in ("share_lower", "share_upper"))
             ax.fill_between(at, low, high, step="post", color=colour, alpha=0.25, linewidth=0)
             for bound in (low, high):
                 ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
-        ax.set(xlabel=AMPLITUDE, xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
-    axes[0].set_ylabel("share of $S_R$ and γ searched")
+        ax.set(xlabel=plain(searched.intensity.label), xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
+    axes[0].set_ylabel(plain(f"share of {' and '.join(found.symbol for found in searched.others)} searched"))
     label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
     handles = [
         Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between its bounds")
@@ -232,11 +259,11 @@ def figure_shares(shares: pd.DataFrame, note: str = "") -> Figure:
     return figure
 
 
-MAPS: dict[str, tuple[str, Callable[[pd.DataFrame, str], Figure]]] = {
+MAPS: dict[str, tuple[str, Callable[[pd.DataFrame, Searched, str], Figure]]] = {
     "shares": ("shares", figure_shares),
     "map-class": ("points", figure_class_map),
     **{f"map-{name}": ("points", functools.partial(_mapped, mapped)) for name, mapped in MAPPED.items()},
 }
-"""Figures of the maps by the names of their files: the table that each shows, and a function of it and the note."""
+"""Figures of the maps by the names of their files: the table that each shows, and a function of it, the dimensions and the note."""
 FIGURES = {"trigger": ("critical", figure_critical), **MAPS}
 """All figures of the searches."""

@@ -367,13 +367,13 @@ def decide_trigger(critical: pd.DataFrame) -> pd.DataFrame:
 
 
 def _clear(row: Mapping[Hashable, Any]) -> bool:
-    return bool(not math.isnan(row["critical_amplitude"]) and row["diverged_inside"] == 0 and row["changes"] == 1)
+    return bool(not math.isnan(row["critical_intensity"]) and row["diverged_inside"] == 0 and row["changes"] == 1)
 
 
 def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:
     if row is None:
         return f"S_R {S_R:.2f}: not searched"
-    if math.isnan(row["critical_amplitude"]):
+    if math.isnan(row["critical_intensity"]):
         end = row["lower"] if math.isnan(row["upper"]) else row["upper"]
         return f"S_R {S_R:.2f}: {row['outcome']} amplitude, {end:g} m/s²"
     more = [
@@ -382,7 +382,7 @@ def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:
         if row[name] > (name == "changes")
     ]
     still = ["lower end still moving"] if row["lower_still_moving"] else []
-    text = f"S_R {S_R:.2f}: {row['critical_amplitude']:.4g} ± {row['resolution_error']:.3g} m/s²"
+    text = f"S_R {S_R:.2f}: {row['critical_intensity']:.4g} ± {row['resolution_error']:.3g} m/s²"
     return text + (f" ({', '.join(more + still)})" if more + still else "")
 
 

@@ -43,11 +43,17 @@ class AnyStudy(Study):
     figures: PaperFigures = key(
         "runs shown in Figs. 4-7, of a study over other dimensions than the paper's in profiles", default=PaperFigures()
     )
-    claims: ClaimSettings = key("numbers that turn the paper's words into tests", default=ClaimSettings())
+    claims: ClaimSettings | None = key(
+        "numbers that turn the source paper's words into tests: with them a grid over exactly S_R, gamma and amplitude has its claims "
+        "decided and its Figures 1 to 7 drawn; null: neither",
+        default=None,
+    )
 
 
 class PaperStudy(AnyStudy):
-    """A study over exactly the paper's dimensions."""
+    """A study over exactly the paper's dimensions, of which its claims are asked."""
+
+    claims: ClaimSettings = key("numbers that turn the source paper's words into tests", default=ClaimSettings())
 
     @property
     def figure_files(self) -> dict[str, list[str]]:
@@ -80,7 +86,7 @@ class PaperStudy(AnyStudy):
 def read_study(data: Mapping[str, Any], origin: str) -> AnyStudy:
     """Validate the keys of a study, the paper's where its dimensions are those; ValueError names ``origin``, key and value."""
     study = validated(AnyStudy, data, origin)
-    return validated(PaperStudy, data, origin) if study.is_grid_over(DIMENSIONS) else study
+    return validated(PaperStudy, data, origin) if study.claims is not None and study.is_grid_over(DIMENSIONS) else study
 
 
 def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
@@ -94,5 +100,6 @@ def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] =
 def paper_study(study: Study, what: str) -> PaperStudy:
     """The study, where it is the paper's; ValueError, which says ``what`` needs it, where not."""
     study.needs_grid_over(DIMENSIONS, what)
-    assert isinstance(study, PaperStudy), "a grid over the paper's dimensions is read as its study"
+    if not isinstance(study, PaperStudy):
+        raise ValueError(f"{what} need the key claims in study {study.study!r}, for the paper's is {{amplitude: 6.0}}")
     return study

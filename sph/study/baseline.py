@@ -29,27 +29,26 @@ def baseline_metrics(scene: Scene, yield_acceleration: float) -> dict[str, float
     return dict(zip((row.name for row in BASELINE), (yield_acceleration, slip), strict=True))
 
 
-def newmark_amplitude(scene: Scene, yield_acceleration: float, displacement: float) -> float:
-    """Amplitude (m/s2) of the scene's motion at which the sliding block slips by a displacement (m), from its yield acceleration (m/s2).
+def newmark_factor(scene: Scene, yield_acceleration: float, displacement: float) -> float:
+    """Factor on the scene's motion with which the sliding block slips by a displacement (m), from its yield acceleration (m/s2).
 
-    0 for a slope that does not stand without shaking, the yield acceleration under a load that stays, infinite for a motion that nowhere
-    drives the block downslope, NaN where the yield acceleration is; ValueError for a scene that is not shaken.
+    0 for a slope that does not stand without shaking, the yield acceleration over the load under one that stays, infinite for a motion that
+    nowhere drives the block downslope, NaN where the yield acceleration is; ValueError for a scene that is not shaken.
     """
     if not yield_acceleration > 0.0:
         return yield_acceleration
     if reference_amplitude(scene.motion) == 0.0:
         raise ValueError(f"motion: scene {scene.name} is not shaken, there is nothing to scale")
     if isinstance(scene.motion, ConstantAcceleration):
-        return yield_acceleration
+        return yield_acceleration / scene.motion.amplitude
     motion = motion_of(scene)
-    shape = motion.acceleration / reference_amplitude(scene.motion)
-    if not shape.max() > 0.0:
+    if not motion.acceleration.max() > 0.0:
         return math.inf
 
-    def excess(amplitude: float) -> float:
-        return sliding_block(motion.time, amplitude * shape, yield_acceleration).permanent - displacement
+    def excess(factor: float) -> float:
+        return sliding_block(motion.time, factor * motion.acceleration, yield_acceleration).permanent - displacement
 
-    low = high = yield_acceleration / float(shape.max())
+    low = high = yield_acceleration / float(motion.acceleration.max())
     while excess(high) < 0.0:
         low, high = high, 2.0 * high
-    return float(brentq(excess, low, high, xtol=1e-6)) if high > low else high
+    return float(brentq(excess, low, high, xtol=1e-7)) if high > low else high

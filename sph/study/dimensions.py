@@ -115,7 +115,7 @@ def named_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
 
     A rule of the workflow is given the name of a run alone, and no configuration lists the points of a search.
     """
-    found = re.fullmatch("_".join(f"{re.escape(dimension)}-([^_/]+)" for dimension in dimensions), name)
+    found = re.fullmatch("_".join(f"{re.escape(dimension)}-([^/]+?)" for dimension in dimensions), name) if dimensions else None
     return None if found is None else dict(zip(dimensions, found.groups(), strict=True))
 
 

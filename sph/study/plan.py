@@ -20,7 +20,7 @@ import pandas as pd
 from pydantic import BeforeValidator, Field, model_validator
 
 from sph.measures.fields import check_probe
-from sph.measures.metrics import GRID, MetricSettings
+from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, dotted, found_file, key, merge, one_line, read_scene, read_yaml, scene_files, validated
 from sph.scene.schema import Scene, make_scene
 from sph.study.dimensions import (
@@ -40,7 +40,7 @@ from sph.study.dimensions import (
     value_of,
 )
 from sph.study.sampling import KINDS, MOST_RUNS, Sample, read_cases
-from sph.study.stages import SharedStages, Stages
+from sph.study.stages import SharedStages, Stages, stage_point
 from sph.study.tables import Layout
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
@@ -48,6 +48,8 @@ LONGEST_NAME = 120
 """Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
 PART = 500
 """Runs that are measured by one job."""
+OWN = "own"
+"""The fidelity of a study that names none: the scene as it is."""
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
 Point = dict[str, str]
@@ -74,7 +76,7 @@ class Study(Section):
 
     study: str = key("name; results go to results/<study>/<fidelity>", pattern=NAME)
     scene: str = key("scene file, relative to the working folder or the workflow's")
-    fidelity: str = key("which of the fidelities to run at")
+    fidelity: str = key("which of the fidelities to run at", default=OWN)
     grid: Annotated[dict[str, Values], BeforeValidator(_dimensions_kept), Field(min_length=1)] | None = key(
         "values of each dimension, every combination is run; quote them to keep trailing zeros; dimensions: S_R, gamma, amplitude "
         "or any dotted key of the scene that takes a number or a word",
@@ -86,7 +88,9 @@ class Study(Section):
         default=None,
     )
     sample: Sample | None = key("instead of a grid: runs that fill ranges of the dimensions", default=None)
-    fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key("scene keys that each fidelity sets, by name")
+    fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key(
+        "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
+    )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(
@@ -244,14 +248,39 @@ class Plan:
         """Scene of a run by the name of its file."""
         return self.scene(**self.point(name))
 
+    def over(self, grid: Mapping[str, Sequence[str]]) -> Plan:
+        """The same scenes as a grid over other dimensions; ValueError where its runs would have no names by their values."""
+        kept = self.study.model_dump(include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments"})
+        study = Study(**kept, grid={name: tuple(values) for name, values in grid.items()})
+        if study.numbered:
+            raise ValueError(f"{self.origin}: {', '.join(grid)}: these dimensions make names of runs that are too long, or hold a folder")
+        return Plan(study, self._scene_file, self.origin)
+
+    def experiment_file(self, name: str) -> str:
+        """File that configures an experiment on the study's own scene.
+
+        ValueError for a scene of one's own whose study names none: what ``config`` has is for the paper's.
+        """
+        if name not in self.study.experiments and self._base.get("scheme") != "paper":
+            raise ValueError(
+                f"experiments.{name}: study {self.study.study!r} has a scene of its own and must name the file that configures {name}; "
+                f"{self.study.file_of(name)} is for the paper's scene, and an example"
+            )
+        return self.study.file_of(name)
+
     def point(self, name: str) -> Point:
-        """Point of a run by the name of its file; over the dimensions of the trigger also of one of its runs that the study lacks."""
+        """Point of a run by the name of its file; of a grid also of one between its values, which a search may ask for."""
         if name in self.study.runs:
             return self.study.runs[name]
-        found = named_point(name, GRID) if self.study.is_grid_over(GRID) else None
+        found = named_point(name, self.study.names) if self._named else None
         if found is None:
             raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
         return found
+
+    @property
+    def _named(self) -> bool:
+        """Whether the name of a run says its values."""
+        return self.study.grid is not None and not self.study.numbered
 
     @functools.cached_property
     def _shared(self) -> SharedStages:
@@ -269,18 +298,21 @@ class Plan:
         return self._shared.of_runs.get(name) or self._shared.of(name, self.point(name))
 
     def stage(self, name: str) -> dict[str, Any]:
-        """Scene of a gravity stage or a shared pre-failure run by the name of its file; also of one that the trigger shares."""
+        """Scene of a gravity stage or a shared pre-failure run by the name of its file; of a grid also of one between its values."""
+        return self.scene(**self._stage_point(name))
+
+    def _stage_point(self, name: str) -> Point:
         if name in self._shared.points:
-            return self.scene(**self._shared.points[name])
-        found = named_point(name, GRID[2:]) if self.study.is_grid_over(GRID) else None
-        if found is not None:
-            return self.scene(**found)
-        raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
+            return self._shared.points[name]
+        found = stage_point(name, self.study.names) if self._named else None
+        if found is None:
+            raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
+        return found
 
     def gravity_of(self, trunk: str) -> str:
         """Name of the gravity stage of a shared pre-failure run."""
         found = self._shared.gravity_of
-        return found[trunk] if trunk in found else self.gravities[0]
+        return found[trunk] if trunk in found else self._shared.of(trunk, self._stage_point(trunk)).gravity
 
     def files(self, others: Mapping[str, Point] | None = None) -> dict[str, Point]:
         """The dimensions that the scene of every file of a stage or run sets; ``others`` are runs, by name, that the study lacks."""

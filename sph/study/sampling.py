@@ -90,16 +90,21 @@ def read_cases(folders: Sequence[Path], name: str) -> list[dict[str, str]]:
     return [dict(zip(head, row, strict=True)) for row in rows]
 
 
-def chosen_runs(config: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
-    """A configuration laid over another, with the grid, cases or sample that were ``given`` in place of the other's.
+def chosen_study(config: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """The study of a configuration over which another, ``given``, has been laid.
 
-    ValueError where another scene was given, and none of them: the runs of the other configuration are for its own scene.
+    One that names its scene stands alone: what the other configuration says is for its own scene.  Of one that names none, the grid,
+    cases or sample take the place of the other's.  ValueError for one that stands alone and lacks its name or its runs.
     """
     chosen = {kind: given[kind] for kind in KINDS if given.get(kind) is not None}
+    if "scene" in given:
+        if "study" not in given:
+            raise ValueError(f"study: a study of {given['scene']} needs a name of its own, for the folder of its results")
+        if not chosen:
+            raise ValueError(f"scene: {given['scene']}: a study of another scene must say which runs it has, by one of {', '.join(KINDS)}")
+        return dict(given)
     if chosen:
         return {name: value for name, value in config.items() if name not in KINDS} | chosen
-    if "scene" in given:
-        raise ValueError(f"scene: {given['scene']}: a study of another scene must say which runs it has, by one of {', '.join(KINDS)}")
     return dict(config)
 
 

@@ -9,17 +9,32 @@ S_R, gamma and amplitude they are ``gravity`` and ``amplitude-6.0``), or, where 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
-from sph.study.dimensions import point_name, scene_key
+from sph.study.dimensions import named_point, point_name, scene_key
 
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, TRUNK = "gravity", "trunk"
 IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
+
+
+def acting_in(kind: str, names: Iterable[str]) -> list[str]:
+    """The dimensions that act in a kind of stage."""
+    return [name for name in names if not is_among(scene_key(name), IDLE[kind])]
+
+
+def stage_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
+    """The values of the dimensions that act in a stage with this name, where names say values; None where there are none."""
+    for kind in (GRAVITY, TRUNK):
+        for acting in (acting_in(kind, dimensions), dimensions):
+            found = named_point(name.removeprefix(f"{kind}_"), acting)
+            if found is not None:
+                return found
+    return None
 
 
 class Stages(NamedTuple):
@@ -61,7 +76,7 @@ class SharedStages:
 
     def _acting(self, kind: str, point: Mapping[str, str]) -> dict[str, str]:
         """The dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""
-        acting = {name: value for name, value in point.items() if not is_among(scene_key(name), IDLE[kind])}
+        acting = {name: point[name] for name in acting_in(kind, point)}
         at = tuple(acting.items())
         if at not in self._standing:
             self._standing[at] = len(acting) == len(point) or self._stands(acting)

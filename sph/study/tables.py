@@ -208,6 +208,14 @@ def read_csv(path: Path | str, variables: Sequence[Variable], what: str) -> pd.D
     return frame
 
 
+def columns_of(path: Path | str) -> list[str]:
+    """Names in the first line of a CSV; none where it cannot be read, of which ``read_csv`` says why."""
+    try:
+        return list(pd.read_csv(path, nrows=0, dtype=str).columns)
+    except (OSError, ValueError):
+        return []
+
+
 def flat_dataset(frame: pd.DataFrame, variables: Sequence[Variable], attrs: Mapping[str, Any] | None = None) -> xr.Dataset:
     """Dataset of a flat table: every column is a variable along its only dimension."""
     ds = xr.Dataset(attrs={"Conventions": "CF-1.10", **(attrs or {})})

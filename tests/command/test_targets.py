@@ -21,11 +21,10 @@ from sph.study.plan import Plan
 ROOT = Path(__file__).resolve().parents[2]
 TRIGGER: dict[str, Any] = {
     "cases": {"as it is": {}, "slip: sides": {"walls": {"sides": "free_slip", "layers": 4}}},
-    "amplitude": {"lowest": 0.0, "highest": 8.0, "cells": 2},
+    "intensity": {"lowest": 0.0, "highest": 8.0, "cells": 2},
     "tolerance": 0.5,
-    "S_R": ["0.10"],
-    "gamma": ["100"],
-    "confirm": {"S_R": ["0.10"], "fidelity": "standard"},
+    "at": {"S_R": ["0.10"], "gamma": ["100"]},
+    "confirm": {"fidelity": "standard"},
 }
 HEAD = "case,S_R,gamma,amplitude,round\n"
 

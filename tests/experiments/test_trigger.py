@@ -13,28 +13,29 @@ import yaml
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,
-    CONFIRM,
-    CRITICAL,
     NEVER,
     UNDECIDED,
     bracket,
     bracket_ends,
+    confirm_columns,
     confirm_table,
+    critical_columns,
     critical_table,
     read_critical,
 )
-from sph.experiments.trigger.design import TriggerPlan, load_trigger, plan_of
-from sph.experiments.trigger.maps import CELLS, class_shares, map_cells, read_shares
-from sph.experiments.trigger.points import MEASURED, POINTS, measured_points, names, no_points, read_points, wanted_points
+from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger, plan_of
+from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, read_shares
+from sph.experiments.trigger.points import MEASURED, measured_points, names, no_points, point_columns, read_points, wanted_points
 from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.measures.metrics import MetricSettings, class_displacement
 from sph.paper.claims import decide_trigger
-from sph.scene.configuration import merge
+from sph.paper.study import load_study
+from sph.scene.configuration import merge, read_yaml
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import make_scene
 from sph.stability.newmark import sliding_block
-from sph.study.baseline import baseline_metrics, newmark_amplitude
-from sph.study.plan import load_study
+from sph.study.baseline import baseline_metrics, newmark_factor
+from sph.study.dimensions import Dimension
 from sph.study.tables import read_csv, write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -42,19 +43,26 @@ STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_te
 TRIGGER: dict[str, Any] = {
     "fidelity": "draft",
     "cases": {"as it is": {}, "slip: sides": {"walls": {"sides": "free_slip", "layers": 4}}},
-    "amplitude": {"lowest": 0.0, "highest": 8.0, "cells": 2},
+    "intensity": {"lowest": 0.0, "highest": 8.0, "cells": 2},
     "tolerance": 0.5,
     "classes": ["collapse", "damaged"],
-    "S_R": ["0.1", "0.3"],
-    "gamma": ["100"],
-    "confirm": {"S_R": ["0.10"]},
+    "at": {"S_R": ["0.1", "0.3"], "gamma": ["100"]},
+    "confirm": {"at": {"S_R": ["0.10"]}},
     "maps": {
         "cases": ["as it is"],
-        "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
-        "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+        "over": {
+            "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
+            "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+        },
         "levels": 2,
     },
 }
+
+
+SEARCHED = Searched(
+    (Dimension("S_R", "-", "strength ratio", False), Dimension("gamma", "1/s", "rate", False), Dimension("amplitude", "m/s2", "", False)),
+    "amplitude",
+)
 
 
 def planned(folder: Path, changes: dict[str, Any] | None = None) -> TriggerPlan:
@@ -70,7 +78,7 @@ def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = 
         | {"collapse_class": name, "status": "diverged" if name == "undetermined" else "complete", "still_moving": moving}
         for at, name in enumerate(classes)
     ]
-    return pd.DataFrame(rows, columns=names(POINTS))
+    return pd.DataFrame(rows, columns=names(point_columns(SEARCHED.all)))
 
 
 # ---------------------------------------------------------------- what is searched
@@ -79,7 +87,7 @@ def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = 
 def test_the_shipped_searches_are_valid() -> None:
     trigger = load_trigger("config/trigger.yaml", load_study(STUDY, [ROOT]), [ROOT])
     assert trigger.folder == "results/paper/draft" and len(trigger.scenes) == 2
-    assert {"0.10", "0.25", "0.50"} <= set(trigger.trigger.S_R) and "100" in trigger.trigger.gamma, "what claim 11 needs"
+    assert {"0.10", "0.25", "0.50"} <= set(trigger.trigger.at["S_R"]) and "100" in trigger.trigger.at["gamma"], "what claim 11 needs"
 
 
 def test_a_case_that_changes_nothing_shares_the_studys_stages(tmp_path: Path) -> None:
@@ -103,6 +111,73 @@ def test_numbers_are_written_as_the_study_writes_them(tmp_path: Path) -> None:
     assert mapped.labels((0.0, 0.5, 1.0)) == ("0.10", "10", "4.0") and mapped.labels((0.5, 0.25, 0.0))[:2] == ("0.3", "3.16228")
 
 
+def own_search(folder: Path, study: dict[str, Any], search: dict[str, Any]) -> TriggerPlan:
+    """A search on the shipped layered slope."""
+    own = read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml")
+    (folder / "mine.yaml").write_text(yaml.safe_dump(search, sort_keys=False))
+    return load_trigger("mine.yaml", load_study({**own, **study}, [ROOT]), [folder])
+
+
+OWN: dict[str, Any] = {
+    "cases": {"as it is": {}},
+    "intensity": {"dimension": "amplitude", "lowest": 0.0, "highest": 4.0, "cells": 2},
+    "tolerance": 0.5,
+    "at": {"layers.clay.soil.cohesion": ["5", "20"], "walls.sides": ["free_slip", "fixed"]},
+}
+
+
+def test_any_dimensions_are_searched(tmp_path: Path) -> None:
+    plan = own_search(tmp_path, {}, OWN)
+    assert plan.names == ("amplitude", "layers.clay.soil.cohesion", "walls.sides") and len(plan.lattices("trigger")) == 4
+    assert plan.searched == {"as it is": "results/gentle_layered/own/trigger/as-it-is"}, "the study has other dimensions"
+    line = plan.lattices("trigger")[1]
+    assert line.labels((0.5,)) == ("1", "5", "fixed")
+    own = plan.plans[plan.searched["as it is"]]
+    run = "amplitude-1_layers.clay.soil.cohesion-5_walls.sides-free_slip"
+    scene = own.built(**own.point(run))
+    assert (scene.motion.amplitude, scene.layers["clay"].soil.cohesion, scene.walls.sides) == (1.0, 5.0, "free_slip")
+    stages = own.stages(run)
+    assert stages.gravity == "gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip" == own.gravity_of(stages.trunk)
+    assert own.stage(stages.trunk)["motion"]["amplitude"] == 1.0 and not plan.one_slope
+    units = {found.name: found.unit for found in plan.dimensions.all}
+    assert units["layers.clay.soil.cohesion"] == "kPa" and plan.dimensions.intensity.name == "amplitude"
+
+
+def test_a_search_over_any_dimensions_ends_in_tables_and_figures(tmp_path: Path) -> None:
+    maps = {"maps": {"over": {"layers.clay.soil.cohesion": {"lowest": 5.0, "highest": 20.0, "cells": 2}}}}
+    plan = own_search(tmp_path, {}, {**OWN, "at": {"layers.clay.soil.cohesion": ["5", "20"]}, **maps})
+    searched = plan.dimensions
+
+    def found(amplitude: float, cohesion: float) -> str:
+        return "collapse" if amplitude > 1.0 + 0.1 * cohesion else "stable"
+
+    points = searched_points(plan, "trigger", found)
+    estimates = {"as it is": {"collapse": {"yield_acceleration": math.nan, "newmark_intensity": math.nan}}}
+    table = critical_table(points, ["collapse"], estimates, searched)
+    assert table["layers.clay.soil.cohesion"].tolist() == ["5", "20"] and table["outcome"].tolist() == [BRACKETED] * 2
+    for row, limit in zip(table.to_dict("records"), (1.5, 3.0), strict=True):
+        assert row["lower"] <= limit < row["upper"] <= row["lower"] + 0.5
+    write_csv(table, tmp_path / "table.csv")
+    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv", searched), table)
+    axes = figure_critical(table, searched).axes
+    assert len(axes) == 1 and "kPa" in axes[0].get_xlabel() and "m/s²" in axes[0].get_ylabel()
+    mapped = searched_points(plan, "maps", found)
+    cells = map_cells(plan.lattices("maps"), mapped, ["collapse"], plan.levels("maps"), searched)
+    shares = class_shares(cells, searched)
+    assert cells.groupby("amplitude_lower")["share"].sum().max() <= 1.0 + 1e-9
+    assert len(figure_class_map(mapped, searched).axes) == 1 and len(figure_shares(shares, searched).axes) == 3
+
+
+def test_a_search_needs_no_other_dimension(tmp_path: Path) -> None:
+    plan = own_search(tmp_path, {}, {**OWN, "at": {}})
+    assert plan.names == ("amplitude",) and plan.one_slope and [line.labels((0.5,)) for line in plan.lattices("trigger")] == [("1",)]
+    points = searched_points(plan, "trigger", lambda amplitude: "collapse" if amplitude > 1.2 else "stable")
+    estimates = {"as it is": {"collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0}}}
+    table = critical_table(points, ["collapse"], estimates, plan.dimensions)
+    assert table[["lower", "upper"]].to_numpy().tolist() == [[1.0, 1.5]]
+    assert len(figure_critical(table, plan.dimensions).axes) == 1
+
+
 @pytest.mark.parametrize(("tolerance", "levels"), [(4.0, 0), (3.9, 1), (1.0, 2), (0.25, 4), (100.0, 0)])
 def test_the_number_of_rounds_follows_from_the_tolerance(tmp_path: Path, tolerance: float, levels: int) -> None:
     assert planned(tmp_path, {"tolerance": tolerance}).levels("trigger") == levels
@@ -110,7 +185,7 @@ def test_the_number_of_rounds_follows_from_the_tolerance(tmp_path: Path, toleran
 
 def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
     ratios = {"lowest": 2.0, "highest": 8.0, "cells": 2, "scale": "logarithmic"}
-    assert [planned(tmp_path, {"amplitude": ratios, "tolerance": tolerance}).levels("trigger") for tolerance in (4.0, 2.4, 2.3)] == [
+    assert [planned(tmp_path, {"intensity": ratios, "tolerance": tolerance}).levels("trigger") for tolerance in (4.0, 2.4, 2.3)] == [
         0,
         1,
         2,
@@ -124,8 +199,8 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"classes": ["stable"]}, ["classes.0", "stable"]),
         ({"tolerance": 0.0}, ["tolerance", "greater than 0"]),
         ({"tolerance": 1e-5}, ["tolerance", "1e-05", "0.00098"]),
-        ({"amplitude": {"lowest": 8.0}}, ["amplitude", "lowest (8) < highest (8)"]),
-        ({"amplitude": {"highest": 101.0}}, ["motion.amplitude", "101", "case 'as it is'"]),
+        ({"intensity": {"lowest": 8.0}}, ["intensity", "lowest (8) < highest (8)"]),
+        ({"intensity": {"highest": 101.0}}, ["motion.amplitude", "101", "case 'as it is'"]),
         ({"cases": {"wet": {"soil": {"water": 1.0}}}}, ["trigger.yaml", "case 'wet'", "soil.water", "no such key"]),
         ({"cases": {"wet": {"coupling": {"S_R": 0.2}}}}, ["cases.wet", "coupling.S_R", "searched"]),
         ({"cases": {"as-it-is": {}}}, ["cases", "same file name"]),
@@ -133,13 +208,19 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"cases": {"mud": {"coupling": {"initial_state": "fluid"}}}}, ["case 'mud'", "coupling.initial_state", "gravity stage"]),
         ({"fidelity": "best"}, ["fidelity", "best", "draft"]),
         ({"confirm": {"fidelity": "best"}}, ["confirm.fidelity", "best"]),
-        ({"confirm": {"S_R": ["0.2"]}}, ["confirm.S_R", "0.2", "0.1, 0.3"]),
+        ({"confirm": {"at": {"S_R": ["0.2"]}}}, ["confirm.at.S_R", "0.2", "0.1, 0.3"]),
+        ({"confirm": {"at": {"soil.cohesion": ["20"]}}}, ["confirm.at", "soil.cohesion", "S_R, gamma"]),
         ({"confirm": {"collapse_class": "minor"}}, ["confirm.collapse_class", "minor", "collapse, damaged"]),
         ({"maps": {"cases": ["odd"]}}, ["maps.cases", "odd", "as it is"]),
-        ({"maps": {"gamma": {"lowest": 0.0}}}, ["maps.gamma", "logarithmic"]),
-        ({"maps": {"S_R": {"highest": 1.5}}}, ["coupling.S_R", "1.5"]),
-        ({"amplitude": {"lowest": 7.9999}, "tolerance": 1e-5}, ["amplitude", "too small for labels of six digits"]),
-        ({"maps": {"S_R": {"cells": 64}, "gamma": {"cells": 64}}}, ["maps", "12,675 points, at most 10,000"]),
+        ({"maps": {"over": {"gamma": {"lowest": 0.0}}}}, ["maps.over.gamma", "logarithmic"]),
+        ({"maps": {"over": {"S_R": {"highest": 1.5}}}}, ["coupling.S_R", "1.5"]),
+        ({"intensity": {"lowest": 7.9999}, "tolerance": 1e-5}, ["intensity", "too small for labels of six digits"]),
+        ({"at": {"soil.cohesion": ["100"]}}, ["maps.over", "S_R, gamma", "must be the dimensions of at (S_R, gamma, soil.cohesion)"]),
+        ({"at": {"amplitude": ["1"]}}, ["at.amplitude", "is the intensity that is searched"]),
+        ({"at": {"S_R": ["0.1", "0.10"]}}, ["at.S_R", "one value twice"]),
+        ({"at": {"soil.glue": ["1"]}}, ["at.soil.glue", "no such key in a scene"]),
+        ({"intensity": {"dimension": "motion.frequency"}}, ["intensity.dimension", "motion.frequency", "amplitude, motion.factor"]),
+        ({"maps": {"over": {"S_R": {"cells": 64}, "gamma": {"cells": 64}}}}, ["maps", "12,675 points, at most 10,000"]),
         ({"speed": 1}, ["speed", "no such key"]),
     ],
 )
@@ -159,14 +240,14 @@ def test_what_is_not_configured_is_refused_when_asked_for(tmp_path: Path) -> Non
 # ---------------------------------------------------------------- rounds
 
 
-def searched(plan: TriggerPlan, search: str, found: Any) -> pd.DataFrame:
-    """Points of a search whose class is a function of S_R, gamma and amplitude."""
-    points = no_points()
+def searched_points(plan: TriggerPlan, search: str, found: Any) -> pd.DataFrame:
+    """Points of a search whose class is a function of its dimensions."""
+    points = no_points(plan.lattices(search))
     for number in range(plan.levels(search) + 1):
         wanted = wanted_points(plan.lattices(search), points, plan.classes(search), number)
         assert not wanted.duplicated().any()
         metrics = [
-            dict.fromkeys(MEASURED, 0.5) | {"status": "complete", "still_moving": 0, "collapse_class": found(*map(float, point[1:4]))}
+            dict.fromkeys(MEASURED, 0.5) | {"status": "complete", "still_moving": 0, "collapse_class": found(*map(float, point[1:-1]))}
             for point in wanted.itertuples(index=False, name=None)
         ]
         points = measured_points(points, wanted, metrics)
@@ -179,7 +260,7 @@ def test_the_search_closes_in_on_two_classes_within_the_tolerance(tmp_path: Path
     def found(S_R: float, gamma: float, amplitude: float) -> str:
         return "collapse" if amplitude > 10 * S_R + 1.1 else "damaged" if amplitude > 10 * S_R else "stable"
 
-    points = searched(plan, "trigger", found)
+    points = searched_points(plan, "trigger", found)
     assert list(points["case"].unique()) == list(TRIGGER["cases"])
     for (_, S_R), own in points.groupby(["case", "S_R"]):
         assert len(own) < 17, "fewer than all points of the lattice"
@@ -195,7 +276,7 @@ def test_the_search_closes_in_on_two_classes_within_the_tolerance(tmp_path: Path
 
 def test_a_diverged_run_is_closed_in_on_from_both_sides(tmp_path: Path) -> None:
     plan = planned(tmp_path)
-    points = searched(plan, "trigger", lambda S_R, gamma, a: "undetermined" if 3.2 < a < 4.3 else "collapse" if a > 4 else "stable")
+    points = searched_points(plan, "trigger", lambda S_R, gamma, a: "undetermined" if 3.2 < a < 4.3 else "collapse" if a > 4 else "stable")
     at = bracket(points[(points["case"] == "as it is") & (points["S_R"] == "0.10")], "collapse")
     assert (at.outcome, at.lower, at.upper, at.diverged_inside) == (BRACKETED, 3.0, 4.5, 2) and at.diverged == at.diverged_inside
 
@@ -219,7 +300,7 @@ def test_brackets(classes: tuple[str, ...], outcome: str, lower: float, upper: f
     found = bracket(line(*classes), "collapse")
     assert (found.outcome, found.changes, found.diverged_inside) == (outcome, changes, inside)
     assert (found.lower, found.upper) == pytest.approx((lower, upper), nan_ok=True)
-    assert found.critical_amplitude == pytest.approx(0.5 * (lower + upper), nan_ok=True)
+    assert found.critical_intensity == pytest.approx(0.5 * (lower + upper), nan_ok=True)
     assert found.resolution_error == pytest.approx(0.5 * (upper - lower), nan_ok=True)
     assert found.runs == len(classes) and found.diverged == classes.count("undetermined")
 
@@ -229,11 +310,11 @@ def test_a_class_that_is_left_again_shows_the_last_amplitude_without_it() -> Non
     assert bracket(line("stable", "collapse", moving=1), "collapse").lower_still_moving == 1.0
 
 
-ESTIMATES = {case: {"collapse": {"yield_acceleration": 3.0, "newmark_amplitude": 9.0}} for case in TRIGGER["cases"]}
+ESTIMATES = {case: {"collapse": {"yield_acceleration": 3.0, "newmark_intensity": 9.0}} for case in TRIGGER["cases"]}
 
 
 def papers(*lines: pd.DataFrame) -> pd.DataFrame:
-    return critical_table(pd.concat(lines, ignore_index=True), ["collapse"], ESTIMATES)
+    return critical_table(pd.concat(lines, ignore_index=True), ["collapse"], ESTIMATES, SEARCHED)
 
 
 CLEAR = [line("stable", "damaged", "collapse", S_R=S_R) for S_R in ("0.10", "0.25", "0.50")]
@@ -257,19 +338,19 @@ def test_claim_11_is_decided_by_the_brackets(last: pd.DataFrame, verdict: str, m
 
 def test_ends_are_confirmed_at_another_fidelity(tmp_path: Path) -> None:
     points = pd.concat([CLEAR[0], line("stable", "stable", S_R="0.25"), CLEAR[2]], ignore_index=True)
-    table = critical_table(points, ["collapse"], ESTIMATES)
-    ends = bracket_ends(table, points, "collapse", ["as it is"], ["0.1", "0.25"], ["100"])
+    table = critical_table(points, ["collapse"], ESTIMATES, SEARCHED)
+    ends = bracket_ends(table, points, "collapse", ["as it is"], {"S_R": ["0.1", "0.25"], "gamma": ["100"]}, SEARCHED)
     assert list(zip(ends["S_R"], ends["end"], ends["amplitude"], strict=True)) == [
         ("0.10", "lower", "1"),
         ("0.10", "upper", "2"),
         ("0.25", "lower", "1"),
     ]
     other = {"status": "complete", "displacement_magnitude": 1.5, "runout": 0.5}
-    found = confirm_table(ends, points, [other | {"collapse_class": name} for name in ("collapse", "collapse", "undetermined")])
+    found = confirm_table(ends, points, [other | {"collapse_class": name} for name in ("collapse", "collapse", "undetermined")], SEARCHED)
     assert found["verdict"].tolist() == ["fails", "holds", "undetermined"]
     assert found["displacement_magnitude_difference"].tolist() == [0.5] * 3 and found["runout_difference"].tolist() == [-0.5] * 3
     write_csv(found, tmp_path / "confirm.csv")
-    pd.testing.assert_frame_equal(read_csv(tmp_path / "confirm.csv", CONFIRM, "confirmed brackets"), found)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "confirm.csv", confirm_columns(SEARCHED), "confirmed brackets"), found)
 
 
 def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
@@ -283,12 +364,12 @@ def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
         }
     )
     assert class_displacement("collapse", scene, MetricSettings()) == pytest.approx(2.5)
-    amplitude = newmark_amplitude(scene, 3.0, 2.5)
-    motion = motion_of(scene).scaled(amplitude)
-    assert amplitude > 3.0 and sliding_block(motion.time, motion.acceleration, 3.0).permanent == pytest.approx(2.5, rel=1e-3)
-    assert newmark_amplitude(scene, 0.0, 2.5) == 0.0 and math.isnan(newmark_amplitude(scene, math.nan, 2.5))
+    factor = newmark_factor(scene, 3.0, 2.5)
+    motion = motion_of(scene).scaled(6.0 * factor)
+    assert 6.0 * factor > 3.0 and sliding_block(motion.time, motion.acceleration, 3.0).permanent == pytest.approx(2.5, rel=1e-3)
+    assert newmark_factor(scene, 0.0, 2.5) == 0.0 and math.isnan(newmark_factor(scene, math.nan, 2.5))
     with pytest.raises(ValueError, match="not shaken"):
-        newmark_amplitude(make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
+        newmark_factor(make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
 
 
 @pytest.mark.parametrize(("amplitude", "slip"), [(2.9, 0.0), (3.1, math.inf), (-3.1, 0.0)])
@@ -296,14 +377,14 @@ def test_a_load_that_stays_moves_the_block_without_end_or_not_at_all(amplitude: 
     load = {"kind": "constant", "amplitude": amplitude, "start": 3.0, "ramp": 1.0}
     scene = make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}, "motion": load})
     assert baseline_metrics(scene, 3.0) == {"yield_acceleration": 3.0, "newmark_displacement": slip}
-    assert newmark_amplitude(scene, 3.0, 2.5) == 3.0
+    assert newmark_factor(scene, 3.0, 2.5) == pytest.approx(3.0 / amplitude)
 
 
 def test_a_motion_that_never_drives_the_block_downslope_has_no_amplitude() -> None:
     scene = make_scene(
         {"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}, "duration": 3.0}
     )
-    assert newmark_amplitude(scene, 3.0, 2.5) == math.inf, "the run ends before the motion"
+    assert newmark_factor(scene, 3.0, 2.5) == math.inf, "the run ends before the motion"
 
 
 # ---------------------------------------------------------------- maps
@@ -316,10 +397,10 @@ def test_shares_bound_the_truth_and_close_in(tmp_path: Path) -> None:
     gaps = []
     for levels in (0, 1, 2, 3):
         plan = planned(tmp_path, {"maps": {"levels": levels}})
-        points = searched(plan, "maps", found)
-        cells = map_cells(plan.lattices("maps"), points, ["collapse"], levels)
+        points = searched_points(plan, "maps", found)
+        cells = map_cells(plan.lattices("maps"), points, ["collapse"], levels, SEARCHED)
         assert cells.groupby("amplitude_lower")["share"].sum().max() <= 1.0 and (cells["points"] >= 8).all()
-        shares = class_shares(cells)
+        shares = class_shares(cells, SEARCHED)
         own = shares[shares["collapse_class"] == "collapse"]
         for row in own.to_dict("records"):
             grid = [(0.1 + 0.4 * (i + 0.5) / 40, 10 ** (2 * (j + 0.5) / 40)) for i in range(40) for j in range(40)]
@@ -331,33 +412,33 @@ def test_shares_bound_the_truth_and_close_in(tmp_path: Path) -> None:
     assert gaps == sorted(gaps, reverse=True) and gaps[-1] < 0.25 * gaps[0]
     write_csv(cells, tmp_path / "cells.csv")
     write_csv(shares, tmp_path / "shares.csv")
-    pd.testing.assert_frame_equal(read_csv(tmp_path / "cells.csv", CELLS, "cells"), cells, check_dtype=False)
-    pd.testing.assert_frame_equal(read_shares(tmp_path / "shares.csv"), shares)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "cells.csv", cell_columns(SEARCHED), "cells"), cells, check_dtype=False)
+    pd.testing.assert_frame_equal(read_shares(tmp_path / "shares.csv", SEARCHED), shares)
 
 
 def test_a_diverged_point_leaves_its_cells_open(tmp_path: Path) -> None:
     plan = planned(tmp_path, {"maps": {"levels": 0}})
-    points = searched(plan, "maps", lambda S_R, gamma, a: "undetermined" if (S_R, gamma, a) == (0.1, 1.0, 0.0) else "stable")
-    shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 0))
+    points = searched_points(plan, "maps", lambda S_R, gamma, a: "undetermined" if (S_R, gamma, a) == (0.1, 1.0, 0.0) else "stable")
+    shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 0, SEARCHED), SEARCHED)
     assert shares.groupby("amplitude_lower")["share_upper"].max().tolist() == [1.0, 0.0] and (shares["share_lower"] == 0).all()
 
 
 def test_figures(tmp_path: Path) -> None:
     plan = planned(tmp_path)
-    points = searched(
+    points = searched_points(
         plan, "maps", lambda S_R, gamma, a: "undetermined" if a == 8 and S_R == 0.5 else "collapse" if a > 10 * S_R else "minor"
     )
-    for figure in (figure_class_map(points), figure_map(points, MAPPED["runout"])):
+    for figure in (figure_class_map(points, SEARCHED), figure_map(points, SEARCHED, MAPPED["runout"])):
         assert len([ax for ax in figure.axes if ax.images]) == 2
         assert "diverged" in {text.get_text() for text in figure.legends[0].get_texts()}
-    shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 2))
-    assert len(figure_shares(shares).axes) == 3
+    shares = class_shares(map_cells(plan.lattices("maps"), points, ["collapse"], 2, SEARCHED), SEARCHED)
+    assert len(figure_shares(shares, SEARCHED).axes) == 3
     table = papers(*CLEAR, line("collapse", S_R="0.05"), line("stable", S_R="0.9"), line("stable", "collapse", case="slip: sides"))
     write_csv(table, tmp_path / "table.csv")
-    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
-    assert list(table.columns) == names(CRITICAL)
-    axes = figure_critical(table).axes
+    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv", SEARCHED), table)
+    assert list(table.columns) == names(critical_columns(SEARCHED))
+    axes = figure_critical(table, SEARCHED).axes
     assert len(axes) == 2 and {line.get_marker() for line in axes[0].lines} >= {"v", "^"}
     for draw, empty in ((figure_critical, table), (figure_class_map, points), (figure_shares, shares)):
         with pytest.raises(ValueError, match="no "):
-            draw(empty.iloc[:0])
+            draw(empty.iloc[:0], SEARCHED)

@@ -9,7 +9,7 @@ import pytest
 
 from sph.scene.schema import make_scene
 from sph.study.dimensions import Dimension, check_names, dimension, in_order, scene_keys, title_of, value_of
-from sph.study.sampling import Sample, chosen_runs, read_cases
+from sph.study.sampling import Sample, chosen_study, read_cases
 
 RANGES = {"soil.cohesion": {"bounds": [5.0, 50.0], "scale": "log"}, "S_R": [0.1, 0.5]}
 
@@ -99,14 +99,22 @@ def test_a_bad_table_of_cases_is_refused_by_row(tmp_path: Path, text: str, messa
 
 def test_the_runs_of_a_configuration_take_the_place_of_those_below_it() -> None:
     merged = {"study": "s", "grid": {"S_R": [1]}, "sample": {"size": 2}}
-    assert chosen_runs(merged, {"sample": {"size": 2}}) == {"study": "s", "sample": {"size": 2}}
-    assert chosen_runs(merged, {"study": "s"}) == merged
+    assert chosen_study(merged, {"sample": {"size": 2}}) == {"study": "s", "sample": {"size": 2}}
+    assert chosen_study(merged, {"study": "s"}) == merged
     laid = {"study": "s", "grid": {"S_R": [1], "gamma": [100], "soil.cohesion": [20]}}
-    assert chosen_runs(laid, {"grid": {"soil.cohesion": [20]}}) == {"study": "s", "grid": {"soil.cohesion": [20]}}
+    assert chosen_study(laid, {"grid": {"soil.cohesion": [20]}}) == {"study": "s", "grid": {"soil.cohesion": [20]}}
 
 
 def test_a_study_of_another_scene_must_say_which_runs_it_has() -> None:
     with pytest.raises(
         ValueError, match=r"scene: own\.yaml: a study of another scene must say which runs it has, by one of grid, cases, sample"
     ):
-        chosen_runs({"study": "s", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"scene": "own.yaml"})
+        chosen_study({"study": "s", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"study": "s", "scene": "own.yaml"})
+    with pytest.raises(ValueError, match=r"study: a study of own\.yaml needs a name of its own"):
+        chosen_study({"study": "paper", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"scene": "own.yaml", "grid": {"S_R": [1]}})
+
+
+def test_a_study_of_another_scene_stands_alone() -> None:
+    below = {"study": "paper", "scene": "paper.yaml", "grid": {"S_R": [1]}, "fidelities": {"draft": {}}, "claims": {"amplitude": 6.0}}
+    given = {"study": "mine", "scene": "own.yaml", "grid": {"soil.cohesion": [20]}}
+    assert chosen_study({**below, **given}, given) == given

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 import yaml
 from test_workflow import planned_jobs, snakemake, sph
@@ -103,6 +104,34 @@ def test_a_run_is_repeated_and_told_of_like_any_other(finished: Path, tmp_path: 
         assert {job["job"] for job in shown["jobs"]} == files and all(job["state"] == "done" for job in shown["jobs"])
 
 
+SEARCH: dict[str, Any] = {
+    "cases": {"as it is": {}},
+    "intensity": {"lowest": 0.5, "highest": 16.5, "cells": 2},
+    "tolerance": 8.0,
+    "at": {"soil.cohesion": ["20", "150"]},
+    "maps": {"over": {"soil.cohesion": {"lowest": 20.0, "highest": 150.0, "cells": 1}}, "levels": 0},
+}
+
+
+def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
+    (finished / "search.yaml").write_text(yaml.safe_dump(SEARCH, sort_keys=False))
+    config = configured(finished, GRID | {"experiments": {"trigger": "search.yaml"}})
+    result = snakemake(finished, "--cores", "2", *config, "--", "trigger", "maps")
+    assert result.returncode == 0, result.stderr
+    folder = of(finished, "grid") / "trigger"
+    table, points = pd.read_csv(folder / "trigger.csv"), pd.read_csv(folder / "points.csv")
+    assert table["soil.cohesion"].tolist() == [20, 150] and sorted(set(points["amplitude"])) == [0.5, 8.5, 16.5]
+    assert table["yield_acceleration"].isna().all(), "two soils, two slopes"
+    run = trajectory.read(folder / "as-it-is" / "runs" / "amplitude-8.5_soil.cohesion-20.nc")
+    scene = trajectory.scene_of(run)
+    assert (scene.motion.amplitude, scene.soil.cohesion) == (8.5, 20.0)
+    row = points[(points["amplitude"] == 8.5) & (points["soil.cohesion"] == 20)].iloc[0]
+    assert row["displacement_magnitude"] == measure(run)["displacement_magnitude"]
+    assert not (folder / "claim.csv").exists() and (folder / "figures" / "map-class.png").exists()
+    assert planned_jobs(finished, *config, "--", "trigger", "maps") == {}
+    sph("explain", folder / "points.csv", "--configfile", config[1])
+
+
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
     larger = SAMPLE | {"sample": SAMPLE["sample"] | {"size": 3}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, larger))
@@ -112,7 +141,7 @@ def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
     assert "gravity" not in jobs and (jobs["trunk"], jobs["simulate"]) == (2, 2)
 
 
-@pytest.mark.parametrize("target", ["results/grid/draft/claims.csv", "results/grid/draft/figures/fig4.png", "trigger", "maps"])
+@pytest.mark.parametrize("target", ["results/grid/draft/claims.csv", "results/grid/draft/figures/fig4.png"])
 def test_what_needs_the_papers_dimensions_is_refused_with_the_reason(finished: Path, target: str) -> None:
     result = snakemake(finished, "--cores", "1", *configured(finished, GRID), "--", target)
     assert result.returncode != 0

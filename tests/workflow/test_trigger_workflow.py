@@ -14,27 +14,30 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.trigger.critical import BRACKETED, CONFIRM, CRITICAL, read_critical
+from sph.experiments.trigger.critical import BRACKETED, confirm_columns, critical_columns, read_critical
+from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.maps import read_shares
 from sph.experiments.trigger.points import names, read_points
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.storage import trajectory
+from sph.study.dimensions import Dimension
 from sph.study.tables import read_csv
 
 pytestmark = pytest.mark.long
 
 TRIGGER: dict[str, Any] = {
     "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "fixed"}}},
-    "amplitude": {"lowest": 0.0, "highest": 16.0, "cells": 2},
+    "intensity": {"lowest": 0.0, "highest": 16.0, "cells": 2},
     "tolerance": 4.0,
-    "S_R": ["0.1"],
-    "gamma": ["100"],
-    "confirm": {"S_R": ["0.1"], "cases": ["as it is"]},
+    "at": {"S_R": ["0.1"], "gamma": ["100"]},
+    "confirm": {"at": {"S_R": ["0.1"]}, "cases": ["as it is"]},
     "maps": {
         "cases": ["as it is"],
-        "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
-        "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+        "over": {
+            "S_R": {"lowest": 0.1, "highest": 0.5, "cells": 1},
+            "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
+        },
         "levels": 0,
     },
 }
@@ -45,6 +48,9 @@ CHANGES: dict[str, Any] = {
 }
 """Limits within which the coarse slope moves in three seconds."""
 FOLDER = "results/small/draft/trigger"
+SEARCHED = Searched(
+    (Dimension("S_R", "-", "", False), Dimension("gamma", "1/s", "", False), Dimension("amplitude", "m/s2", "", False)), "amplitude"
+)
 TARGETS = ("trigger", "confirm", "maps")
 
 
@@ -76,16 +82,16 @@ def test_the_shipped_searches_are_planned() -> None:
 
 
 def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> None:
-    table, points = read_critical(searched / FOLDER / "trigger.csv"), read_points(searched / FOLDER / "points.csv")
+    table, points = read_critical(searched / FOLDER / "trigger.csv", SEARCHED), read_points(searched / FOLDER / "points.csv")
     assert table["case"].tolist() == list(TRIGGER["cases"]) and table["outcome"].tolist() == [BRACKETED] * 2
     assert (table["upper"] - table["lower"] == 4.0).all() and (table["runs"] == 4).all() and len(points) == 8
     assert set(points["round"]) == {0, 1} and set(points["amplitude"]) >= {"0", "8.0", "16"}, "8.0 as in the study's grid"
     trials = trajectory.read(searched / "results/small/draft/stages/yield_acceleration.nc")
     assert "too coarse for the rule" in trials.attrs["reason"], "an estimate that there is not is no number"
-    assert table["yield_acceleration"].isna().all() and table["newmark_amplitude"].isna().all()
+    assert table["yield_acceleration"].isna().all() and table["newmark_intensity"].isna().all()
     with xr.open_dataset(searched / FOLDER / "trigger.nc") as ds:
-        assert list(ds.data_vars) == names(CRITICAL) and ds.attrs["fidelity"] == "draft"
-        assert ds["critical_amplitude"].values.tolist() == table["critical_amplitude"].tolist()
+        assert list(ds.data_vars) == names(critical_columns(SEARCHED)) and ds.attrs["fidelity"] == "draft"
+        assert ds["critical_intensity"].values.tolist() == table["critical_intensity"].tolist()
     claim = pd.read_csv(searched / FOLDER / "claim.csv")
     assert claim["verdict"].tolist() == ["not covered"] * 2 and claim["measured"].str.contains("S_R 0.10: ").all()
 
@@ -102,7 +108,7 @@ def test_runs_share_trunks_and_those_of_the_study(searched: Path) -> None:
 
 
 def test_the_ends_are_run_again_at_the_other_fidelity(searched: Path) -> None:
-    confirmed = read_csv(searched / FOLDER / "confirm.csv", CONFIRM, "confirmed brackets")
+    confirmed = read_csv(searched / FOLDER / "confirm.csv", confirm_columns(SEARCHED), "confirmed brackets")
     assert confirmed["end"].tolist() == ["lower", "upper"] and set(confirmed["verdict"]) <= {"holds", "fails"}
     fine = trajectory.read(next(searched.glob("results/small/standard/runs/*.nc")))
     assert trajectory.scene_of(fine).numerics.time_step == 5e-4
@@ -110,7 +116,7 @@ def test_the_ends_are_run_again_at_the_other_fidelity(searched: Path) -> None:
 
 
 def test_maps_hold_the_corners(searched: Path) -> None:
-    points, shares = read_points(searched / FOLDER / "maps.csv"), read_shares(searched / FOLDER / "shares.csv")
+    points, shares = read_points(searched / FOLDER / "maps.csv"), read_shares(searched / FOLDER / "shares.csv", SEARCHED)
     assert len(points) == 2 * 2 * 3 and set(points["gamma"]) == {"1", "100"}
     assert shares["collapse_class"].tolist() == ["minor"] * 2 + ["damaged"] * 2 + ["collapse"] * 2
 
@@ -146,7 +152,7 @@ def test_a_smaller_tolerance_runs_only_the_new_halves(searched: Path) -> None:
     before = runs(searched)
     result = snakemake(searched, "--cores", "2", *write(searched, tolerance=2.0), "trigger")
     assert result.returncode == 0, result.stderr
-    table = read_critical(searched / FOLDER / "trigger.csv")
+    table = read_critical(searched / FOLDER / "trigger.csv", SEARCHED)
     assert (table["upper"] - table["lower"] == 2.0).all() and (table["runs"] == 5).all()
     after = runs(searched)
     assert len(after) == len(before) + 4, "a trunk and a run for each of two brackets"

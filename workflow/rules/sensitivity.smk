@@ -18,9 +18,8 @@ SAMPLE_OF = {
 }
 # Read once a rule of the analysis is asked for; its scenes are built before the first job, not again by each.
 DESIGNS = functools.cache(
-    functools.partial(
-        load_sensitivity,
-        PLAN.study.file_of("sensitivity"),
+    lambda: load_sensitivity(
+        PLAN.experiment_file("sensitivity"),
         PLAN,
         FOLDERS,
         check=workflow.is_main_process,

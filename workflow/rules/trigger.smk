@@ -1,10 +1,11 @@
-# Purpose: the shaking that triggers failure: critical amplitudes (`snakemake --cores 2 trigger`), the ends of their brackets at
-#          another fidelity (`snakemake --cores 2 confirm`), maps over S_R, gamma and amplitude (`snakemake --cores 2 maps`).
+# Purpose: the shaking that triggers failure: critical intensities (`snakemake --cores 2 trigger`), the ends of their brackets at
+#          another fidelity (`snakemake --cores 2 confirm`), maps over some dimensions and the intensity (`snakemake --cores 2 maps`).
 # Inputs:  config/trigger.yaml (config: experiments); stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
-# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv, confirm.csv, maps.csv, cells.csv, shares.csv,
+# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv (of the paper's study), confirm.csv, maps.csv, cells.csv, shares.csv,
 #          figures/*; <folder>/trigger/<case>: stages and runs
 from sph.figures.trigger import MAPS
 from sph.experiments.trigger.design import SEARCHED
+from sph.paper.study import PaperStudy
 
 
 wildcard_constraints:
@@ -13,13 +14,14 @@ wildcard_constraints:
 
 
 rule trigger:
-    """Critical amplitudes: tables, claim and figure."""
+    """Critical intensities: tables and figure, of the paper's study the claim."""
     input:
         lambda wildcards: expand(
             "{folder}/trigger/{file}",
             folder=TRIGGER().folder,
-            file=["trigger.nc", "trigger.csv", "points.csv", "claim.csv"]
-            + ["figures/trigger.png", "figures/trigger.pdf"],
+            file=["trigger.nc", "trigger.csv", "points.csv"]
+            + ["figures/trigger.png", "figures/trigger.pdf"]
+            + ["claim.csv"] * isinstance(PLAN.study, PaperStudy),
         ),
 
 
@@ -30,7 +32,7 @@ rule confirm:
 
 
 rule maps:
-    """Maps over S_R, gamma and amplitude: tables and figures."""
+    """Maps over some dimensions and the intensity: tables and figures."""
     input:
         lambda wildcards: expand(
             "{folder}/trigger/{file}",
@@ -87,6 +89,9 @@ rule measure_points:
         "{folder}/trigger/logs/{search}-{round}-points.log",
     params:
         sources=ANALYSIS,
+        lattices=lambda wildcards: [
+            lattice.model_dump() for lattice in TRIGGER().lattices(wildcards.search)
+        ],
         scenes=lambda wildcards: TRIGGER().planned(
             checkpoints.want_points.get(**wildcards).output[0]
         ),
@@ -110,12 +115,13 @@ rule searched_points:
 
 
 rule trigger_table:
-    """Bracket the critical amplitudes, with the pseudo-static estimate and the sliding block's; decide the paper's claim."""
+    """Bracket the critical intensities, with the pseudo-static estimate and the sliding block's."""
     input:
         points="{folder}/trigger/points.csv",
         yields=lambda wildcards: [
             f"{folder}/stages/yield_acceleration.nc"
             for folder in TRIGGER().searched.values()
+            if TRIGGER().one_slope
         ],
     output:
         nc="{folder}/trigger/trigger.nc",
@@ -123,27 +129,44 @@ rule trigger_table:
             "{folder}/trigger/trigger.csv",
             caption="../report/trigger.rst",
             category="Trigger",
-            labels={"shows": "critical amplitudes"},
-        ),
-        claim=report(
-            "{folder}/trigger/claim.csv",
-            caption="../report/trigger_claim.rst",
-            category="Trigger",
-            labels={"shows": "the paper's claim"},
+            labels={"shows": "critical intensities"},
         ),
     log:
         "{folder}/trigger/logs/trigger.log",
     params:
-        sources=SEARCHING + ANALYSIS + PAPER,
+        sources=SEARCHING + ANALYSIS,
         scenes=lambda wildcards: TRIGGER().scenes,
         slopes=lambda wildcards: [
             planned(PLANS(folder).slope) for folder in TRIGGER().searched.values()
         ],
         classes=lambda wildcards: TRIGGER().classes("trigger"),
         settings=PLAN.study.metrics.model_dump(),
+        searched=lambda wildcards: TRIGGER().dimensions,
+        highest=lambda wildcards: TRIGGER().trigger.intensity.highest,
         attrs=lambda wildcards: TRIGGER().facts,
     script:
         "../scripts/trigger/measure_trigger.py"
+
+
+rule trigger_claim:
+    """Decide the paper's claim on the critical amplitudes."""
+    input:
+        critical="{folder}/trigger/trigger.csv",
+    output:
+        report(
+            "{folder}/trigger/claim.csv",
+            caption="../report/trigger_claim.rst",
+            category="Trigger",
+            labels={"shows": "the paper's claim"},
+        ),
+    log:
+        "{folder}/trigger/logs/claim.log",
+    params:
+        sources=ANALYSIS + PAPER,
+        searched=lambda wildcards: OF_PAPER("the paper's claim")
+        and TRIGGER().dimensions,
+    script:
+        "../scripts/paper/decide_trigger.py"
 
 
 checkpoint want_confirmation:
@@ -158,6 +181,7 @@ checkpoint want_confirmation:
     params:
         sources=ANALYSIS,
         confirm=lambda wildcards: TRIGGER().confirm,
+        searched=lambda wildcards: TRIGGER().dimensions,
     script:
         "../scripts/trigger/want_confirmation.py"
 
@@ -188,12 +212,13 @@ rule confirm_table:
             TRIGGER().confirm["fidelity"],
         ),
         settings=PLAN.study.metrics.model_dump(),
+        searched=lambda wildcards: TRIGGER().dimensions,
     script:
         "../scripts/trigger/confirm_trigger.py"
 
 
 rule map_tables:
-    """The cells of the maps, and the shares of S_R and gamma that reach each class."""
+    """The cells of the maps, and the shares of the values searched that reach each class."""
     input:
         points="{folder}/trigger/maps.csv",
     output:
@@ -213,12 +238,13 @@ rule map_tables:
         ],
         classes=lambda wildcards: TRIGGER().classes("maps"),
         levels=lambda wildcards: TRIGGER().levels("maps"),
+        searched=lambda wildcards: TRIGGER().dimensions,
     script:
         "../scripts/trigger/measure_maps.py"
 
 
 rule trigger_figure:
-    """Draw the critical amplitudes against S_R."""
+    """Draw the critical intensities."""
     input:
         critical="{folder}/trigger/trigger.csv",
     output:
@@ -234,9 +260,8 @@ rule trigger_figure:
     params:
         sources=DRAWING,
         figure="trigger",
-        note=lambda wildcards: (
-            f"{TRIGGER().note} · brackets to {TRIGGER().trigger.tolerance:g} m/s²"
-        ),
+        searched=lambda wildcards: TRIGGER().dimensions,
+        note=lambda wildcards: (f"{TRIGGER().note} · brackets to {TRIGGER().tolerance}"),
     script:
         "../scripts/trigger/draw_trigger.py"
 
@@ -261,6 +286,7 @@ rule map_figure:
     params:
         sources=DRAWING,
         figure=lambda wildcards: wildcards.figure,
+        searched=lambda wildcards: TRIGGER().dimensions,
         note=lambda wildcards: TRIGGER().note,
     script:
         "../scripts/trigger/draw_trigger.py"

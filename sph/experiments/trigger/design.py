@@ -1,27 +1,29 @@
 """The shaking that triggers failure (``config/trigger.yaml``, ``snakemake trigger`` and ``snakemake maps``): what is searched, and where.
 
 A *case* lays scene keys over the study's scene; its runs share gravity stage and pre-failure runs with each other and, where the case
-changes nothing, with the study.  A *lattice* is what one search refines: amplitudes at one S_R and gamma (``trigger``), or S_R,
-gamma and amplitude together (``maps``).  All have their amplitudes on one dyadic lattice, so that they share pre-failure runs and runs.
+changes nothing and the study has the same dimensions, with the study.  A *lattice* is what one search refines: intensities of the
+shaking at one value of every other dimension (``trigger``), or the others together with the intensity (``maps``).  All have their
+intensities on one dyadic lattice, so that they share pre-failure runs and runs.
 """
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Any, Literal, NamedTuple, get_args
 
 import pandas as pd
 from pydantic import model_validator
 
 from sph.experiments.base import Label, Overrides, check_file_names, check_known, file_name
 from sph.experiments.trigger.refinement import Place, Span
-from sph.measures.metrics import CLASSES, GRID
+from sph.measures.metrics import CLASSES
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
-from sph.study.dimensions import SHORT_NAMES, point_name
-from sph.study.plan import Axis, Plan, Point
+from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, point_name, scene_key, value_of
+from sph.study.plan import Plan, Point
 from sph.study.planned import Planned, planned
 
 FOLDER = "trigger"
@@ -45,22 +47,38 @@ def reached(collapse_class: str, wanted: str) -> bool | None:
     return CLASSES.index(collapse_class) >= CLASSES.index(wanted) if collapse_class in CLASSES else None
 
 
+INTENSITIES = {
+    "amplitude": 1.0,
+    "motion.factor": 1.0,
+    "motion.peak_velocity": 1.0,
+    "motion.arias_intensity": 0.5,
+    "motion.spectral_acceleration.value": 1.0,
+}
+"""What can be searched: dimensions that scale the shaking, with the power of each to which its accelerations are in proportion."""
+
+
+class Intensity(Span):
+    """The intensity of the shaking that is searched."""
+
+    dimension: str = key(f"what is searched, one of {', '.join(INTENSITIES)}; all but the first of a recorded motion", default="amplitude")
+
+
 class Confirm(Section):
     """Brackets whose ends are run again at another fidelity."""
 
     fidelity: str = key("the fidelity, one of the study's", default="standard")
     cases: tuple[str, ...] | None = key("cases that are confirmed; null: all", default=None, min_length=1)
-    S_R: Axis = key("their strength ratios, among those searched", default=("0.10", "0.25", "0.50"))
-    gamma: Axis = key("their rates of the loss of strength, among those searched", "1/s", default=("100",))
+    at: dict[str, Values] = key(
+        "values at which they are confirmed, among those searched, by dimension; all of one that is left out", default={}
+    )
     collapse_class: DamageClass = key("the class whose brackets are confirmed", default="collapse")
 
 
 class Maps(Section):
-    """The lattice of S_R, gamma and amplitude."""
+    """The lattice of some dimensions and the intensity."""
 
     cases: tuple[str, ...] | None = key("cases that are mapped; null: all", default=None, min_length=1)
-    S_R: Span = key("strength ratios")
-    gamma: Span = key("rates of the loss of strength", "1/s")
+    over: dict[str, Span] = key("ranges of the dimensions that are mapped beside the intensity, by dimension", min_length=1)
     classes: Classes = key("cells whose corners differ in reaching one of these classes are divided", default=("collapse",), min_length=1)
     levels: int = key("how often a cell is divided", ge=0, le=4, default=2)
 
@@ -70,44 +88,51 @@ class Trigger(Section):
 
     fidelity: str | None = key("the fidelity that searches, one of the study's; null: that of the study", default=None)
     cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
-    amplitude: Span = key("amplitudes of the shaking, of all searches", "m/s2")
-    tolerance: float = key("largest width of the bracket of a critical amplitude", "m/s2", gt=0, le=100)
-    classes: Classes = key("classes whose critical amplitudes are searched", default=("collapse",), min_length=1)
-    S_R: Axis = key("strength ratios at which they are searched")
-    gamma: Axis = key("rates of the loss of strength at which they are searched", "1/s")
+    intensity: Intensity = key("the intensities of the shaking, of all searches")
+    tolerance: float = key("largest width of the bracket of a critical intensity", "that of the intensity", gt=0, le=1e4)
+    classes: Classes = key("classes whose critical intensities are searched", default=("collapse",), min_length=1)
+    at: dict[str, Values] = key("values at which they are searched, by dimension, every combination; none: at the scene's own", default={})
     confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=None)
-    maps: Maps | None = key("maps over S_R, gamma and amplitude; null: none", default=None)
+    maps: Maps | None = key("maps over some dimensions and the intensity; null: none", default=None)
 
     @model_validator(mode="after")
     def _known(self) -> Trigger:
         check_file_names("cases", self.cases)
+        check_known("intensity.dimension", [self.intensity.dimension], INTENSITIES)
+        for where, names in (("at", self.at), ("maps.over", self.maps.over if self.maps else ())):
+            check_names(where, names)
+            if self.intensity.dimension in names:
+                raise ValueError(f"{where}.{self.intensity.dimension}: is the intensity that is searched")
+        for name, values in self.at.items():
+            if len({value_of(value) for value in values}) < len(values):
+                raise ValueError(f"at.{name}: {list(values)} holds one value twice")
         for case, overrides in self.cases.items():
-            for name, dotted_key in SHORT_NAMES.items():
-                section, last = dotted_key.split(".")
-                if last in (overrides.get(section) or {}):
-                    raise ValueError(f"cases.{case}: {dotted_key} is what is searched, see {name}")
+            for name in (*self.at, *(self.maps.over if self.maps else ()), self.intensity.dimension):
+                if _holds(overrides, scene_key(name).split(".")):
+                    raise ValueError(f"cases.{case}: {scene_key(name)} is what is searched, see {name}")
         check_known("confirm.cases", self.confirm.cases if self.confirm else (), self.cases)
         check_known("maps.cases", self.maps.cases if self.maps else (), self.cases)
-        for name in ("S_R", "gamma") if self.confirm else ():
-            searched = {float(value) for value in getattr(self, name)}
-            for value in getattr(self.confirm, name):
-                if float(value) not in searched:
-                    raise ValueError(f"confirm.{name}: {value} is not one of those searched, {', '.join(getattr(self, name))}")
+        for name, values in (self.confirm.at if self.confirm else {}).items():
+            check_known("confirm.at", [name], self.at)
+            searched = {value_of(value) for value in self.at[name]}
+            for value in values:
+                if value_of(value) not in searched:
+                    raise ValueError(f"confirm.at.{name}: {value} is not one of those searched, {', '.join(self.at[name])}")
         check_known("confirm.collapse_class", [self.confirm.collapse_class] if self.confirm else (), self.classes)
+        if self.maps and set(self.maps.over) != set(self.at):
+            raise ValueError(f"maps.over: {', '.join(self.maps.over)}: must be the dimensions of at ({', '.join(self.at) or 'none'})")
         if self.levels > MOST_LEVELS:
-            raise ValueError(
-                f"tolerance: {self.tolerance:g} m/s2 must be at least {self.amplitude.widest(MOST_LEVELS):.2g} m/s2 with this lattice"
-            )
+            raise ValueError(f"tolerance: {self.tolerance:g} must be at least {self.intensity.widest(MOST_LEVELS):.2g} with this lattice")
         self._check_extent()
         return self
 
     def _check_extent(self) -> None:
-        spans = [("amplitude", self.amplitude, self.levels)]
-        points = {"S_R, gamma, amplitude": len(self.cases) * len(self.S_R) * len(self.gamma) * (self.amplitude.cells + 1)}
+        spans: list[tuple[str, Span, int]] = [("intensity", self.intensity, self.levels)]
+        points = {"at": len(self.cases) * math.prod(map(len, self.at.values())) * (self.intensity.cells + 1)}
         if self.maps:
-            own = (self.maps.S_R, self.maps.gamma, self.amplitude)
-            spans += [(f"maps.{name}", span, self.maps.levels) for name, span in zip(GRID, own, strict=True)]
-            points["maps"] = len(self.maps.cases or self.cases) * math.prod(span.cells + 1 for span in own)
+            own = {**self.maps.over, "intensity": self.intensity}
+            spans += [(f"maps.over.{name}", span, self.maps.levels) for name, span in own.items()]
+            points["maps"] = len(self.maps.cases or self.cases) * math.prod(span.cells + 1 for span in own.values())
         for where, span, levels in spans:
             if span.widest(levels) <= LEAST_STEP * span.highest:
                 raise ValueError(f"{where}: steps of {span.widest(levels):.2g} at {span.highest:g} are too small for labels of six digits")
@@ -116,30 +141,66 @@ class Trigger(Section):
                 raise ValueError(f"{where}: the undivided lattice has {count:,} points, at most {MOST_RUNS:,}")
 
     @property
+    def dimensions(self) -> tuple[str, ...]:
+        """The dimensions of the searches, in the order of file names and tables."""
+        return tuple(in_order([*self.at, self.intensity.dimension]))
+
+    @property
     def levels(self) -> int:
-        """How often a cell of amplitudes is divided until the widest is within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
-        narrow = (level for level in range(MOST_LEVELS + 1) if self.amplitude.widest(level) <= self.tolerance * (1.0 + 1e-9))
+        """How often a cell of intensities is divided until all are within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
+        narrow = (level for level in range(MOST_LEVELS + 1) if self.intensity.widest(level) <= self.tolerance * (1.0 + 1e-9))
         return next(narrow, MOST_LEVELS + 1)
 
 
+def _holds(overrides: Mapping[str, Any], path: Sequence[str]) -> bool:
+    """Whether scene keys set the one with this path."""
+    if path[0] not in overrides:
+        return False
+    below = overrides[path[0]]
+    return len(path) == 1 or isinstance(below, Mapping) and _holds(below, path[1:])
+
+
+class Searched(NamedTuple):
+    """The dimensions of the searches."""
+
+    all: tuple[Dimension, ...]  # in the order of file names and tables
+    intensity_name: str
+
+    @property
+    def intensity(self) -> Dimension:
+        """That whose critical values are searched."""
+        return next(found for found in self.all if found.name == self.intensity_name)
+
+    @property
+    def others(self) -> tuple[Dimension, ...]:
+        """Those at whose values it is searched."""
+        return tuple(found for found in self.all if found.name != self.intensity_name)
+
+
 class Lattice(Section):
-    """What one search refines: some of the study's dimensions fixed, the others spanned."""
+    """What one search refines: some of its dimensions fixed, the others spanned."""
 
     case: str
+    names: tuple[str, ...]
+    """all dimensions, in the order of file names"""
     fixed: dict[str, str]
     spans: dict[str, Span]
     written: dict[str, tuple[str, ...]]
     """labels that the study has for numbers, by dimension; other numbers are written in six digits"""
 
     def labels(self, place: Place) -> tuple[str, ...]:
-        """S_R, gamma and amplitude at a place, as written."""
+        """Values of the dimensions at a place, as written."""
         at = dict(zip(self.spans, place, strict=True))
-        return tuple(self.fixed[name] if name in self.fixed else self.label(name, self.spans[name].value(at[name])) for name in GRID)
+        return tuple(self.fixed[name] if name in self.fixed else self.label(name, self.spans[name].value(at[name])) for name in self.names)
 
     def label(self, name: str, value: float) -> str:
         """The label of a number."""
-        plain = f"{value:.6g}"
-        return next((label for label in self.written[name] if float(label) == float(plain)), plain)
+        return label_among(self.written[name], f"{value:.6g}")
+
+
+def label_among(written: Iterable[str], value: str) -> str:
+    """The first of some labels that stands for the same value as another, or that one."""
+    return next((label for label in written if value_of(label) == value_of(value)), value)
 
 
 class TriggerPlan:
@@ -151,16 +212,24 @@ class TriggerPlan:
         self.plans: dict[str, Plan] = {}
         self.folders: dict[tuple[str, str], str] = {}
         """folder of the stages and runs of a fidelity and case"""
+        self.names = trigger.dimensions
+        own = study.study.is_grid_over(self.names)
+        values = {name: study.study.values[name] if own else () for name in self.names}
+        self._written = {
+            name: (*known, *(label for label in trigger.at.get(name, ()) if label_among(known, label) == label))
+            for name, known in values.items()
+        }
+        ends = tuple(f"{end:.6g}" for end in (trigger.intensity.lowest, trigger.intensity.highest))
+        searching = study if own else study.over({**trigger.at, trigger.intensity.dimension: ends})
         wanted = {"fidelity": self.fidelity} | ({"confirm.fidelity": trigger.confirm.fidelity} if trigger.confirm else {})
         for where, fidelity in wanted.items():
             check_known(f"{origin}: {where}", [fidelity], study.study.fidelities)
             for case, overrides in trigger.cases.items():
-                plan = study.at(fidelity, overrides, f"{FOLDER}/{file_name(case)}" if overrides else "", f"{origin}: case {case!r}")
+                apart = f"{FOLDER}/{file_name(case)}" if overrides or not own else ""
+                plan = searching.at(fidelity, overrides, apart, f"{origin}: case {case!r}")
                 self.plans[plan.folder] = plan
                 self.folders[fidelity, case] = plan.folder
         self.folder = study.at(self.fidelity).folder
-        values = {name: tuple(dict.fromkeys(study.study.values[name] + getattr(trigger, name))) for name in ("S_R", "gamma")}
-        self._written = {**values, "amplitude": study.study.values["amplitude"]}
         self._validate()
 
     def _validate(self) -> None:
@@ -169,7 +238,7 @@ class TriggerPlan:
         for plan in self.plans.values():
             for line in (line for search in searches for line in self.lattices(search)):
                 for ends in itertools.product(*((0.0, float(span.cells)) for span in line.spans.values())):
-                    plan.built(**dict(zip(GRID, line.labels(ends), strict=True)))
+                    plan.built(**dict(zip(self.names, line.labels(ends), strict=True)))
 
     @property
     def maps(self) -> Maps:
@@ -183,23 +252,33 @@ class TriggerPlan:
         """What is confirmed; ValueError where nothing is."""
         if self.trigger.confirm is None:
             raise ValueError(f"{self.origin}: confirm: null, there is nothing to confirm")
-        return self.trigger.confirm.model_dump() | {"cases": self.trigger.confirm.cases or tuple(self.trigger.cases)}
+        chosen = self.trigger.confirm
+        return {
+            "fidelity": chosen.fidelity,
+            "collapse_class": chosen.collapse_class,
+            "cases": chosen.cases or tuple(self.trigger.cases),
+            "at": {**self.trigger.at, **chosen.at},
+        }
 
     def lattices(self, search: str) -> list[Lattice]:
         """What a search refines."""
-        chosen, spans = self.trigger, {"amplitude": self.trigger.amplitude}
+        chosen, lattice = self.trigger, functools.partial(Lattice, names=self.names, written=self._written)
+        intensity = {chosen.intensity.dimension: Span(**chosen.intensity.model_dump(exclude={"dimension"}))}
         if search == "maps":
-            spans = {"S_R": self.maps.S_R, "gamma": self.maps.gamma, **spans}
-            return [Lattice(case=case, fixed={}, spans=spans, written=self._written) for case in self.maps.cases or chosen.cases]
+            spans = {**self.maps.over, **intensity}
+            return [lattice(case=case, fixed={}, spans=spans) for case in self.maps.cases or chosen.cases]
+        values = [[label_among(self._written[name], value) for value in chosen.at[name]] for name in chosen.at]
         return [
-            Lattice(
-                case=case, fixed={"S_R": self._label("S_R", S_R), "gamma": self._label("gamma", gamma)}, spans=spans, written=self._written
-            )
-            for case, S_R, gamma in itertools.product(chosen.cases, chosen.S_R, chosen.gamma)
+            lattice(case=case, fixed=dict(zip(chosen.at, at, strict=True)), spans=intensity)
+            for case, *at in itertools.product(chosen.cases, *values)
         ]
 
-    def _label(self, name: str, value: str) -> str:
-        return next(label for label in self._written[name] if float(label) == float(value))
+    @functools.cached_property
+    def dimensions(self) -> Searched:
+        """The dimensions of the searches with their units and meanings."""
+        plan, labels = next(iter(self.plans.values())), self.lattices("trigger")[0].labels((0.0,))
+        scene = plan.built(**dict(zip(self.names, labels, strict=True)))
+        return Searched(tuple(dimension(name, self._written[name], scene) for name in self.names), self.trigger.intensity.dimension)
 
     def classes(self, search: str) -> Classes:
         """The classes whose boundaries a search refines."""
@@ -242,14 +321,24 @@ class TriggerPlan:
 
     @property
     def scenes(self) -> dict[str, dict[str, Any]]:
-        """Scene of every case, shaken at the largest amplitude."""
-        strongest = f"{self.trigger.amplitude.highest:.6g}"
-        return {case: self.plans[folder].scene(amplitude=strongest) for case, folder in self.searched.items()}
+        """Scene of every case, shaken at the largest intensity."""
+        strongest = {self.trigger.intensity.dimension: f"{self.trigger.intensity.highest:.6g}"}
+        return {case: self.plans[folder].scene(**strongest) for case, folder in self.searched.items()}
+
+    @property
+    def one_slope(self) -> bool:
+        """Whether all runs of a case share their gravity stage: one slope, whose yield acceleration is searched."""
+        return all(self.plans[folder].one_slope for folder in self.searched.values())
+
+    @property
+    def tolerance(self) -> str:
+        """The tolerance with its unit."""
+        return f"{self.trigger.tolerance:g} {self.dimensions.intensity.shown_unit}".rstrip()
 
     @property
     def facts(self) -> dict[str, str]:
         """Study and fidelity, for the table's attributes."""
-        return {"title": f"{self._study.study.study}: critical amplitudes", "fidelity": self.fidelity}
+        return {"title": f"{self._study.study.study}: critical intensities", "fidelity": self.fidelity}
 
     @property
     def note(self) -> str:
@@ -261,13 +350,19 @@ class TriggerPlan:
 
 def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
     """Case and point of every row of a table of points."""
-    for case, *point in pd.read_csv(path, dtype=str, keep_default_na=False)[["case", *GRID]].itertuples(index=False, name=None):
-        yield case, dict(zip(GRID, point, strict=True))
+    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    names = names_in(table.columns)
+    for case, *point in table[["case", *names]].itertuples(index=False, name=None):
+        yield case, dict(zip(names, point, strict=True))
+
+
+def names_in(columns: Iterable[str]) -> list[str]:
+    """The dimensions among the columns of a table of a search: those after its case, before the first column that every such table has."""
+    return [*itertools.takewhile(lambda name: name not in ("round", "collapse_class", "wanted_class"), columns)][1:]
 
 
 def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
     """Validate the configuration, and scenes at the ends of its lattices; ValueError names file, key and value."""
-    study.study.needs_grid_over(GRID, "trigger and maps")
     return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path)
 
 

@@ -8,25 +8,18 @@ from typing import Any
 
 import pandas as pd
 
-from sph.experiments.trigger.design import Lattice, reached
+from sph.experiments.trigger.design import Lattice, names_in, reached
 from sph.experiments.trigger.refinement import Place, leaves
-from sph.measures.metrics import GRID, METRIC_BY_NAME, UNDETERMINED
+from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
 from sph.storage.trajectory import Variable
-from sph.study.dimensions import AXES
-from sph.study.tables import ROW, count_column, read_csv, text_column
+from sph.study.dimensions import Dimension, is_number
+from sph.study.tables import ROW, columns_of, count_column, read_csv, text_column
 
-WANTED: tuple[Variable, ...] = (
-    text_column("case", "label of the case"),
-    *(axis._replace(dims=ROW, dtype="str", text=f"{axis.text}, as written in file names") for axis in AXES),
-    count_column("round", "round of the search that asked for the point: how often the cell that it belongs to has been divided"),
-)
-"""The columns of a point before it is run."""
+CASE_COLUMN = text_column("case", "label of the case")
+ROUND_COLUMN = count_column("round", "round of the search that asked for the point: how often the cell that it belongs to has been divided")
 MEASURED = (
     "status", "collapse_class", "still_moving", "displacement_magnitude", "runout", "failed_fraction", "first_failure_time", "wall_time",
 )  # fmt: skip
-POINTS: tuple[Variable, ...] = WANTED + tuple(METRIC_BY_NAME[name]._replace(dims=ROW) for name in MEASURED)
-"""The columns of a point that was run."""
-POINT = ["case", *GRID]
 
 Key = tuple[str, ...]
 
@@ -34,6 +27,22 @@ Key = tuple[str, ...]
 def names(columns: Sequence[Variable]) -> list[str]:
     """The names of columns."""
     return [column.name for column in columns]
+
+
+def label_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
+    """The columns of a point's case and values, as written."""
+    axes = (found.variable(listed=False) for found in dimensions)
+    return (CASE_COLUMN, *(axis._replace(dims=ROW, dtype="str", text=f"{axis.text}, as written in file names") for axis in axes))
+
+
+def wanted_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
+    """The columns of a point before it is run."""
+    return (*label_columns(dimensions), ROUND_COLUMN)
+
+
+def point_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
+    """The columns of a point that was run."""
+    return wanted_columns(dimensions) + tuple(METRIC_BY_NAME[name]._replace(dims=ROW) for name in MEASURED)
 
 
 def division(lattice: Lattice, classes: Mapping[Key, str], boundaries: Sequence[str]) -> Callable[[Place], Hashable]:
@@ -51,7 +60,8 @@ def division(lattice: Lattice, classes: Mapping[Key, str], boundaries: Sequence[
 
 def classes_found(points: pd.DataFrame) -> dict[Key, str]:
     """Class of every point, by case and labels."""
-    return {tuple(map(str, at)): str(name) for *at, name in points[[*POINT, "collapse_class"]].itertuples(index=False)}
+    at = ["case", *names_in(points.columns)]
+    return {tuple(map(str, at)): str(name) for *at, name in points[[*at, "collapse_class"]].itertuples(index=False)}
 
 
 def wanted_points(lattices: Sequence[Lattice], points: pd.DataFrame, boundaries: Sequence[str], number: int) -> pd.DataFrame:
@@ -62,35 +72,45 @@ def wanted_points(lattices: Sequence[Lattice], points: pd.DataFrame, boundaries:
         cells = [span.cells for span in lattice.spans.values()]
         for cell in leaves(cells, division(lattice, classes, boundaries), number):
             wanted |= {(lattice.case, *lattice.labels(corner)): None for corner in cell.corners()}
-    rows = [dict(zip(POINT, point, strict=True)) | {"round": number} for point in wanted if point not in classes]
-    return by_value(pd.DataFrame(rows, columns=names(WANTED)))
+    columns = ["case", *lattices[0].names]
+    rows = [dict(zip(columns, point, strict=True)) | {"round": number} for point in wanted if point not in classes]
+    return by_value(pd.DataFrame(rows, columns=[*columns, "round"]))
 
 
 def by_value(points: pd.DataFrame) -> pd.DataFrame:
-    """A table of points, its cases in their order, in each by the numbers that the labels stand for."""
-    order = {case: number for number, case in enumerate(dict.fromkeys(points["case"]))}
-    return points.sort_values(POINT, key=lambda column: column.map(order) if column.name == "case" else column.astype(float)).reset_index(
-        drop=True
-    )
+    """A table of points, its cases and words in their order, in each by the numbers that the labels stand for."""
+
+    def rank(column: pd.Series) -> pd.Series:
+        if column.name != "case" and column.map(is_number).all():
+            return column.astype(float)
+        return column.map({label: number for number, label in enumerate(dict.fromkeys(column))})
+
+    return points.sort_values(["case", *names_in(points.columns)], key=rank).reset_index(drop=True)
 
 
 def measured_points(earlier: pd.DataFrame, wanted: pd.DataFrame, metrics: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
     """The table of the earlier points and those of a round, from the metrics of its runs in its order."""
     rows = [{**point, **found} for point, found in zip(wanted.to_dict("records"), metrics, strict=True)]
-    new = pd.DataFrame(rows, columns=names(POINTS))
+    new = pd.DataFrame(rows, columns=[*wanted.columns, *MEASURED])
     return by_value(pd.concat([earlier, new], ignore_index=True) if len(earlier) and len(new) else earlier if len(earlier) else new)
 
 
 def read_points(path: Path | str) -> pd.DataFrame:
     """Table of points that were run, from its CSV; ValueError names a file that is none."""
-    return read_csv(path, POINTS, "the points of a search")
+    return read_csv(path, _kinds(path, point_columns(())), "the points of a search")
 
 
 def read_wanted(path: Path | str) -> pd.DataFrame:
     """Table of points to be run, from its CSV; ValueError names a file that is none."""
-    return read_csv(path, WANTED, "the points of a round")
+    return read_csv(path, _kinds(path, wanted_columns(())), "the points of a round")
 
 
-def no_points() -> pd.DataFrame:
+def _kinds(path: Path | str, others: Sequence[Variable]) -> tuple[Variable, ...]:
+    """The columns of a table, the dimensions that its own first line names after its case, and the others."""
+    first, *rest = others
+    return (first, *(text_column(name, "") for name in names_in(columns_of(path))), *rest)
+
+
+def no_points(lattices: Sequence[Lattice]) -> pd.DataFrame:
     """The table before the first round."""
-    return pd.DataFrame(columns=names(POINTS))
+    return pd.DataFrame(columns=["case", *lattices[0].names, "round", *MEASURED])

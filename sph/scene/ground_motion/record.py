@@ -7,6 +7,7 @@ its file alone.  A scene with ``data`` reads no file.
 from __future__ import annotations
 
 import functools
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -17,7 +18,9 @@ from pydantic import Field, model_validator
 
 from sph.scene.configuration import Section, check_file, key
 from sph.scene.ground_motion import read_components
+from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
+from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION
 from sph.scene.ground_motion.units import Unit
 
@@ -51,6 +54,14 @@ class Vertical(Section):
     factor: float = key("multiplies it beyond what the record is scaled by", ge=-1e3, le=1e3, default=1.0)
 
 
+class SpectralAcceleration(Section):
+    """The spectral acceleration to which a record is scaled."""
+
+    period: float = key("period of the oscillator", "s", gt=0, le=100)
+    value: float = key("pseudo-acceleration of the oscillator", "m/s2", ge=0, le=1e4)
+    damping: float = key("its share of critical damping", gt=0, lt=1, default=0.05)
+
+
 class Record(Section):
     """A recorded ground motion."""
 
@@ -68,7 +79,18 @@ class Record(Section):
     amplitude: float | None = key(
         "peak horizontal acceleration to which the record, as processed, is scaled; null: as recorded", "m/s2", ge=0, le=1e4, default=None
     )
-    factor: float = key("multiplies all components; negative turns them round; with amplitude 1 or -1", ge=-1e3, le=1e3, default=1.0)
+    peak_velocity: float | None = key(
+        "instead of amplitude: peak horizontal velocity to which the record is scaled", "m/s", ge=0, le=100, default=None
+    )
+    arias_intensity: float | None = key(
+        "instead of amplitude: Arias intensity of the horizontal component to which the record is scaled", "m/s", ge=0, le=1e4, default=None
+    )
+    spectral_acceleration: SpectralAcceleration | None = key(
+        "instead of amplitude: spectral acceleration of the horizontal component to which the record is scaled", default=None
+    )
+    factor: float = key(
+        "multiplies all components; negative turns them round; 1 or -1 where the record is scaled", ge=-1e3, le=1e3, default=1.0
+    )
     baseline: Baseline | None = key("removal of drift, before all else and once more at the end; null: none", default=None)
     band_pass: BandPass | None = key("band-pass filter, after the baseline; null: none", default=None)
     trim: Trim | None = key("cut to the strong part, after the filter; null: none", default=None)
@@ -100,8 +122,11 @@ class Record(Section):
             raise ValueError("file: is required where there are no data")
         if self.vertical is not None and self.data.y is None:
             raise ValueError("vertical: there is neither a second file nor a third column; name one in vertical.file")
-        if self.amplitude is not None and abs(self.factor) != 1.0:
-            raise ValueError(f"factor: {self.factor:g} with amplitude: {self.amplitude:g} m/s2 must be 1 or -1; leave one of them out")
+        scaled = [name for name in SCALES if getattr(self, name) is not None]
+        if len(scaled) > 1:
+            raise ValueError(f"{scaled[1]}: the record is scaled to {scaled[0]} already; leave one of them out")
+        if scaled and abs(self.factor) != 1.0:
+            raise ValueError(f"factor: {self.factor:g} with {scaled[0]} must be 1 or -1; leave one of them out")
         processed(self)
         return self
 
@@ -135,6 +160,29 @@ class Processed(NamedTuple):
     vertical: np.ndarray  # (n,) m/s2, zeros without one
 
 
+SCALES = ("amplitude", "peak_velocity", "arias_intensity", "spectral_acceleration")
+"""Keys to one of which a record is scaled."""
+
+
+def _scale(record: Record, acceleration: np.ndarray, interval: float) -> float:
+    """What a record's acceleration (n,) is multiplied by for the intensity that it is scaled to; ValueError where it cannot be reached."""
+    if record.spectral_acceleration is not None:
+        asked = record.spectral_acceleration
+        own = float(pseudo_acceleration(acceleration, interval, np.array([asked.period]), asked.damping)[0])
+        return _ratio("spectral_acceleration.value", asked.value, own)
+    if record.peak_velocity is not None:
+        return _ratio("peak_velocity", record.peak_velocity, measure(acceleration, interval).peak_velocity)
+    if record.arias_intensity is not None:
+        return math.sqrt(_ratio("arias_intensity", record.arias_intensity, measure(acceleration, interval).arias_intensity))
+    return 1.0 if record.amplitude is None else _ratio("amplitude", record.amplitude, float(np.abs(acceleration).max()))
+
+
+def _ratio(name: str, wanted: float, own: float) -> float:
+    if wanted > 0.0 and not own > 0.0:
+        raise ValueError(f"{name}: {wanted:g} cannot be reached, the record stands still")
+    return wanted / own if own > 0.0 else 0.0
+
+
 @functools.lru_cache(maxsize=8)
 def processed(record: Record) -> Processed:
     """Samples of a record after its processing; ValueError for processing that the record does not bear."""
@@ -142,10 +190,7 @@ def processed(record: Record) -> Processed:
     assert data is not None
     raw = [np.array(data.x)] + ([np.array(data.y)] if record.vertical is not None else [])
     components, interval = process(raw, data.interval, record.baseline, record.band_pass, record.trim, record.resample)
-    peak = float(np.abs(components[0]).max())
-    if record.amplitude is not None and record.amplitude > 0 and not peak > 0:
-        raise ValueError(f"amplitude: {record.amplitude:g} m/s2 cannot be reached, the record stands still")
-    scale = record.factor if record.amplitude is None else record.factor * (record.amplitude / peak if peak > 0 else 0.0)
+    scale = record.factor * _scale(record, components[0], interval)
     horizontal = scale * components[0]
     vertical = scale * record.vertical.factor * components[1] if record.vertical is not None else np.zeros_like(horizontal)
     if not max(np.abs(horizontal).max(), np.abs(vertical).max()) <= LARGEST_ACCELERATION:

@@ -19,11 +19,14 @@ from sph.page.tables import key_rows
 from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_scene, scene_files
 from sph.scene.ground_motion import motion_of, read_motion
+from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.record import processed
+from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.scene.loading import make_loading
+from sph.scene.motion import reference_amplitude
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.newmark import sliding_block
-from sph.study.baseline import newmark_amplitude
+from sph.study.baseline import newmark_factor
 
 INTERVAL = 0.005
 TIME = np.arange(400) * INTERVAL
@@ -118,6 +121,18 @@ def test_the_amplitude_is_the_horizontal_peak_after_processing(records: Path, se
     np.testing.assert_allclose(scaled.vertical, 2.0 * ratio * as_recorded.vertical, rtol=1e-12)
 
 
+def test_a_record_is_scaled_to_any_intensity(records: Path) -> None:
+    def horizontal(**keys: Any) -> np.ndarray:
+        return processed(load_scene(written(records, **keys)).motion).horizontal
+
+    assert measure(horizontal(peak_velocity=0.3), INTERVAL).peak_velocity == pytest.approx(0.3, rel=1e-9)
+    assert measure(horizontal(arias_intensity=1.7), INTERVAL).arias_intensity == pytest.approx(1.7, rel=1e-9)
+    wanted = horizontal(spectral_acceleration={"period": 0.5, "value": 4.0}, factor=-1.0)
+    assert pseudo_acceleration(wanted, INTERVAL, np.array([0.5]))[0] == pytest.approx(4.0, rel=1e-9)
+    assert wanted @ BURST < 0.0, "the factor turns it round"
+    assert not horizontal(arias_intensity=0.0).any()
+
+
 def test_a_factor_and_no_amplitude(records: Path) -> None:
     np.testing.assert_allclose(processed(load_scene(written(records, factor=-2.0)).motion).horizontal, -2.0 * BURST, atol=2 * ROUNDING)
     assert not processed(load_scene(written(records, amplitude=0.0)).motion).horizontal.any()
@@ -145,6 +160,8 @@ def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None
 
 BAD: list[tuple[dict[str, Any], list[str]]] = [
     ({}, ["motion: file: is required where there are no data"]),
+    ({"file": "records/h.AT2", "amplitude": 1.0, "peak_velocity": 0.1}, ["peak_velocity: the record is scaled to amplitude already"]),
+    ({"file": "records/h.AT2", "arias_intensity": 1.0, "factor": 2.0}, ["factor: 2 with arias_intensity must be 1 or -1"]),
     ({"file": "absent.at2"}, ["motion: file: 'absent.at2'", "No such file"]),
     ({"file": "records"}, ["records", "is a folder; name a file"]),
     ({"file": "a\0b"}, ["motion: file: ", "null"]),
@@ -301,10 +318,11 @@ def test_what_the_command_refuses(records: Path) -> None:
 
 
 def test_the_sliding_blocks_amplitude_is_that_of_the_record(records: Path) -> None:
-    # The amplitude at which the block slips by 5 cm does not depend on how large the record is, nor its sign on the factor's size.
+    # The amplitude at which the block slips by 5 cm does not depend on how large the record is.
     path = written(records)
-    wanted = newmark_amplitude(load_scene(path), 1.0, 0.05)
-    assert newmark_amplitude(load_scene(path, {"motion": {"amplitude": 8.0}}), 1.0, 0.05) == pytest.approx(wanted, rel=1e-4)
+    scene, larger = load_scene(path), load_scene(path, {"motion": {"amplitude": 8.0}})
+    wanted = newmark_factor(scene, 1.0, 0.05) * reference_amplitude(scene.motion)
+    assert newmark_factor(larger, 1.0, 0.05) * 8.0 == pytest.approx(wanted, rel=1e-4)
     block = read_motion(path, {"motion": {"amplitude": wanted}})
     assert sliding_block(block.time, block.acceleration, 1.0).permanent == pytest.approx(0.05, rel=1e-3)
 

@@ -13,8 +13,9 @@ def want_points(
     path_to_points: str | None, lattices: Sequence[Mapping[str, Any]], classes: Sequence[str], number: int, path_to_wanted: str
 ) -> None:
     """Corners of the cells divided ``number`` times that are not among the points of earlier rounds."""
-    points = read_points(path_to_points) if path_to_points else no_points()
-    write_csv(wanted_points([Lattice(**data) for data in lattices], points, classes, number), path_to_wanted)
+    searched = [Lattice(**data) for data in lattices]
+    points = read_points(path_to_points) if path_to_points else no_points(searched)
+    write_csv(wanted_points(searched, points, classes, number), path_to_wanted)
 
 
 if __name__ == "__main__":
