@@ -39,7 +39,7 @@ from sph.experiments.trigger.maps import CELLS, SHARES
 from sph.experiments.trigger.points import POINTS
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.paper.study import AnyStudy
-from sph.scene.configuration import validated
+from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
@@ -332,17 +332,9 @@ def _variables(columns: Iterable[Variable]) -> Reference:
 def _schemes_table() -> Reference:
     """Keys that the schemes fill in differently, or that the scheme of one's own slopes wants written."""
     paper = validated(Scene, {"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}}, "paper").model_dump()
-    rows = [(name, f"`{_short(value)}`", f"`{_short(_at(paper, name))}`", "") for name, value in _flat(RESOLVED).items()]
+    rows = [(name, f"`{_short(value)}`", f"`{_short(_at(paper, name))}`", "") for name, value in flat(RESOLVED).items()]
     rows += [(name, "must be written", f"`{_short(_at(paper, name))}`", text) for name, text in NEEDED.items()]
     return Reference(("key", "`resolved`", "`paper`", "meaning"), rows)
-
-
-def _flat(section: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    return {
-        key: value
-        for name, part in section.items()
-        for key, value in (_flat(part, f"{prefix}{name}.") if isinstance(part, dict) else {prefix + name: part}).items()
-    }
 
 
 def _at(data: Any, name: str) -> Any:

@@ -235,18 +235,20 @@ ORDERED = ("layers", "probes")
 def differences(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Dotted keys whose values differ in the mappings of two scenes, with both; None for a key that one lacks.  Names of files do not
     count: a scene holds their content.  The order of names does in the sections ``ORDERED``."""
-    left, right = _flat(without_files(one)), _flat(without_files(other))
+    left, right = (
+        flat(scene) | {name: list(scene[name]) for name in ORDERED if isinstance(scene.get(name), Mapping)}
+        for scene in (without_files(one), without_files(other))
+    )
     pairs = {name: (left.get(name), right.get(name)) for name in sorted(left.keys() | right.keys())}
     return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
 
 
-def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in data.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
-        if name in ORDERED and isinstance(value, Mapping):
-            flat[prefix + name] = list(value)
-    return flat
+def flat(section: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """``{"coupling": {"S_R": 0.1}}`` as ``{"coupling.S_R": 0.1}``; an empty section has no key."""
+    found: dict[str, Any] = {}
+    for name, value in section.items():
+        found |= flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
+    return found
 
 
 def in_order(data: Any) -> Any:

@@ -16,7 +16,8 @@ from killing import TIMINGS
 from PIL import Image
 from typer.testing import CliRunner, Result
 
-from sph.command.cli import DIVERGED, REFUSED, app, parse_settings
+from sph.command.cli import DIVERGED, REFUSED, app
+from sph.command.options import parse_settings
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene, load_scene
 from sph.scene.strict_json import parse_json

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from sph.command.cli import parse_settings
+from sph.command.options import parse_settings
 from sph.scene.configuration import (
     DEEPEST,
     LARGEST_FILE,
