@@ -41,6 +41,7 @@ from sph.command.options import (
     say,
 )
 from sph.jobs.exit_codes import DIFFERS, DIVERGED, REFUSED
+from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 
 app = typer.Typer(
@@ -112,8 +113,7 @@ def run(
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
 
-        if until not in (None, "end", "gravity", "first_failure"):
-            raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
+        check_known("--until", [until], ("end", "gravity", "first_failure"))
         earlier = earlier_run(scene)
         loaded, inputs = read_given(scene, parse_settings(set_), earlier)
         path = out or Path(f"{loaded.name}.nc")
@@ -344,8 +344,9 @@ def explain(
         conditions = dict(condition.split("=", 1) for condition in where or ())
         rows, plan = explain(file, conditions, configfile)
         known = [number.column for number in rows[0].numbers]
-        if column is not None and column not in known:
-            raise ValueError(f"--column {column!r}: must be {', '.join(known) or 'left out for the file of a run'}")
+        if column is not None and not known:
+            raise ValueError(f"--column {column!r}: must be left out for the file of a run")
+        check_known("--column", [column], known)
     print(to_json(record(rows, plan), indent=1) if as_json else "\n".join(lines(rows, plan, column)))
     if any(row.differs for row in rows):
         raise typer.Exit(DIFFERS)
@@ -368,8 +369,7 @@ def fos(
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
-        if reduce not in ("strength", "S_R"):
-            raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
+        check_known("--reduce", [reduce], ("strength", "S_R"))
         loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
             check_writable(out, inputs)
@@ -416,10 +416,8 @@ def advise(
         from sph.scene.scheme import SCHEMES
 
         limit = parse_error(error)
-        if quantity not in (*QUANTITIES, "both"):
-            raise ValueError(f"--quantity {quantity!r}: must be {', '.join(QUANTITIES)} or both")
-        if scheme not in SCHEMES:
-            raise ValueError(f"--scheme {scheme!r}: must be {' or '.join(SCHEMES)}")
+        check_known("--quantity", [quantity], (*QUANTITIES, "both"))
+        check_known("--scheme", [scheme], SCHEMES)
         measured = read_trade(table) if table else advice.shipped_table(scheme)
         if measured is None:
             raise ValueError(advice.NOT_MEASURED_YET)
@@ -476,8 +474,7 @@ def cost(
             raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
         plan, folder = located_plan(None, study)
         if fidelity is not None:
-            if fidelity not in plan.study.fidelities:
-                raise ValueError(f"--fidelity {fidelity!r}: must be {', '.join(plan.study.fidelities)}")
+            check_known("--fidelity", [fidelity], plan.study.fidelities)
             plan, folder = plan.at(fidelity), folder.with_name(fidelity)
         found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
     print(to_json(record(found), indent=1) if as_json else "\n".join(lines(found)))
@@ -503,8 +500,7 @@ def motion(
     with refusals():
         from sph.command.motion import measures, read_shaking, rows
 
-        if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
-            raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
+        check_known("--unit", [unit], ("m/s2", "cm/s2", "gal", "g"))
         shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
         if out is not None:
             check_picture(out, shaking.files, "--plot")
@@ -531,8 +527,7 @@ def reference(table: Annotated[str, typer.Argument(help="scene, study, trajector
     with refusals():
         from sph.command.reference import TABLES, markdown
 
-        if table not in TABLES:
-            raise ValueError(f"{table!r}: must be one of {', '.join(TABLES)}")
+        check_known("TABLE", [table], TABLES)
     print(markdown(TABLES[table]()))
 
 

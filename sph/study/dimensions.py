@@ -6,7 +6,6 @@ or null once, in the scene and in the study's tables.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import re
 import types
@@ -18,6 +17,7 @@ from pydantic import BaseModel, BeforeValidator, Field
 
 from sph.measures.metrics import GRID
 from sph.scene.configuration import Section
+from sph.scene.names import nearest
 from sph.scene.schema import Scene
 from sph.storage.trajectory import Variable
 
@@ -125,8 +125,7 @@ def check_names(where: str, names: Iterable[str]) -> None:
     for name in names:
         key = scene_key(name)
         if not any(_matches(key, known) for known in scene_keys()):
-            near = difflib.get_close_matches(key, [*SHORT_NAMES, *scene_keys()], 1, 0.5)
-            raise ValueError(f"{where}.{name}: there is no such key in a scene" + (f"; the nearest is {near[0]}" if near else ""))
+            raise ValueError(f"{where}.{name}: there is no such key in a scene{nearest(key, [*SHORT_NAMES, *scene_keys()])}")
         if key in keys:
             raise ValueError(f"{where}: {keys[key]} and {name} set the same key")
         keys[key] = name

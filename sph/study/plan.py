@@ -22,6 +22,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from sph.measures.fields import check_probe
 from sph.measures.metrics import GRID, MetricSettings
 from sph.scene.configuration import Section, dotted, found_file, key, merge, one_line, read_scene, read_yaml, scene_files, validated
+from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
 from sph.study.dimensions import (
     CASE,
@@ -95,8 +96,7 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _known(self) -> Study:
-        if self.fidelity not in self.fidelities:
-            raise ValueError(f"fidelity: {self.fidelity!r} is not one of {', '.join(self.fidelities)}")
+        check_known("fidelity", [self.fidelity], self.fidelities)
         return self
 
     @model_validator(mode="after")

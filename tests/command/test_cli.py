@@ -159,7 +159,7 @@ def test_films_and_files_for_paraview(scene_file: Path, tmp_path: Path, monkeypa
         (("--out", "x.mp4"), "apt-get install ffmpeg"),
         (("--fps", "5", "--speed", "1"), "give one of them"),
         (("--fps", "0"), "0 pictures a second"),
-        (("--field", "colour"), "'colour' is unknown"),
+        (("--field", "colour"), "'colour' is not one of initial_height"),
         (("--out", tmp_path / "absent" / "x.gif"), "does not exist"),
     ):
         # Before any work: the trajectory is not even looked for.
@@ -189,12 +189,12 @@ def test_info_shows_limits_and_terms(scene_file: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "wanted"),
     [
-        (("--set", "soil.cohesin=3"), ("slope.yaml: soil.cohesin", "no such key", "3")),
+        (("--set", "soil.cohesin=3"), ("slope.yaml: soil.cohesin: there is no such key here; did you mean cohesion? (found 3)",)),
         (("--set", "motion.amplitude=-1"), ("slope.yaml: motion.amplitude", "greater than or equal to 0", "-1")),
         (("--set", "walls.sides=free_slip"), ("walls.layers", "2 layers", "needs 4")),
         (("--set", "coupling.S_R"), ("KEY=VALUE",)),
         (("--set", "numerics.time_step=0.05", "--set", "outputs.series_interval=0.25"), ("numerics.time_step", "limit", "acoustic")),
-        (("--until", "tomorrow"), ("--until", "first_failure")),
+        (("--until", "gravty"), ("--until: 'gravty' is not one of end, gravity, first_failure; did you mean gravity?",)),
         (("--restart", "absent.nc"), ("absent.nc",)),
         (("--out", "absent/folder/out.nc"), ("--out", "does not exist")),
     ],

@@ -235,7 +235,7 @@ def test_large_studies_are_measured_in_parts() -> None:
     [
         ({}, ("one of grid, cases, sample", "found none")),
         ({"grid": {"S_R": [0.1]}, "cases": [{"S_R": 0.1}]}, ("one of grid, cases, sample", "grid and cases")),
-        ({"grid": {"soil.cohesoin": [1]}}, ("grid.soil.cohesoin", "the nearest is soil.cohesion")),
+        ({"grid": {"soil.cohesoin": [1]}}, ("grid.soil.cohesoin", "did you mean soil.cohesion?")),
         ({"grid": {"soil.cohesion": [20, -1]}}, ("soil.cohesion = -1", "greater than or equal to 0")),
         ({"grid": {"numerics.kernel": ["cubic"]}}, ("numerics.kernel = cubic", "'cubic_spline' or 'wendland_c2'", "cubic")),
         ({"grid": {"soil.cohesion": [20, "20.0"]}}, ("grid.soil.cohesion", "one value twice")),

@@ -17,10 +17,11 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from sph.experiments.base import Label, Overrides, check_known, checked
+from sph.experiments.base import Label, Overrides, checked
 from sph.measures.fields import check_probe
 from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.scene.names import check_known
 from sph.scene.schema import make_scene
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import Variable

@@ -16,10 +16,11 @@ from typing import Any, Literal, get_args
 import pandas as pd
 from pydantic import model_validator
 
-from sph.experiments.base import Label, Overrides, check_file_names, check_known, file_name
+from sph.experiments.base import Label, Overrides, check_file_names, file_name
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES, GRID
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
+from sph.scene.names import check_known
 from sph.study.dimensions import SHORT_NAMES, point_name
 from sph.study.plan import Axis, Plan, Point
 from sph.study.planned import Planned, planned
