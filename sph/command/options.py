@@ -132,15 +132,15 @@ def parse_spacings(text: str | None) -> tuple[float, ...] | None:
 
 
 def parse_acceleration(text: str, option: str) -> float:
-    """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
-    from sph.scene.gravity import GRAVITY
+    """``"2.5"`` (m/s2), ``"2.5 m/s2"`` or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and
+    finite."""
     from sph.scene.ground_motion import LARGEST_ACCELERATION
+    from sph.scene.units import acceleration
 
-    number, in_g = text.strip().removesuffix("g"), text.strip().endswith("g")
     try:
-        value = float(number) * (GRAVITY if in_g else 1)
+        value = float(acceleration(text))
     except ValueError as error:
-        raise ValueError(f"{option} {text!r}: write 2.5 (m/s2) or 0.25g") from error
+        raise ValueError(f"{option} {text!r}: {error}") from error
     if not SMALLEST_ACCELERATION <= value <= LARGEST_ACCELERATION:
         raise ValueError(f"{option} {text!r}: must be positive and finite, from {SMALLEST_ACCELERATION:g} to {LARGEST_ACCELERATION:g} m/s2")
     return value

@@ -33,6 +33,7 @@ from sph.study.dimensions import (
     check_names,
     dimension,
     in_order,
+    in_si,
     is_number,
     named_point,
     point_name,
@@ -51,13 +52,14 @@ PART = 500
 """Runs that are measured by one job."""
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
+Case = Annotated[dict[str, Value], BeforeValidator(in_si), Field(min_length=1)]
 Point = dict[str, str]
 """Value of every dimension of a run, as written."""
 
 
 def _dimensions_kept(grid: Any) -> Any:
     """A dimension set to null is none: so a configuration laid over another takes it out."""
-    return {name: values for name, values in grid.items() if values is not None} if isinstance(grid, Mapping) else grid
+    return in_si({name: values for name, values in grid.items() if values is not None}) if isinstance(grid, Mapping) else grid
 
 
 class FigureCases(Section):
@@ -82,7 +84,7 @@ class Study(Section):
         source="Figs. 4-5, Sec. 3.2",
         default=None,
     )
-    cases: Annotated[tuple[Annotated[dict[str, Value], Field(min_length=1)], ...], Field(min_length=1)] | None = key(
+    cases: Annotated[tuple[Case, ...], Field(min_length=1)] | None = key(
         "instead of a grid: the runs one by one, a value of each dimension; or the name of a CSV file with a column a dimension",
         default=None,
     )

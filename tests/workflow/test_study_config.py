@@ -39,6 +39,25 @@ def test_the_shipped_study_covers_the_papers_cases() -> None:
     assert {"draft", "standard", "paper"} <= set(plan({}).study.fidelities)
 
 
+@pytest.mark.parametrize(
+    "runs",
+    [
+        {"grid": {"amplitude": ["0.2g", "4.0", "600 gal"]}},
+        {"cases": [{"motion.amplitude": value} for value in ("0.2g", "4.0", "6 m/s2")]},
+        {"sample": {"size": 3, "ranges": {"amplitude": ["0.2g", "600 gal"]}}},
+    ],
+    ids=lambda runs: next(iter(runs)),
+)
+def test_accelerations_of_a_study_have_units(runs: dict[str, Any]) -> None:
+    made = load_study(chosen_runs(merge(GOOD, runs), runs), [ROOT])
+    if "sample" in runs:
+        assert made.study.sample is not None and made.study.sample.ranges["amplitude"].bounds == (1.962, 6.0)
+    else:
+        assert list(made.study.points.iloc[:, 0]) == ["1.962", "4.0", "6"]
+    for name in made.study.runs:
+        assert 1.962 <= make_scene(made.run_scene(name)).motion.amplitude <= 6.0  # type: ignore[union-attr]
+
+
 @pytest.mark.parametrize("path", sorted((ROOT / "config" / "studies").glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_shipped_studies_of_other_slopes_stand(path: Path) -> None:
     data = chosen_runs(merge(GOOD, read_yaml(path)), read_yaml(path))

@@ -9,18 +9,19 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, get_args
+from typing import Annotated, Any, Literal, get_args
 
 import pandas as pd
-from pydantic import model_validator
+from pydantic import BeforeValidator, model_validator
 
 from sph.experiments.base import Label, Overrides, check_file_names, file_name
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES, GRID
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
 from sph.scene.names import check_known
+from sph.scene.units import Acceleration, acceleration
 from sph.study.dimensions import SHORT_NAMES, point_name
 from sph.study.plan import Axis, Plan, Point
 from sph.study.planned import Planned, planned
@@ -66,13 +67,18 @@ class Maps(Section):
     levels: int = key("how often a cell is divided", ge=0, le=4, default=2)
 
 
+def _in_si(span: Any) -> Any:
+    """A span of accelerations, which may be written with their units."""
+    return {name: end if name == "scale" else acceleration(end) for name, end in span.items()} if isinstance(span, Mapping) else span
+
+
 class Trigger(Section):
     """The configuration."""
 
     fidelity: str | None = key("the fidelity that searches, one of the study's; null: that of the study", default=None)
     cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
-    amplitude: Span = key("amplitudes of the shaking, of all searches", "m/s2")
-    tolerance: float = key("largest width of the bracket of a critical amplitude", "m/s2", gt=0, le=100)
+    amplitude: Annotated[Span, BeforeValidator(_in_si)] = key("amplitudes of the shaking, of all searches", "m/s2")
+    tolerance: Acceleration = key("largest width of the bracket of a critical amplitude", "m/s2", gt=0, le=100)
     classes: Classes = key("classes whose critical amplitudes are searched", default=("collapse",), min_length=1)
     S_R: Axis = key("strength ratios at which they are searched")
     gamma: Axis = key("rates of the loss of strength at which they are searched", "1/s")

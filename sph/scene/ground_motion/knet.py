@@ -13,7 +13,8 @@ from pathlib import Path
 import numpy as np
 
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION, check_head, number, read_lines
-from sph.scene.ground_motion.units import SIZES, Unit, size_of
+from sph.scene.ground_motion.units import Unit, size_of
+from sph.scene.units import SIZES
 
 HEAD, RATE, DURATION, FACTOR = 17, 10, 11, 13
 """Lines of the head; indices of its lines with sampling rate, duration and scale factor."""

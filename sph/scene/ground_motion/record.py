@@ -20,6 +20,7 @@ from sph.scene.ground_motion import read_components
 from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION
 from sph.scene.ground_motion.units import Unit
+from sph.scene.units import Acceleration
 
 UNEVEN = 0.1
 """Largest distance of a sample from an even spacing, over the interval: times are written with few digits.  Also the largest difference
@@ -65,7 +66,7 @@ class Record(Section):
     unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs; null: they say it, or are CSV in m/s2", default=None)
     vertical: Vertical | None = key("vertical component; null: none", default=None)
     start: float = key("time at which the record, as processed, begins", "s", ge=0, le=1e4)
-    amplitude: float | None = key(
+    amplitude: Acceleration | None = key(
         "peak horizontal acceleration to which the record, as processed, is scaled; null: as recorded", "m/s2", ge=0, le=1e4, default=None
     )
     factor: float = key("multiplies all components; negative turns them round; with amplitude 1 or -1", ge=-1e3, le=1e3, default=1.0)
