@@ -17,11 +17,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
 from sph.command.options import (
     AsJson,
+    Commands,
     Rule,
     SceneFile,
     Settings,
@@ -39,12 +38,14 @@ from sph.command.options import (
     parse_spacings,
     refusals,
     say,
+    show_table,
 )
 from sph.jobs.exit_codes import DIFFERS, DIVERGED, REFUSED
 from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 
 app = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
@@ -74,7 +75,7 @@ def new(
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
 ) -> None:
     """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""
-    with refusals():
+    with refusals("reading ground and record"):
         from sph.command.new import write_new
 
         scene, study = write_new(ground, record, out)
@@ -101,13 +102,14 @@ def run(
         float | None,
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
     ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the run of another scene")] = False,
 ) -> None:
-    """Simulate a scene and write its trajectory; after a kill the same command continues from the last checkpoint.
+    """Simulate a scene and write its trajectory; after Ctrl-C or a kill the same command continues from the last checkpoint.
 
     A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
     """
     with refusals():
-        from sph.command.repeat import compare, earlier_run, read_given, stopped_at
+        from sph.command.repeat import check_of_scene, compare, earlier_run, read_given, stopped_at
         from sph.jobs.diagnostics import of_motion
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
@@ -118,10 +120,12 @@ def run(
         loaded, inputs = read_given(scene, parse_settings(set_), earlier)
         path = out or Path(f"{loaded.name}.nc")
         check_writable(path, [*inputs, *([restart] if restart else [])])
+        if not overwrite:
+            check_of_scene(path, loaded)
         repeats = earlier is not None and not set_ and until is None
         for diagnostic in of_motion(loaded):
             say(f"warning: {diagnostic.sentence()}")
-        with reporter(loaded.name) as report:
+        with reporter(loaded.name, loaded) as report:
             # What was allowed to run with a step above its limit may be repeated.
             stage = until or stopped_at(earlier)
             result = run_to_file(loaded, path, stage, restart, report, threads, checkpoint, say, enforce_limit=not repeats)  # type: ignore[arg-type]
@@ -145,7 +149,7 @@ def run(
 @app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
 def info(scene: SceneFile, set_: Settings = None) -> None:
     """Show a summary of a scene: particles, wave speeds, time-step limits, terms, cost."""
-    with refusals():
+    with refusals("placing the particles"):
         from sph.command.info import describe
         from sph.command.repeat import given_scene
 
@@ -167,7 +171,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
 ) -> None:
     """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
-    with refusals():
+    with refusals("testing whether it stands, by trial runs" if static else "placing the particles"):
         from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows, stability
         from sph.command.check import check as look_at
         from sph.command.repeat import read_given
@@ -192,10 +196,7 @@ def check(
     width = max(len(label) for label, _ in facts)
     for label, text in facts:
         print(f"{label:<{width}}  {text}")
-    table = Table(*LAYER_COLUMNS)
-    for row in layers:
-        table.add_row(*row)
-    Console().print(table)
+    show_table(LAYER_COLUMNS, layers)
     for diagnostic in told:
         print(f"warning: {diagnostic.sentence()}")
     if not told:
@@ -210,7 +211,7 @@ def plot(
     time: Annotated[float | None, typer.Option(help="time of the profile in s; the last frame by default")] = None,
 ) -> None:
     """Draw a trajectory: profile, probes and energies."""
-    with refusals():
+    with refusals("reading the trajectory and drawing it"):
         from sph.figures import plot_trajectory
         from sph.figures.style import save
         from sph.storage import trajectory
@@ -238,7 +239,7 @@ def animate(
     dpi: Annotated[int, typer.Option(help="dots per inch; 120 makes a picture of 850 pixels across")] = 120,
 ) -> None:
     """Draw a trajectory through time: the profile, coloured by a field on one scale, as a GIF or an MP4."""
-    with refusals():
+    with refusals("reading the trajectory and drawing its frames, some ten a second"):
         from sph.figures.film import check_film, rate, save_film
         from sph.measures.fields import check_field
         from sph.storage import trajectory
@@ -258,38 +259,41 @@ def animate(
 @app.command(epilog="Example:  sph export slide.nc --vtk slide_vtk  (then open slide_vtk/slide.pvd in ParaView)")
 def export(
     file: Trajectory,
-    vtk: Annotated[Path, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
+    vtk: Annotated[str, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
 ) -> None:
     """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, every number as it is stored."""
-    with refusals():
+    with refusals("writing a file a frame"):
         from sph.storage import trajectory
         from sph.storage.paraview import export_paraview
 
-        if vtk.exists() and not vtk.is_dir():
-            raise ValueError(f"--vtk {vtk}: is a file; name a folder")
-        check_apart(vtk / f"{file.stem}.pvd", [file], "--vtk")
-        print(export_paraview(trajectory.read_run(file), vtk, file.stem))
+        folder = Path(vtk)
+        if not vtk or folder.exists() and not folder.is_dir():
+            raise ValueError(f"--vtk {vtk!r}: is {'a file' if vtk else 'no name'}; name a folder")
+        check_apart(folder / f"{file.stem}.pvd", [file], "--vtk")
+        print(export_paraview(trajectory.read_run(file), folder, file.stem))
 
 
-@app.command(epilog="Example:  sph metrics slide.nc --json")
+@app.command(epilog="Examples:  sph metrics slide.nc  |  sph metrics slide.nc --all  |  sph metrics slide.nc --json")
 def metrics(
     file: Trajectory,
-    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+    every: Annotated[bool, typer.Option("--all", help="every metric, with its definition")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units, every metric")] = False,
 ) -> None:
-    """Measure a trajectory: displacement of A, run-out, deposit, area moved, class, status."""
-    with refusals():
-        from sph.measures.metrics import METRICS, MetricSettings, measure
+    """Measure a trajectory: status, class, displacement of A, run-out, deposit."""
+    with refusals("measuring the trajectory"):
+        from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
         from sph.storage import trajectory
 
         values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
         print(to_json(values, indent=1))
         return
-    table = Table("metric", "value", "unit", "definition")
-    for row in METRICS:
-        value = values[row.name]
-        table.add_row(row.name, f"{value:.4g}" if isinstance(value, float) else str(value), row.units, row.text)
-    Console().print(table)
+    shown = {name: f"{value:.4g}" if isinstance(value, float) else str(value) for name, value in values.items()}
+    if every:
+        show_table(("metric", "value", "unit", "definition"), ((row.name, shown[row.name], row.units, row.text) for row in METRICS))
+    else:
+        show_table(("metric", "value", "unit"), ((row.name, shown[row.name], row.units) for row in METRICS if row.name in CHIEF))
+        print(f"{len(METRICS) - len(CHIEF)} more, and what each means: --all")
 
 
 @app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")
@@ -337,7 +341,7 @@ def explain(
     """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 where one is not as planned now."""
     from sph.command.explain import explain, lines, record
 
-    with refusals():
+    with refusals("reading the runs and measuring them again"):
         wrong = [condition for condition in where or () if "=" not in condition]
         if wrong:
             raise ValueError(f"{wrong[0]!r}: write COLUMN=VALUE, e.g. S_R=0.10")
@@ -365,7 +369,7 @@ def fos(
     single: Single = False,
 ) -> None:
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands, extrapolated to spacing 0."""
-    with refusals():
+    with refusals("searching by trial runs, each of which is told when it ends"):
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
@@ -388,7 +392,7 @@ def yield_acceleration(
     single: Single = False,
 ) -> None:
     """Find the constant horizontal acceleration at which the slope fails (pseudo-static), extrapolated, for Newmark's method."""
-    with refusals():
+    with refusals("searching by trial runs, each of which is told when it ends"):
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
@@ -409,7 +413,7 @@ def advise(
     ] = None,
 ) -> None:
     """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
-    with refusals():
+    with refusals("reading the table"):
         from sph.command.advise import lines
         from sph.experiments.cost_accuracy import advice
         from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, against, read_trade
@@ -442,7 +446,7 @@ def newmark(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Slide Newmark's rigid block on a ground motion; positive accelerations drive it downslope, as in a scene."""
-    with refusals():
+    with refusals("reading the motion and sliding the block"):
         from sph.command.newmark import lines, slide
 
         down = parse_acceleration(ay, "--ay")
@@ -466,7 +470,7 @@ def cost(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
     """Predict what a study takes: core-hours, wall time, memory and disk, in total and for what is left."""
-    with refusals():
+    with refusals("building the scenes of the study and measuring the speed of a core"):
         from sph.command.cost import lines, record, study_cost
         from sph.command.status import located_plan
 
@@ -497,7 +501,7 @@ def motion(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
-    with refusals():
+    with refusals("reading the motion and measuring it"):
         from sph.command.motion import measures, read_shaking, rows
 
         check_known("--unit", [unit], ("m/s2", "cm/s2", "gal", "g"))
@@ -515,10 +519,7 @@ def motion(
     if as_json:
         print(to_json({name: values._asdict() for name, values in found.items()}, indent=1))
         return
-    table = Table("", *found)
-    for row in rows(found):
-        table.add_row(*row)
-    Console().print(table)
+    show_table(("", *found), rows(found))
 
 
 @app.command(epilog="Example:  sph reference scene > keys.md")

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import sys
 import tempfile
+import threading
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from rich.console import Console
+from rich.table import Table
+from typer.core import TyperGroup
 
 from sph.jobs.exit_codes import REFUSED
 from sph.storage.files import ROLES, beside, same_file
@@ -37,10 +41,38 @@ Spacings = Annotated[
 Single = Annotated[bool, typer.Option("--single", help="search at the scene's own spacing alone, without extrapolation")]
 
 
+PATIENCE = 2.0
+"""Wall time after which a command says what it does, s."""
+
+
+class Commands(TyperGroup):
+    """The list of commands with their whole first sentences, which wrap where the terminal ends."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write the section of ``--help``."""
+        named = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
+        with formatter.section("Commands"):
+            formatter.write_dl([(name, (command.help or "").partition("\n\n")[0]) for name, command in named if command])
+
+
+def show_table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
+    """Print a table; what is too wide for the terminal is folded, never cut."""
+    table = Table()
+    for name in head:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        table.add_row(*row)
+    Console().print(table)
+
+
 @contextmanager
-def refusals() -> Iterator[None]:
-    """Turn errors of the user's input into one message and exit code 2."""
+def refusals(doing: str = "") -> Iterator[None]:
+    """Turn errors of the user's input into one message and exit code 2; say what it is ``doing`` if that takes more than ``PATIENCE``."""
+    late = threading.Timer(PATIENCE, say, [f"{doing} ..."])
+    late.daemon = True
     try:
+        if doing:
+            late.start()
         yield
     except MemoryError as error:
         print("sph: not enough memory; choose a larger numerics.spacing or longer outputs.frame_interval", file=sys.stderr)
@@ -50,6 +82,8 @@ def refusals() -> Iterator[None]:
     except (ValueError, OSError) as error:
         say(str(error))
         raise typer.Exit(REFUSED) from error
+    finally:
+        late.cancel()
 
 
 def say(line: str) -> None:

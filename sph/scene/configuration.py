@@ -83,6 +83,8 @@ def check_file(name: str) -> None:
 
 VARIANT_KEYS = ("shape", "law", "kind")
 """Keys that choose between the variants of a section."""
+RESERVED = ("file", *CONTENT_KEYS, *VARIANT_KEYS)
+"""Keys that mean the same in every section that has them, so that nothing may have their names."""
 
 LARGEST_FILE = 2_000_000
 """Largest YAML file, bytes."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -16,12 +17,14 @@ from killing import TIMINGS
 from PIL import Image
 from typer.testing import CliRunner, Result
 
+import sph.command.options
 from sph.command.cli import DIVERGED, REFUSED, app
 from sph.command.options import parse_settings
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene, load_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_to_file
+from sph.solver.run import Progress, Run
 from sph.stability.newmark import sliding_block
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
@@ -53,7 +56,9 @@ def test_run_writes_what_plot_and_metrics_read(scene_file: Path, tmp_path: Path)
 
     measured = json.loads(call("metrics", out, "--json").stdout)
     assert measured["status"] == "complete" and 0 < measured["failed_fraction"] <= 1
-    assert "failed_fraction" in call("metrics", out).stdout
+    short, whole = (call("metrics", out, *options).stdout for options in ((), ("--all",)))
+    assert "failed_fraction" in short and len(short.splitlines()) < 24
+    assert "definition" in whole and "time_step_ratio" in whole and "time_step_ratio" not in short
     diverged = tmp_path / "diverged.nc"
     trajectory.write(diverged, trajectory.read(out).assign_attrs(status="diverged"))
     assert parse_json(call("metrics", diverged, "--json").stdout)["runout"] is None, "null, not NaN"
@@ -84,7 +89,7 @@ def test_a_trajectory_repeats_its_run(scene_file: Path, tmp_path: Path) -> None:
     for path, options in made_by.items():
         assert call("run", scene_file, *options, "--out", path).exit_code == 0
     for path in made_by:
-        result = call("run", path, "--out", again)
+        result = call("run", path, "--out", again, "--overwrite")
         assert result.exit_code == 0, result.output
         assert f"sph: every variable has the bits of {path}" in result.stderr
         for group in (trajectory.read, trajectory.read_restart):
@@ -128,8 +133,66 @@ def test_a_run_beyond_its_time_step_is_repeated_but_not_changed(scene_file: Path
     run_to_file(scene, tmp_path / "fast.nc", enforce_limit=False)
     result = call("run", tmp_path / "fast.nc", "--out", tmp_path / "again.nc")
     assert result.exit_code in (0, DIVERGED) and "every variable has the bits" in result.stderr, result.output
-    refused = call("run", tmp_path / "fast.nc", "--set", "coupling.S_R=0.2", "--out", tmp_path / "again.nc")
+    refused = call("run", tmp_path / "fast.nc", "--set", "coupling.S_R=0.2", "--out", tmp_path / "other.nc")
     assert refused.exit_code == REFUSED and "numerics.time_step" in refused.stderr
+
+
+def test_the_run_of_another_scene_is_replaced_only_if_that_is_asked_for(scene_file: Path, tmp_path: Path) -> None:
+    out = tmp_path / "out.nc"
+    options = (*quick(), "--until", "gravity", "--out", out)
+    assert call("run", scene_file, *options).exit_code == 0
+    assert call("run", scene_file, *options).exit_code == 0, "the same scene again"
+    before = out.read_bytes()
+    refused = call("run", scene_file, *options, "--set", "coupling.S_R=0.2")
+    assert refused.exit_code == REFUSED and out.read_bytes() == before
+    assert "--out " in refused.stderr and "coupling.S_R: " in refused.stderr and "0.2 planned); name another file" in refused.stderr
+    assert call("run", scene_file, *options, "--set", "coupling.S_R=0.2", "--overwrite").exit_code == 0
+    assert trajectory.scene_of(trajectory.read(out)).coupling.S_R == 0.2
+
+
+@pytest.mark.parametrize("columns", [40, 60, 200])
+def test_the_list_of_commands_is_not_cut(columns: int) -> None:
+    shown = CliRunner().invoke(app, ["--help"], env={"COLUMNS": str(columns)}, terminal_width=columns).stdout
+    assert "..." not in shown and "and the time left" in " ".join(shown.split()).replace("- ", "-")
+
+
+def test_what_takes_long_says_what_it_does(scene_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert "placing the particles" not in call("info", scene_file).stderr
+    monkeypatch.setattr(sph.command.options, "PATIENCE", 0.0)
+    assert "sph: placing the particles ..." in call("info", scene_file).stderr
+
+
+@pytest.mark.parametrize("name", ["file", "points", "data", "kind", "shape", "law"])
+def test_a_probe_cannot_have_the_name_of_what_names_a_file(scene_file: Path, tmp_path: Path, name: str) -> None:
+    result = call("run", scene_file, "--set", f"probes.{name}=toe", "--out", tmp_path / "out.nc")
+    assert result.exit_code == REFUSED and f"probes.{name}: " in result.stderr and "choose another name" in result.stderr
+
+
+def test_ctrl_c_leaves_a_checkpoint_from_which_the_same_command_goes_on(
+    scene_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scene, out, told = load_scene(scene_file, {"duration": 2.0, "motion": {"decay_start": 1.5, "end": 1.75}}), tmp_path / "out.nc", []
+    run_to_file(scene, tmp_path / "whole.nc")
+
+    def interrupt(progress: Progress) -> None:
+        if progress.time > 1.0:
+            signal.raise_signal(signal.SIGINT)
+
+    with pytest.raises(KeyboardInterrupt):
+        run_to_file(scene, out, report=interrupt, say=told.append)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    assert [path.name for path in tmp_path.iterdir() if "out" in path.name] == [".out.nc.checkpoint"]
+    assert len(told) == 1 and told[0].startswith("interrupted at 1.0") and told[0].endswith("the same command goes on from there")
+    run_to_file(scene, out, say=told.append)
+    assert "goes on from this checkpoint, at 1.0" in told[1]
+    same_variables(trajectory.read(out), trajectory.read(tmp_path / "whole.nc"))
+
+
+def test_ctrl_c_before_the_first_step_ends_at_once(scene_file: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Run, "go", lambda *_: signal.raise_signal(signal.SIGINT))
+    with pytest.raises(KeyboardInterrupt):
+        run_to_file(load_scene(scene_file), tmp_path / "out.nc")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["slope.yaml"]
 
 
 def test_other_netcdf_files_are_no_scenes(tmp_path: Path, scene_file: Path) -> None:
@@ -152,8 +215,9 @@ def test_films_and_files_for_paraview(scene_file: Path, tmp_path: Path, monkeypa
     assert call("export", out, "--vtk", tmp_path / "vtk").stdout.strip() == str(tmp_path / "vtk" / "out.pvd")
     frames = trajectory.read(out).sizes["frame"]
     assert len(list((tmp_path / "vtk").glob("out_*.vtu"))) == frames == 5
-    refused = call("export", out, "--vtk", scene_file)
-    assert refused.exit_code == REFUSED and "is a file" in refused.stderr
+    for name, wanted in ((scene_file, "is a file"), ("", "--vtk '': is no name; name a folder")):
+        refused = call("export", out, "--vtk", name)
+        assert refused.exit_code == REFUSED and wanted in refused.stderr
     monkeypatch.setenv("PATH", str(tmp_path))
     for options, wanted in (
         (("--out", "x.mp4"), "apt-get install ffmpeg"),

@@ -14,13 +14,14 @@ import netCDF4
 import psutil
 import pytest
 import yaml
+from small_scenes import SLOPE
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
 from sph.command.status import State, duration, estimate, jobs, located_plan, look, sentence, watch
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
 from sph.jobs.progress import SECONDS, Lines, reporter
-from sph.scene.schema import Scene
+from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress
 from sph.study.plan import Plan
 
@@ -135,7 +136,7 @@ def test_a_killed_job_is_stopped(study: Folder) -> None:
 )
 def test_a_failed_job_says_why(study: Folder, error: Exception, wanted: str) -> None:
     with pytest.raises(SystemExit), job_log(study.path / "logs" / f"{POINT}.log") as log:
-        with reporter("results/run.nc", log) as report:
+        with reporter("results/run.nc", make_scene(SLOPE), log) as report:
             report(progress(1.5, 10.0))
         raise error
     state = study.state(POINT)
