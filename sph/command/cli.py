@@ -299,7 +299,8 @@ def metrics(
 @app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")
 def status(
     folder: Annotated[
-        Path | None, typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity>; that of the configuration by default")
+        Path | None,
+        typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity> of any study here; by default the configured one"),
     ] = None,
     configfile: Annotated[
         Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
@@ -530,6 +531,18 @@ def reference(table: Annotated[str, typer.Argument(help="scene, study, trajector
 
         check_known("TABLE", [table], TABLES)
     print(markdown(TABLES[table]()))
+
+
+@app.command(epilog="Examples:  sph schema scene > scene.schema.json  |  sph schema study > study.schema.json")
+def schema(
+    of: Annotated[str, typer.Argument(metavar="FILE", help="scene, study, or an experiment: trade, trigger, ...")] = "scene",
+) -> None:
+    """Print the JSON Schema of a file, by which an editor completes keys and marks mistakes (config/schemas holds them)."""
+    with refusals():
+        from sph.command.schema import MODELS, schema_text
+
+        check_known("FILE", [of], MODELS)
+    print(schema_text(of), end="")
 
 
 def main() -> None:

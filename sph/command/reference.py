@@ -1,7 +1,8 @@
 """Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
 
 ``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
-``python -m sph.command.reference`` fills the marks of all these files again, and a test fails where one differs.
+``python -m sph.command.reference`` fills the marks of all these files again, writes the schemas in ``config/schemas``, and a test fails
+where one differs.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from sph.command.schema import MODELS, schema_file, schema_text
 from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
 from sph.experiments.assumptions import read_limits
 from sph.experiments.cost_accuracy import advice
@@ -456,5 +458,7 @@ def _choices(annotation: Any) -> list[str]:
 
 
 if __name__ == "__main__":
+    for name in () if sys.argv[1:] else MODELS:
+        schema_file(name).write_text(schema_text(name), encoding="utf-8")
     for path in [Path(name) for name in sys.argv[1:]] or [Path("README.md"), *Path("docs").rglob("*.md")]:
         path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationError, model_validator
 
 from sph.scene.names import nearest
 
@@ -53,6 +53,14 @@ class FileSection(Section):
     def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
         """The keys of ``content`` in a file; ``keys`` are those given beside it, not checked yet.  ValueError says what is wrong where."""
         raise NotImplementedError
+
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """The content need not be given where a file is."""
+        schema = handler(core_schema)
+        own = handler.resolve_ref_schema(schema)
+        own["required"] = [name for name in own.get("required", ()) if name not in cls.content]
+        return schema
 
     @model_validator(mode="before")
     @classmethod

@@ -45,7 +45,11 @@ def as_written(value: Any) -> Any:
     return "null" if value is None else repr(value) if number else value
 
 
-Value = Annotated[str, Field(max_length=100, pattern=r"^[A-Za-z0-9+-][A-Za-z0-9_./+-]*$"), BeforeValidator(as_written)]
+Value = Annotated[
+    str,
+    Field(max_length=100, pattern=r"^[A-Za-z0-9+-][A-Za-z0-9_./+-]*$"),
+    BeforeValidator(as_written, json_schema_input_type=str | float | None),
+]
 Values = Annotated[tuple[Value, ...], Field(min_length=1)]
 
 

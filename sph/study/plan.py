@@ -53,6 +53,10 @@ PART = 500
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
 Case = Annotated[dict[str, Value], BeforeValidator(in_si), Field(min_length=1)]
+# ``load_study`` puts the cases in the place of the name of a file.
+Cases = Annotated[
+    tuple[Case, ...], Field(min_length=1), BeforeValidator(lambda cases: cases, json_schema_input_type=tuple[Case, ...] | str)
+]
 Point = dict[str, str]
 """Value of every dimension of a run, as written."""
 
@@ -84,7 +88,7 @@ class Study(Section):
         source="Figs. 4-5, Sec. 3.2",
         default=None,
     )
-    cases: Annotated[tuple[Case, ...], Field(min_length=1)] | None = key(
+    cases: Cases | None = key(
         "instead of a grid: the runs one by one, a value of each dimension; or the name of a CSV file with a column a dimension",
         default=None,
     )

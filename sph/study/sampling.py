@@ -45,8 +45,12 @@ class Range(Section):
         return [f"{value:.{DIGITS}g}" for value in (np.exp(values) if self.scale == "log" else values)]
 
 
+def _as_bounds(value: Any) -> Any:
+    return {"bounds": value} if isinstance(value, list) else value
+
+
 Ranges = Annotated[
-    dict[str, Annotated[Range, BeforeValidator(lambda value: {"bounds": value} if isinstance(value, list) else value)]],
+    dict[str, Annotated[Range, BeforeValidator(_as_bounds, json_schema_input_type=Range | tuple[float | str, float | str])]],
     BeforeValidator(in_si),
 ]
 

@@ -250,6 +250,17 @@ def test_a_configuration_of_another_name(study: Folder, monkeypatch: pytest.Monk
     assert "config/config.yaml: no such file; " in call().stderr and "--configfile" in call().stderr
 
 
+def test_the_configuration_of_a_folder_of_results_is_found_by_the_name_of_its_study(study: Folder) -> None:
+    (study.base / "config" / "studies").mkdir()
+    (study.base / "config" / "studies" / "mine.yaml").write_text("study: mine\n")
+    (study.base / "config" / "broken.yaml").write_text("study: [mine\n")
+    shown = call(study.base / "results" / "mine" / "draft")
+    assert shown.exit_code == 0 and "results/mine/draft" in shown.stdout, shown.output
+    (study.base / "second.yaml").write_text("study: mine\n")
+    refused = call(study.base / "results" / "mine" / "draft")
+    assert refused.exit_code == REFUSED and "name that of this one by --configfile" in refused.stderr
+
+
 def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     left = list(study.jobs)
 
