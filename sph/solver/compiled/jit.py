@@ -14,7 +14,6 @@ files with their digests, and under the lock, before anything is loaded, what is
 from __future__ import annotations
 
 import ast
-import fcntl
 import gc
 import hashlib
 import json
@@ -30,6 +29,7 @@ from typing import Any
 import llvmlite.binding
 import numba
 import numpy as np
+from filelock import FileLock
 from numba.core import event
 from numba.core.registry import CPUDispatcher
 
@@ -228,8 +228,7 @@ def _cache() -> Iterator[None]:
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with open(folder / "lock", "w") as handle:
-            fcntl.flock(handle, fcntl.LOCK_EX)
+        with FileLock(folder / "lock"):
             mend(folder)
             _keep_in(folder)
             with _no_collection():
