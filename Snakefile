@@ -2,6 +2,7 @@
 import functools
 import os
 import re
+import sys
 from pathlib import Path
 
 from snakemake.utils import min_version
@@ -80,6 +81,11 @@ rule all:
         f"{RESULTS}/study.nc",
         f"{RESULTS}/study.csv",
         certain(RESULTS, SECTIONS, [".png", ".pdf"]),
+
+
+onsuccess:
+    if os.path.isfile(f"{RESULTS}/report.html"):
+        print(f"{RESULTS}/report.html: the study on one page", file=sys.stderr)
 
 
 include: "workflow/rules/resources.smk"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -12,6 +12,7 @@ import yaml
 
 from sph.experiments.cost_accuracy.advice import Advice, percent
 from sph.experiments.cost_accuracy.table import WORDS, summary
+from sph.scene.configuration import flat
 
 
 def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
@@ -20,23 +21,18 @@ def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.Data
     asked = f"{' and '.join(quantities)} within {percent(error)} and the class of the reference in every case"
     head = f"cheapest with {asked}:" if found.fits else f"no measured setting has {asked}; the best there is:"
     errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in found.variant.errors.items())
-    options = " ".join(f"--set {name}={value}" for name, value in flat(found.settings)) or "the scene file as it is"
     return [
         head,
         f"  {found.variant.name}, {found.variant.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
         f"  {errors}, against {reference.name} ({reference.cost:.3g} s a run)",
-        f"  command line  {options}",
+        f"  command line  {options(found.settings) or 'the scene file as it is'}",
         f"  fidelity      {one_line(found.settings)}",
     ]
 
 
-def flat(settings: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
-    """Dotted keys and their values, as ``--set`` takes them in a shell."""
-    for name, value in settings.items():
-        if isinstance(value, Mapping):
-            yield from flat(value, f"{prefix}{name}.")
-        else:
-            yield prefix + name, shlex.quote(one_line(value))
+def options(settings: Mapping[str, Any]) -> str:
+    """Scene keys as options ``--set`` in a shell."""
+    return " ".join(f"--set {name}={shlex.quote(one_line(value))}" for name, value in flat(settings).items())
 
 
 def one_line(value: Any) -> str:

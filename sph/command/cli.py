@@ -11,27 +11,41 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 import warnings
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
-from rich.console import Console
-from rich.table import Table
 
+from sph.command.options import (
+    AsJson,
+    Commands,
+    Rule,
+    SceneFile,
+    Settings,
+    Single,
+    Spacings,
+    Tolerance,
+    Trajectory,
+    Trials,
+    check_apart,
+    check_picture,
+    check_writable,
+    parse_acceleration,
+    parse_error,
+    parse_settings,
+    parse_spacings,
+    refusals,
+    say,
+    show_table,
+)
 from sph.jobs.exit_codes import DIFFERS, DIVERGED, REFUSED
+from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
-from sph.storage.files import ROLES, beside, same_file
-
-SMALLEST_ACCELERATION = 1e-6
-"""Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
-EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
 app = typer.Typer(
+    cls=Commands,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     pretty_exceptions_enable=False,
@@ -54,122 +68,6 @@ def common(
     """Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics."""
 
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which holds its scene")]
-Settings = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one key, e.g. coupling.S_R=0.10; may be repeated")
-]
-Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
-
-
-def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
-    """Refuse a file that could not be written after hours of work, and one that the command reads; ValueError names the option."""
-    from sph.storage.files import check_name
-
-    if not path.parent.is_dir():
-        raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
-    try:
-        check_name(path)
-    except ValueError as error:
-        raise ValueError(f"{option} {error}") from error
-    if path.is_dir():
-        raise ValueError(f"{option} {path}: is a folder")
-    if path.exists() and not path.is_file() or path == Path("-"):
-        raise ValueError(f"{option} {path}: must be a file, which is written whole or not at all; name one")
-    check_apart(path, inputs, option)
-    try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
-            pass
-    except OSError as error:
-        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; remove the cause or choose another place") from error
-
-
-PICTURES = (".png", ".pdf", ".svg")
-
-
-def check_picture(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
-    """Refuse what ``check_writable`` refuses, and an ending that is not that of a picture."""
-    if not path.name.lower().endswith(PICTURES):
-        raise ValueError(f"{option} {path}: the name must end in {', '.join(PICTURES)}")
-    check_writable(path, inputs, option)
-
-
-def check_apart(path: Path, inputs: Iterable[Path | str], option: str) -> None:
-    """Refuse to write over a file that the command reads, by whatever name; ValueError names the option."""
-    for given in inputs:
-        if any(same_file(own, given) for own in (path, *(beside(path, role) for role in ROLES))):
-            raise ValueError(f"{option} {path}: would replace {given}, which is read; name another file")
-
-
-@contextmanager
-def refusals() -> Iterator[None]:
-    """Turn errors of the user's input into one message and exit code 2."""
-    try:
-        yield
-    except MemoryError as error:
-        print("sph: not enough memory; choose a larger numerics.spacing or longer outputs.frame_interval", file=sys.stderr)
-        raise typer.Exit(REFUSED) from error
-    except BrokenPipeError:
-        raise  # who reads what is printed has enough
-    except (ValueError, OSError) as error:
-        say(str(error))
-        raise typer.Exit(REFUSED) from error
-
-
-def say(line: str) -> None:
-    """Print a message beside the result."""
-    print(f"sph: {line}", file=sys.stderr, flush=True)
-
-
-def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
-    """``["coupling.S_R=0.1"]`` as nested overrides; ValueError for anything that is not KEY=VALUE."""
-    from sph.scene.configuration import DEEPEST, dotted, parse_yaml
-
-    pairs = {}
-    for setting in settings or []:
-        name, equals, text = setting.partition("=")
-        if not equals or not all(name.split(".")) or name.count(".") > DEEPEST:
-            raise ValueError(f"{option} {setting!r}: write KEY=VALUE, e.g. {EXAMPLES[option]}")
-        try:
-            pairs[name] = parse_yaml(text)
-        except ValueError as error:
-            raise ValueError(f"{option} {setting!r}: the value is not readable: {error}") from error
-    return dotted(pairs)
-
-
-def parse_error(text: str) -> float:
-    """``"10%"`` or ``"0.1"`` as 0.1; ValueError for anything else."""
-    number, percent = text.strip().removesuffix("%"), text.strip().endswith("%")
-    try:
-        return float(number) / (100 if percent else 1)
-    except ValueError as error:
-        raise ValueError(f"--error {text!r}: write 10% or 0.1") from error
-
-
-def parse_spacings(text: str | None) -> tuple[float, ...] | None:
-    """``"2,1"`` as (2.0, 1.0); ValueError for anything else."""
-    if text is None:
-        return None
-    try:
-        return tuple(float(number) for number in text.split(","))
-    except ValueError as error:
-        raise ValueError(f"--spacings {text!r}: write two numbers (m), e.g. 2,1") from error
-
-
-def parse_acceleration(text: str, option: str) -> float:
-    """``"2.5"`` (m/s2) or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and finite."""
-    from sph.scene.gravity import GRAVITY
-    from sph.scene.ground_motion import LARGEST_ACCELERATION
-
-    number, in_g = text.strip().removesuffix("g"), text.strip().endswith("g")
-    try:
-        value = float(number) * (GRAVITY if in_g else 1)
-    except ValueError as error:
-        raise ValueError(f"{option} {text!r}: write 2.5 (m/s2) or 0.25g") from error
-    if not SMALLEST_ACCELERATION <= value <= LARGEST_ACCELERATION:
-        raise ValueError(f"{option} {text!r}: must be positive and finite, from {SMALLEST_ACCELERATION:g} to {LARGEST_ACCELERATION:g} m/s2")
-    return value
-
-
 @app.command(epilog="Example:  sph new ground.csv RSN6_ELC180.AT2 --out myslope")
 def new(
     ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
@@ -177,7 +75,7 @@ def new(
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
 ) -> None:
     """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""
-    with refusals():
+    with refusals("reading ground and record"):
         from sph.command.new import write_new
 
         scene, study = write_new(ground, record, out)
@@ -204,28 +102,30 @@ def run(
         float | None,
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
     ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the run of another scene")] = False,
 ) -> None:
-    """Simulate a scene and write its trajectory; after a kill the same command continues from the last checkpoint.
+    """Simulate a scene and write its trajectory; after Ctrl-C or a kill the same command continues from the last checkpoint.
 
     A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
     """
     with refusals():
-        from sph.command.repeat import compare, earlier_run, read_given, stopped_at
+        from sph.command.repeat import check_of_scene, compare, earlier_run, read_given, stopped_at
         from sph.jobs.diagnostics import of_motion
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
 
-        if until not in (None, "end", "gravity", "first_failure"):
-            raise ValueError(f"--until {until!r}: must be end, gravity or first_failure")
+        check_known("--until", [until], ("end", "gravity", "first_failure"))
         earlier = earlier_run(scene)
         loaded, inputs = read_given(scene, parse_settings(set_), earlier)
         path = out or Path(f"{loaded.name}.nc")
         check_writable(path, [*inputs, *([restart] if restart else [])])
+        if not overwrite:
+            check_of_scene(path, loaded)
         repeats = earlier is not None and not set_ and until is None
         for diagnostic in of_motion(loaded):
             say(f"warning: {diagnostic.sentence()}")
-        with reporter(loaded.name) as report:
+        with reporter(loaded.name, loaded) as report:
             # What was allowed to run with a step above its limit may be repeated.
             stage = until or stopped_at(earlier)
             result = run_to_file(loaded, path, stage, restart, report, threads, checkpoint, say, enforce_limit=not repeats)  # type: ignore[arg-type]
@@ -249,7 +149,7 @@ def run(
 @app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
 def info(scene: SceneFile, set_: Settings = None) -> None:
     """Show a summary of a scene: particles, wave speeds, time-step limits, terms, cost."""
-    with refusals():
+    with refusals("placing the particles"):
         from sph.command.info import describe
         from sph.command.repeat import given_scene
 
@@ -271,7 +171,7 @@ def check(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
 ) -> None:
     """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
-    with refusals():
+    with refusals("testing whether it stands, by trial runs" if static else "placing the particles"):
         from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows, stability
         from sph.command.check import check as look_at
         from sph.command.repeat import read_given
@@ -296,10 +196,7 @@ def check(
     width = max(len(label) for label, _ in facts)
     for label, text in facts:
         print(f"{label:<{width}}  {text}")
-    table = Table(*LAYER_COLUMNS)
-    for row in layers:
-        table.add_row(*row)
-    Console().print(table)
+    show_table(LAYER_COLUMNS, layers)
     for diagnostic in told:
         print(f"warning: {diagnostic.sentence()}")
     if not told:
@@ -314,7 +211,7 @@ def plot(
     time: Annotated[float | None, typer.Option(help="time of the profile in s; the last frame by default")] = None,
 ) -> None:
     """Draw a trajectory: profile, probes and energies."""
-    with refusals():
+    with refusals("reading the trajectory and drawing it"):
         from sph.figures import plot_trajectory
         from sph.figures.style import save
         from sph.storage import trajectory
@@ -342,7 +239,7 @@ def animate(
     dpi: Annotated[int, typer.Option(help="dots per inch; 120 makes a picture of 850 pixels across")] = 120,
 ) -> None:
     """Draw a trajectory through time: the profile, coloured by a field on one scale, as a GIF or an MP4."""
-    with refusals():
+    with refusals("reading the trajectory and drawing its frames, some ten a second"):
         from sph.figures.film import check_film, rate, save_film
         from sph.measures.fields import check_field
         from sph.storage import trajectory
@@ -362,44 +259,48 @@ def animate(
 @app.command(epilog="Example:  sph export slide.nc --vtk slide_vtk  (then open slide_vtk/slide.pvd in ParaView)")
 def export(
     file: Trajectory,
-    vtk: Annotated[Path, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
+    vtk: Annotated[str, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
 ) -> None:
     """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, every number as it is stored."""
-    with refusals():
+    with refusals("writing a file a frame"):
         from sph.storage import trajectory
         from sph.storage.paraview import export_paraview
 
-        if vtk.exists() and not vtk.is_dir():
-            raise ValueError(f"--vtk {vtk}: is a file; name a folder")
-        check_apart(vtk / f"{file.stem}.pvd", [file], "--vtk")
-        print(export_paraview(trajectory.read_run(file), vtk, file.stem))
+        folder = Path(vtk)
+        if not vtk or folder.exists() and not folder.is_dir():
+            raise ValueError(f"--vtk {vtk!r}: is {'a file' if vtk else 'no name'}; name a folder")
+        check_apart(folder / f"{file.stem}.pvd", [file], "--vtk")
+        print(export_paraview(trajectory.read_run(file), folder, file.stem))
 
 
-@app.command(epilog="Example:  sph metrics slide.nc --json")
+@app.command(epilog="Examples:  sph metrics slide.nc  |  sph metrics slide.nc --all  |  sph metrics slide.nc --json")
 def metrics(
     file: Trajectory,
-    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
+    every: Annotated[bool, typer.Option("--all", help="every metric, with its definition")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units, every metric")] = False,
 ) -> None:
-    """Measure a trajectory: displacement of A, run-out, deposit, area moved, class, status."""
-    with refusals():
-        from sph.measures.metrics import METRICS, MetricSettings, measure
+    """Measure a trajectory: status, class, displacement of A, run-out, deposit."""
+    with refusals("measuring the trajectory"):
+        from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
         from sph.storage import trajectory
 
         values = measure(trajectory.read_run(file), MetricSettings())
     if as_json:
         print(to_json(values, indent=1))
         return
-    table = Table("metric", "value", "unit", "definition")
-    for row in METRICS:
-        value = values[row.name]
-        table.add_row(row.name, f"{value:.4g}" if isinstance(value, float) else str(value), row.units, row.text)
-    Console().print(table)
+    shown = {name: f"{value:.4g}" if isinstance(value, float) else str(value) for name, value in values.items()}
+    if every:
+        show_table(("metric", "value", "unit", "definition"), ((row.name, shown[row.name], row.units, row.text) for row in METRICS))
+    else:
+        show_table(("metric", "value", "unit"), ((row.name, shown[row.name], row.units) for row in METRICS if row.name in CHIEF))
+        print(f"{len(METRICS) - len(CHIEF)} more, and what each means: --all")
 
 
 @app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")
 def status(
     folder: Annotated[
-        Path | None, typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity>; that of the configuration by default")
+        Path | None,
+        typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity> of any study here; by default the configured one"),
     ] = None,
     configfile: Annotated[
         Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
@@ -441,34 +342,19 @@ def explain(
     """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 where one is not as planned now."""
     from sph.command.explain import explain, lines, record
 
-    with refusals():
+    with refusals("reading the runs and measuring them again"):
         wrong = [condition for condition in where or () if "=" not in condition]
         if wrong:
             raise ValueError(f"{wrong[0]!r}: write COLUMN=VALUE, e.g. S_R=0.10")
         conditions = dict(condition.split("=", 1) for condition in where or ())
         rows, plan = explain(file, conditions, configfile)
         known = [number.column for number in rows[0].numbers]
-        if column is not None and column not in known:
-            raise ValueError(f"--column {column!r}: must be {', '.join(known) or 'left out for the file of a run'}")
+        if column is not None and not known:
+            raise ValueError(f"--column {column!r}: must be left out for the file of a run")
+        check_known("--column", [column], known)
     print(to_json(record(rows, plan), indent=1) if as_json else "\n".join(lines(rows, plan, column)))
     if any(row.differs for row in rows):
         raise typer.Exit(DIFFERS)
-
-
-Tolerance = Annotated[float, typer.Option(max=1, help="relative width of the bracket at which the search ends")]
-Rule = Annotated[
-    list[str] | None,
-    typer.Option("--rule", metavar="KEY=VALUE", help="change the failure rule: displacement, area, observation, ramp; may be repeated"),
-]
-AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI units, trials included")]
-Trials = Annotated[Path | None, typer.Option(help="table of the trials to write (CSV)")]
-
-
-Spacings = Annotated[
-    str | None,
-    typer.Option(metavar="COARSE,FINE", help="two spacings (m) to extrapolate from; by default twice the scene's and the scene's"),
-]
-Single = Annotated[bool, typer.Option("--single", help="search at the scene's own spacing alone, without extrapolation")]
 
 
 @app.command(epilog="Examples:  sph fos slope.yaml  |  sph fos slope.yaml --reduce S_R --set numerics.spacing=2 --rule observation=20")
@@ -484,12 +370,11 @@ def fos(
     single: Single = False,
 ) -> None:
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands, extrapolated to spacing 0."""
-    with refusals():
+    with refusals("searching by trial runs, each of which is told when it ends"):
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
-        if reduce not in ("strength", "S_R"):
-            raise ValueError(f"--reduce {reduce!r}: must be strength or S_R")
+        check_known("--reduce", [reduce], ("strength", "S_R"))
         loaded, inputs = read_given(scene, parse_settings(set_))
         if out is not None:
             check_writable(out, inputs)
@@ -508,7 +393,7 @@ def yield_acceleration(
     single: Single = False,
 ) -> None:
     """Find the constant horizontal acceleration at which the slope fails (pseudo-static), extrapolated, for Newmark's method."""
-    with refusals():
+    with refusals("searching by trial runs, each of which is told when it ends"):
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
@@ -529,17 +414,15 @@ def advise(
     ] = None,
 ) -> None:
     """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
-    with refusals():
+    with refusals("reading the table"):
         from sph.command.advise import lines
         from sph.experiments.cost_accuracy import advice
         from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, against, read_trade
         from sph.scene.scheme import SCHEMES
 
         limit = parse_error(error)
-        if quantity not in (*QUANTITIES, "both"):
-            raise ValueError(f"--quantity {quantity!r}: must be {', '.join(QUANTITIES)} or both")
-        if scheme not in SCHEMES:
-            raise ValueError(f"--scheme {scheme!r}: must be {' or '.join(SCHEMES)}")
+        check_known("--quantity", [quantity], (*QUANTITIES, "both"))
+        check_known("--scheme", [scheme], SCHEMES)
         measured = read_trade(table) if table else advice.shipped_table(scheme)
         if measured is None:
             raise ValueError(advice.NOT_MEASURED_YET)
@@ -564,7 +447,7 @@ def newmark(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Slide Newmark's rigid block on a ground motion; positive accelerations drive it downslope, as in a scene."""
-    with refusals():
+    with refusals("reading the motion and sliding the block"):
         from sph.command.newmark import lines, slide
 
         down = parse_acceleration(ay, "--ay")
@@ -588,7 +471,7 @@ def cost(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
     """Predict what a study takes: core-hours, wall time, memory and disk, in total and for what is left."""
-    with refusals():
+    with refusals("building the scenes of the study and measuring the speed of a core"):
         from sph.command.cost import lines, record, study_cost
         from sph.command.status import located_plan
 
@@ -596,8 +479,7 @@ def cost(
             raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
         plan, folder = located_plan(None, study)
         if fidelity is not None:
-            if fidelity not in plan.study.fidelities:
-                raise ValueError(f"--fidelity {fidelity!r}: must be {', '.join(plan.study.fidelities)}")
+            check_known("--fidelity", [fidelity], plan.study.fidelities)
             plan, folder = plan.at(fidelity), folder.with_name(fidelity)
         found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
     print(to_json(record(found), indent=1) if as_json else "\n".join(lines(found)))
@@ -620,11 +502,10 @@ def motion(
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
-    with refusals():
+    with refusals("reading the motion and measuring it"):
         from sph.command.motion import measures, read_shaking, rows
 
-        if unit not in (None, "m/s2", "cm/s2", "gal", "g"):
-            raise ValueError(f"--unit {unit!r}: must be m/s2, cm/s2, gal or g")
+        check_known("--unit", [unit], ("m/s2", "cm/s2", "gal", "g"))
         shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
         if out is not None:
             check_picture(out, shaking.files, "--plot")
@@ -639,10 +520,7 @@ def motion(
     if as_json:
         print(to_json({name: values._asdict() for name, values in found.items()}, indent=1))
         return
-    table = Table("", *found)
-    for row in rows(found):
-        table.add_row(*row)
-    Console().print(table)
+    show_table(("", *found), rows(found))
 
 
 @app.command(epilog="Example:  sph reference scene > keys.md")
@@ -651,9 +529,20 @@ def reference(table: Annotated[str, typer.Argument(help="scene, study, trajector
     with refusals():
         from sph.command.reference import TABLES, markdown
 
-        if table not in TABLES:
-            raise ValueError(f"{table!r}: must be one of {', '.join(TABLES)}")
+        check_known("TABLE", [table], TABLES)
     print(markdown(TABLES[table]()))
+
+
+@app.command(epilog="Examples:  sph schema scene > scene.schema.json  |  sph schema study > study.schema.json")
+def schema(
+    of: Annotated[str, typer.Argument(metavar="FILE", help="scene, study, or an experiment: trade, trigger, ...")] = "scene",
+) -> None:
+    """Print the JSON Schema of a file, by which an editor completes keys and marks mistakes (config/schemas holds them)."""
+    with refusals():
+        from sph.command.schema import MODELS, schema_text
+
+        check_known("FILE", [of], MODELS)
+    print(schema_text(of), end="")
 
 
 def main() -> None:

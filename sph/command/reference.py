@@ -1,7 +1,8 @@
 """Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
 
 ``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
-``python -m sph.command.reference`` fills the marks of all these files again, and a test fails where one differs.
+``python -m sph.command.reference`` fills the marks of all these files again, writes the schemas in ``config/schemas``, and a test fails
+where one differs.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from sph.command.schema import MODELS, schema_file, schema_text
 from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
 from sph.experiments.assumptions import read_limits
 from sph.experiments.cost_accuracy import advice
@@ -39,7 +41,7 @@ from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
 from sph.paper.study import AnyStudy
-from sph.scene.configuration import validated
+from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
@@ -332,7 +334,7 @@ def _variables(columns: Iterable[Variable]) -> Reference:
 def _schemes_table() -> Reference:
     """Keys that the schemes fill in differently, or that the scheme of one's own slopes wants written."""
     paper = validated(Scene, {"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}}, "paper").model_dump()
-    rows = [(name, f"`{_short(value)}`", f"`{_short(_at(paper, name))}`", "") for name, value in _flat(RESOLVED).items()]
+    rows = [(name, f"`{_short(value)}`", f"`{_short(_at(paper, name))}`", "") for name, value in flat(RESOLVED).items()]
     rows += [(name, "must be written", f"`{_short(_at(paper, name))}`", text) for name, text in NEEDED.items()]
     return Reference(("key", "`resolved`", "`paper`", "meaning"), rows)
 
@@ -343,14 +345,6 @@ def _searched() -> Searched:
         Scene, {"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}}, "paper"
     )
     return Searched(tuple(dimension(name, ["1"], scene) for name in SHORT_NAMES), "amplitude")
-
-
-def _flat(section: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    return {
-        key: value
-        for name, part in section.items()
-        for key, value in (_flat(part, f"{prefix}{name}.") if isinstance(part, dict) else {prefix + name: part}).items()
-    }
 
 
 def _at(data: Any, name: str) -> Any:
@@ -472,5 +466,7 @@ def _choices(annotation: Any) -> list[str]:
 
 
 if __name__ == "__main__":
+    for name in () if sys.argv[1:] else MODELS:
+        schema_file(name).write_text(schema_text(name), encoding="utf-8")
     for path in [Path(name) for name in sys.argv[1:]] or [Path("README.md"), *Path("docs").rglob("*.md")]:
         path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")

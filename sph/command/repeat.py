@@ -18,6 +18,7 @@ from sph.scene.schema import Scene, make_scene, written_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.run import Until
 from sph.storage import trajectory
+from sph.study.planned import differing
 
 SIGNATURES = (b"\x89HDF", b"CDF")
 """What netCDF files begin with."""
@@ -74,6 +75,20 @@ def _at(data: Any, *names: str) -> Any:
     for name in names:
         data = data.get(name) if isinstance(data, Mapping) else None
     return data
+
+
+def check_of_scene(path: Path, scene: Scene) -> None:
+    """ValueError where a file holds the run of another scene, with the first key that differs; one that cannot be read may be replaced."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as ds:
+            differ = differing(ds.attrs, scene, path) if "scene" in ds.attrs else []
+    except (OSError, RuntimeError, ValueError):
+        return
+    if differ:
+        more = f" and {len(differ) - 1} more" if len(differ) > 1 else ""
+        raise ValueError(
+            f"--out {path}: holds the run of another scene ({differ[0]}{more}); name another file, or replace it by --overwrite"
+        )
 
 
 def stopped_at(earlier: xr.Dataset | None) -> Until:

@@ -18,6 +18,7 @@ import statistics
 import time as clock
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -109,7 +110,8 @@ class State(NamedTuple):
 def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Path]:
     """The plan of a study and its folder; by default those of ``config/config.yaml`` in the working folder, as for ``snakemake``.
 
-    ``folder`` is ``.../results/<study>/<fidelity>`` and decides the fidelity.  ValueError names what does not fit.
+    ``folder`` is ``.../results/<study>/<fidelity>`` and decides the fidelity; the configuration of another study than that of
+    ``config/config.yaml`` is found by its name.  ValueError names what does not fit.
     """
     place = folder.resolve() if folder else None
     if place and place.parent.parent.name != "results":
@@ -119,6 +121,8 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
     if configfile is None and not shipped.is_file():
         raise ValueError(f"{shipped}: no such file; go where the study was started, or name its folder of results or its --configfile")
     data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
+    if place and configfile is None and data.get("study") != place.parent.name:
+        configfile = _configuration_of(place.parent.name, base)
     if configfile:
         given = read_yaml(configfile)
         data = chosen_study(merge(data, given), given)
@@ -128,6 +132,16 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
         data = {**data, "fidelity": place.name}
     plan = load_study(data, [base, Path(sph.__file__).parents[1]])
     return plan, base / plan.folder
+
+
+def _configuration_of(study: str, base: Path) -> Path | None:
+    """The only file at most two folders below where a study was started that names the study; None where there is none, or more."""
+    found = []
+    for path in (path for depth in ("", "*/", "*/*/") for path in base.glob(f"{depth}*.y*ml")):
+        with suppress(ValueError):
+            if read_yaml(path).get("study") == study:
+                found.append(path)
+    return found[0] if len(found) == 1 else None
 
 
 def jobs(plan: Plan) -> list[Job]:

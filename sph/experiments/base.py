@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple, Protocol
 
@@ -105,13 +105,6 @@ def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> S
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
     return built
-
-
-def check_known(where: str, names: Iterable[str] | None, known: Collection[str]) -> None:
-    """Refuse a name that is not among those known; ValueError begins with ``where``."""
-    for name in names or ():
-        if name not in known:
-            raise ValueError(f"{where}: {name!r} is not one of {', '.join(known)}")
 
 
 def file_name(label: str) -> str:

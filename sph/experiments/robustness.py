@@ -17,10 +17,11 @@ import xarray as xr
 from pydantic import Field, model_validator
 from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
-from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, check_known, file_name
+from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, file_name
 from sph.measures.metrics import MetricSettings, energy_gap, largest_mass, outline_area
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.motion import NoMotion
+from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import SOIL
 from sph.solver.time_step import check_time_step, limits

@@ -13,9 +13,11 @@ from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
 from rich.progress import Progress as Bar
 
 from sph.jobs.log import PROGRESS, JobLog
+from sph.scene.schema import Scene
 from sph.solver.compiled.jit import before_compiling
 from sph.solver.integration import advance
 from sph.solver.run import Progress
+from sph.solver.terms import wanted_terms
 
 
 def rate_text(progress: Progress) -> str:
@@ -24,18 +26,24 @@ def rate_text(progress: Progress) -> str:
     return f"{rate / 1e6:.2f} M particle-steps/s"
 
 
-COMPILING = "compiling the solver for this set of terms, once on a machine (some 10 s on a free core)"
+def compiling(variant: str, last: float | None) -> str:
+    """What is compiled, and how long that took last time."""
+    took = "some 10 s on a free core" if last is None else f"it took {last:.0f} s last time"
+    return f"compiling the solver with {variant or 'no optional term'}, once on a machine ({took})"
+
+
 SECONDS = 30.0
 """Longest wall time between lines, s."""
 
 
 @contextmanager
-def reporter(label: str, stream: TextIO | None = None) -> Iterator[Callable[[Progress], None]]:
+def reporter(label: str, scene: Scene, stream: TextIO | None = None) -> Iterator[Callable[[Progress], None]]:
     """A function to call with the progress of a run; chooses bar, lines or records by what ``stream`` is.
 
-    Says so there if the solver is compiled.
+    Says so there if the solver is compiled for the scene.
     """
     stream = stream or sys.stderr
+    variant = ", ".join(name for name, wanted in wanted_terms(scene).items() if wanted)
     if stream.isatty():
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[note]}"), TimeRemainingColumn())
         with Bar(*columns, console=Console(file=stream)) as bar:
@@ -45,10 +53,10 @@ def reporter(label: str, stream: TextIO | None = None) -> Iterator[Callable[[Pro
                 note = f"{p.time:.2f} of {p.duration:g} s, {p.failed_fraction:.0%} failed, {rate_text(p)}"
                 bar.update(task, completed=p.time, total=p.duration, note=note)
 
-            with before_compiling(advance, lambda: bar.console.print(f"{label}: {COMPILING}")):
+            with before_compiling(advance, variant, lambda last: bar.console.print(f"{label}: {compiling(variant, last)}")):
                 yield on_terminal
         return
-    with before_compiling(advance, lambda: print(f"{label}: {COMPILING}", file=stream, flush=True)):
+    with before_compiling(advance, variant, lambda last: print(f"{label}: {compiling(variant, last)}", file=stream, flush=True)):
         yield Records(stream) if isinstance(stream, JobLog) else Lines(label, stream)
 
 

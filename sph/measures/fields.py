@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.storage.trajectory import Status, scene_of
 
@@ -118,5 +119,4 @@ FIELDS: dict[str, Field] = {
 
 def check_field(name: str) -> None:
     """ValueError for a name that ``FIELDS`` lacks."""
-    if name not in FIELDS:
-        raise ValueError(f"field: {name!r} is unknown, allowed are {', '.join(FIELDS)}")
+    check_known("field", [name], FIELDS)

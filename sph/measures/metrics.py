@@ -217,6 +217,11 @@ METRICS: tuple[Variable, ...] = (
     _number("wall_time", "s", "computing time of the run, its shared pre-failure run included"),
     _number("particle_steps_per_second", "s-1", "particles times time steps over the computing time"),
 )
+CHIEF = (
+    "status", "collapse_class", "still_moving", "displacement_vertical", "displacement_horizontal", "displacement_magnitude",
+    "onset_time", "arrest_time", "failed_fraction", "runout", "runout_over_height", "travel_angle", "deposit_height",
+)  # fmt: skip
+"""The metrics that answer how far a slope has moved; the others say when, how and how well computed."""
 METRIC_BY_NAME = {metric.name: metric for metric in METRICS}
 
 Value = float | int | str

@@ -18,6 +18,7 @@ import xarray as xr
 
 from sph.measures.metrics import COLLAPSE, DAMAGED, MINOR, UNDETERMINED
 from sph.scene.configuration import Section, key
+from sph.scene.units import Acceleration
 from sph.storage.trajectory import Status
 from sph.study.tables import write_csv
 from sph.study.verdicts import FAILS, HOLDS, NOT_COVERED, NOT_YET
@@ -33,7 +34,7 @@ FIGURE_7_S_R = 0.35  # Fig. 7 by its caption; reported beside the other
 class ClaimSettings(Section):
     """Numbers that turn the paper's words into tests; ours, the paper gives none."""
 
-    amplitude: float = key("amplitude of the shaking at which the claims are tested", "m/s2", "Sec. 3.2", gt=0, le=100, default=6.0)
+    amplitude: Acceleration = key("amplitude of the shaking at which the claims are tested", "m/s2", "Sec. 3.2", gt=0, le=100, default=6.0)
     fluidised_fraction: float = key("'fluidised' needs at least this fraction of failed soil particles", gt=0, le=1, default=0.5)
     fluidised_runout: float = key("'fluidised' needs at least this run-out over the height of the slope", gt=0, le=100, default=0.5)
     same_instant: float = key("failures within this time happen at the same instant", "s", gt=0, le=10, default=1e-3)

@@ -9,13 +9,16 @@ from __future__ import annotations
 import os
 import re
 import stat
+import typing
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationError, model_validator
+
+from sph.scene.names import nearest
 
 
 class Section(BaseModel):
@@ -51,6 +54,14 @@ class FileSection(Section):
         """The keys of ``content`` in a file; ``keys`` are those given beside it, not checked yet.  ValueError says what is wrong where."""
         raise NotImplementedError
 
+    @classmethod
+    def __get_pydantic_json_schema__(cls, core_schema: Any, handler: GetJsonSchemaHandler) -> dict[str, Any]:
+        """The content need not be given where a file is."""
+        schema = handler(core_schema)
+        own = handler.resolve_ref_schema(schema)
+        own["required"] = [name for name in own.get("required", ()) if name not in cls.content]
+        return schema
+
     @model_validator(mode="before")
     @classmethod
     def _filled_in(cls, keys: Any) -> Any:
@@ -80,6 +91,8 @@ def check_file(name: str) -> None:
 
 VARIANT_KEYS = ("shape", "law", "kind")
 """Keys that choose between the variants of a section."""
+RESERVED = ("file", *CONTENT_KEYS, *VARIANT_KEYS)
+"""Keys that mean the same in every section that has them, so that nothing may have their names."""
 
 LARGEST_FILE = 2_000_000
 """Largest YAML file, bytes."""
@@ -235,18 +248,20 @@ ORDERED = ("layers", "probes")
 def differences(one: Mapping[str, Any], other: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:
     """Dotted keys whose values differ in the mappings of two scenes, with both; None for a key that one lacks.  Names of files do not
     count: a scene holds their content.  The order of names does in the sections ``ORDERED``."""
-    left, right = _flat(without_files(one)), _flat(without_files(other))
+    left, right = (
+        flat(scene) | {name: list(scene[name]) for name in ORDERED if isinstance(scene.get(name), Mapping)}
+        for scene in (without_files(one), without_files(other))
+    )
     pairs = {name: (left.get(name), right.get(name)) for name in sorted(left.keys() | right.keys())}
     return {name: pair for name, pair in pairs.items() if pair[0] != pair[1]}
 
 
-def _flat(data: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, value in data.items():
-        flat |= _flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
-        if name in ORDERED and isinstance(value, Mapping):
-            flat[prefix + name] = list(value)
-    return flat
+def flat(section: Mapping[str, Any], prefix: str = "") -> dict[str, Any]:
+    """``{"coupling": {"S_R": 0.1}}`` as ``{"coupling.S_R": 0.1}``; an empty section has no key."""
+    found: dict[str, Any] = {}
+    for name, value in section.items():
+        found |= flat(value, f"{prefix}{name}.") if isinstance(value, Mapping) else {prefix + name: value}
+    return found
 
 
 def in_order(data: Any) -> Any:
@@ -317,7 +332,7 @@ def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise ValueError(explain(error, origin, data)) from error
+        raise ValueError(explain(error, origin, data, model)) from error
 
 
 def _truth_values(value: Any, path: str = "") -> Iterator[str]:
@@ -328,20 +343,54 @@ def _truth_values(value: Any, path: str = "") -> Iterator[str]:
         yield from _truth_values(item, f"{path}.{name}" if path else str(name))
 
 
-def explain(error: ValidationError, origin: str, data: Mapping[str, Any]) -> str:
-    """One line per bad key: origin, key as written, what is allowed and the value found."""
+def explain(error: ValidationError, origin: str, data: Mapping[str, Any], model: type[BaseModel]) -> str:
+    """One line per bad key: origin, key as written, what is allowed and the value found; of a misspelt name the nearest one."""
     lines = []
     for item in error.errors(include_url=False):
         if item["type"] == "too_short" and len(item["input"]) >= item["ctx"]["min_length"]:
             continue  # only because bad items, which have lines of their own, do not count
-        where = ".".join(_path_as_written(item["loc"], data, item["type"] == "missing"))
-        message = item["msg"].removeprefix("Value error, ")
+        path = _path_as_written(item["loc"], data, item["type"] == "missing")
+        message, value = item["msg"].removeprefix("Value error, "), item["input"]
         if item["type"] == "extra_forbidden":
-            message = "there is no such key here"
-        value = item["input"]
+            known = [name for section in _sections_at(model, item["loc"][:-1]) for name in section.model_fields]
+            message = "there is no such key here" + nearest(path[-1], known)
+        elif item["type"] in ("union_tag_not_found", "union_tag_invalid") and isinstance(value, Mapping):
+            tag = item["ctx"]["discriminator"].strip("'")
+            known = [name for section in _sections_at(model, item["loc"]) for name in _tags(section, tag)]
+            chosen = value.get(tag)
+            path, value = [*path, tag], {} if chosen is None else chosen
+            message = f"must be one of {', '.join(known)}" + nearest(str(chosen), known)
+        elif item["type"] == "literal_error" and isinstance(value, str):
+            message += nearest(value, re.findall("'([^']*)'", item["ctx"]["expected"]))
+        where = ".".join(path)
         found = "" if isinstance(value, (Mapping, BaseModel)) else f" (found {_shown(value)})"
         lines.append(one_line(f"{origin}: {where + ': ' if where else ''}{message}{found}"))
     return "\n".join(lines[:MOST_LINES] + [f"{origin}: and {len(lines) - MOST_LINES} more"] * (len(lines) > MOST_LINES))
+
+
+def _sections_at(model: type[BaseModel], location: Sequence[int | str]) -> list[type[BaseModel]]:
+    """The sections that may stand at a location of the validator, which names chosen variants; places and names of the user's
+    choice lead nowhere."""
+    found = [model]
+    for part in location:
+        chosen = [each for each in found if len(found) > 1 and any(part in _tags(each, tag) for tag in VARIANT_KEYS)]
+        below = [
+            each for section in found if part in section.model_fields for each in _sections(section.model_fields[str(part)].annotation)
+        ]
+        found = chosen or below or found
+    return found
+
+
+def _sections(annotation: Any) -> list[type[BaseModel]]:
+    """The sections in a type, in lists, mappings and unions too."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [section for part in typing.get_args(annotation) for section in _sections(part)]
+
+
+def _tags(section: type[BaseModel], tag: str) -> tuple[str, ...]:
+    """What a variant writes for the key that chooses it."""
+    return typing.get_args(section.model_fields[tag].annotation) if tag in section.model_fields else ()
 
 
 def _shown(value: Any) -> str:

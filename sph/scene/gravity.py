@@ -10,9 +10,8 @@ from pydantic import Field, model_validator
 
 from sph.scene.configuration import Section, key
 from sph.scene.places import Coordinate
-
-GRAVITY = 9.81
-"""Gravitational acceleration, m/s2."""
+from sph.scene.units import GRAVITY as GRAVITY
+from sph.scene.units import Acceleration
 
 Velocity = Annotated[float, Field(ge=-1e6, le=1e6)]
 
@@ -70,7 +69,7 @@ class GravityStage(Section):
         default=3.0,
     )
     damping: float = key("extra mass-proportional damping, faded out over the last third", "1/s", ge=0, le=1e4, default=20.0)
-    acceleration: float = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
+    acceleration: Acceleration = key("gravity", "m/s2", "Sec. 3.2", ge=0, le=100, default=GRAVITY)
     inclination: float = key(
         "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
     )

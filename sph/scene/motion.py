@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from sph.scene.configuration import Section, key
 from sph.scene.ground_motion.record import Record
+from sph.scene.units import Acceleration
 
 STEPS_IN_PERIOD = 20
 """Fewest time steps in the shortest period of a motion: straight lines between the samples of a sine then miss its peak by at most
@@ -21,7 +22,7 @@ class TaperedSine(Section):
     """A sine with a linear ramp up and down (Sec. 3.2)."""
 
     kind: Literal["tapered_sine"] = key("sine with linear ramps", source="Sec. 3.2")
-    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", "Sec. 3.2", ge=0, le=100, default=6.0)
+    amplitude: Acceleration = key("peak acceleration of the box, horizontal", "m/s2", "Sec. 3.2", ge=0, le=100, default=6.0)
     frequency: float = key("frequency", "Hz", "ours (not in the text)", gt=0, le=100, default=1.0)
     start: float = key("start of the shaking", "s", "Sec. 3.2", ge=0, le=1e4, default=3.0)
     ramp: float = key("duration of the increase", "s", "ours ('gradually')", ge=0, le=1e4, default=3.0)
@@ -54,7 +55,7 @@ class Ricker(Section):
     """A Ricker wavelet: a pulse with all frequencies up to some three times its own (Ricker 1953)."""
 
     kind: Literal["ricker"] = key("Ricker wavelet")
-    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e4)
+    amplitude: Acceleration = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e4)
     frequency: float = key("frequency with the largest amplitude", "Hz", gt=0, le=1e4)
     peak: float = key("time of the peak, at least 1.5 / frequency after the gravity stage", "s", ge=0, le=1e4)
 
@@ -83,7 +84,7 @@ class ConstantAcceleration(Section):
     """An acceleration that is brought on and stays: the pseudo-static earthquake load."""
 
     kind: Literal["constant"] = key("constant acceleration")
-    amplitude: float = key("acceleration of the box, horizontal; positive drives the soil towards the toe", "m/s2", ge=-1e3, le=1e3)
+    amplitude: Acceleration = key("acceleration of the box, horizontal; positive drives the soil towards the toe", "m/s2", ge=-1e3, le=1e3)
     start: float = key("start of the linear increase", "s", ge=0, le=1e4)
     ramp: float = key("duration of the increase", "s", ge=0, le=1e4)
 
@@ -107,7 +108,7 @@ class VelocityPulse(Section):
     """
 
     kind: Literal["velocity_pulse"] = key("near-fault velocity pulse")
-    amplitude: float = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e3)
+    amplitude: Acceleration = key("peak acceleration of the box, horizontal", "m/s2", ge=0, le=1e3)
     frequency: float = key("prevailing frequency f", "Hz", gt=0, le=100)
     cycles: float = key("oscillations in the pulse, gamma: 1 to 3 in records", gt=1, le=100, default=2.0)
     phase: float = key("phase nu; 0: velocity symmetric about the middle, 90: antisymmetric", "degree", ge=-360, le=360, default=0.0)

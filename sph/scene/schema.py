@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import Field, ModelWrapValidatorHandler, field_validator, model_validator
+from pydantic import AfterValidator, Field, ModelWrapValidatorHandler, field_validator, model_validator
 
-from sph.scene.configuration import Section, key, merge, read_scene, validated
+from sph.scene.configuration import RESERVED, Section, key, merge, read_scene, validated
 from sph.scene.geometry import Geometry
 from sph.scene.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.scene.ground_motion.record import Record, processed
@@ -110,6 +110,16 @@ class Outputs(Section):
 Place = Literal["crest_edge", "toe"] | Point
 
 
+def _free(name: str) -> str:
+    if name in RESERVED:
+        raise ValueError(f"{', '.join(RESERVED)} are keys of other sections; choose another name")
+    return name
+
+
+OwnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$"), AfterValidator(_free)]
+"""Name of a layer or probe."""
+
+
 class Scene(Section):
     """One simulation."""
 
@@ -124,7 +134,7 @@ class Scene(Section):
     geometry: Geometry = key("shape of the soil", source="Fig. 1")
     walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
     soil: Soil = key("material", source="Tables 1-2", default=Soil())
-    layers: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Layer] = key(
+    layers: dict[OwnName, Layer] = key(
         "regions of other soil, by name; of two that overlap the later one counts", default={}, max_length=100
     )
     coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
@@ -136,7 +146,7 @@ class Scene(Section):
     early_stop: EarlyStop | None = key("end of a run whose soil has come to rest, before its duration", default=None)
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
-    probes: dict[Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")], Place] = key(
+    probes: dict[OwnName, Place] = key(
         "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m, a survey's coordinates where it has one; "
         "the nearest particle is taken",
         source="particle A: Figs. 6-7",

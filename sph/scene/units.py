@@ -1,4 +1,4 @@
-"""Units in the names of a table's columns: understood, or refused.
+"""Units, of an acceleration and in the names of a table's columns: understood, or refused.
 
 A unit stands in brackets ('ACC (gal) NS', 't [ms]') or as words of its own ('acc_g', 'acc cm/s2', 'AccG'); letters within a word are
 none ('gx', 'NS', 'distance').
@@ -9,8 +9,35 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterator, Mapping
-from typing import NamedTuple
+from typing import Annotated, Any, NamedTuple
 
+from pydantic import BeforeValidator
+
+GRAVITY = 9.81
+"""Gravitational acceleration, m/s2."""
+SIZES: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "g": GRAVITY}
+"""One of each unit of acceleration, m/s2."""
+
+
+def acceleration(value: Any) -> Any:
+    """A text as an acceleration, m/s2: ``0.4g``, ``3.9 m/s2``, ``390 gal`` or a number alone; what is no text as it is.
+
+    ValueError for a text that is none.
+    """
+    if not isinstance(value, str):
+        return value
+    number, unit = re.fullmatch(r"\s*([-+.\deE]*(?<![eE]))\s*(.*?)\s*", value, re.S).groups()  # type: ignore[union-attr]
+    size = SIZES.get(unicodedata.normalize("NFKC", unit).lower().replace("^", "") or "m/s2")
+    try:
+        if size is not None:
+            return float(number) * size
+    except ValueError:
+        pass
+    raise ValueError("must be an acceleration: a number in m/s2, or one with its unit, as 0.4g, 3.9 m/s2 or 390 gal")
+
+
+Acceleration = Annotated[float, BeforeValidator(acceleration, json_schema_input_type=float | str)]
+"""Type of a key that holds an acceleration: a number in m/s2 or a text with a unit, kept in m/s2."""
 LONGEST = 3
 """Most words of a unit: 'cm s -2'."""
 SAME = (

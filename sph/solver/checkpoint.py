@@ -9,8 +9,11 @@ from __future__ import annotations
 
 import hashlib
 import os
+import signal
+import threading
 import time as clock
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -41,8 +44,8 @@ def run_to_file(
     """Simulate a scene (see ``sph.solver.run.run``) and write its trajectory, going on from the checkpoint of the same run if there is one.
 
     ``seconds`` of wall time lie between checkpoints (0: there are none; by default see ``checkpoint_seconds``); ``say`` is told in a
-    line what becomes of them.  Waits for another process at work on the file; what that has finished, or one that was killed, is
-    taken over.
+    line what becomes of them; Ctrl-C leaves one, too.  Waits for another process at work on the file; what that has finished, or one
+    that was killed, is taken over.
     """
     path = Path(path)
     trajectory.check_name(path)
@@ -60,7 +63,8 @@ def run_to_file(
             started = Run(scene, threads, enforce_limit)
             if restart is not None:
                 started.resume(restart)
-        result = started.go(until, report, checkpoint.offer)
+        with checkpoint.on_interrupt():
+            result = started.go(until, report, checkpoint.offer)
         result.trajectory.attrs |= {"run_digest": digest, "solver_digest": solver}
         trajectory.write(path, result.trajectory, result.restart)
         checkpoint.discard()
@@ -97,6 +101,27 @@ class Checkpoint:
     def __init__(self, path: Path, digest: str, seconds: float, say: Say) -> None:
         self.path, self.digest, self.seconds, self.say = beside(path, "checkpoint"), digest, seconds, say
         self.last = clock.monotonic()
+        self.offered = self.interrupted = False
+
+    @contextmanager
+    def on_interrupt(self) -> Iterator[None]:
+        """Have Ctrl-C end the run where it next offers its state, with a checkpoint; a second one, or one before any offer, at once.
+
+        Elsewhere than in the main thread, or where the program does something else at Ctrl-C, nothing changes.
+        """
+        mine = threading.current_thread() is threading.main_thread() and signal.getsignal(signal.SIGINT) is signal.default_int_handler
+        if mine and self.seconds:
+            signal.signal(signal.SIGINT, self._interrupt)
+        try:
+            yield
+        finally:
+            if mine:
+                signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def _interrupt(self, *_: Any) -> None:
+        if self.interrupted or not self.offered:
+            raise KeyboardInterrupt
+        self.interrupted = True
 
     def resumed(self, started: Run) -> Run | None:
         """A run at its start as the checkpoint has it; None, and a line why, if there is none of this run."""
@@ -113,15 +138,21 @@ class Checkpoint:
         return started
 
     def offer(self, result: Callable[[], Result]) -> None:
-        """Write a checkpoint if it is time; a run that cannot keep one goes on without."""
-        if not self.seconds or clock.monotonic() - self.last < self.seconds:
+        """Write a checkpoint if it is time; a run that cannot keep one goes on without.  KeyboardInterrupt after Ctrl-C."""
+        self.offered = True
+        if not self.interrupted and (not self.seconds or clock.monotonic() - self.last < self.seconds):
             return
         state = result()
         state.trajectory.attrs["run_digest"] = self.digest
         try:
             trajectory.write(self.path, state.trajectory, state.restart)
+            if self.interrupted:
+                at = float(state.trajectory["sample_time"][-1])
+                self.say(f"interrupted at {at:g} s; the same command goes on from there")
         except OSError as error:
-            self.say(f"{error}; the run goes on without this checkpoint")
+            self.say(f"{error}; the run {'ends' if self.interrupted else 'goes on'} without this checkpoint")
+        if self.interrupted:
+            raise KeyboardInterrupt
         self.last = clock.monotonic()
 
     def discard(self) -> None:

@@ -8,13 +8,14 @@ the file system takes will do.
 from __future__ import annotations
 
 import errno
-import fcntl
 import hashlib
 import os
 import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+from filelock import FileLock, Timeout
 
 LONGEST_HIDDEN = 140
 """Longest name of a hidden file, bytes; the file systems in use take 255, those that encrypt names 143."""
@@ -54,8 +55,10 @@ def check_name(path: Path) -> None:
     try:
         os.lstat(path)
     except OSError as error:
+        if error.errno != errno.ENAMETOOLONG:
+            return
         size, longest = len(os.fsencode(path.name)), os.pathconf(path.parent, "PC_NAME_MAX")
-        if error.errno == errno.ENAMETOOLONG and size > longest:
+        if size > longest:
             raise ValueError(f"{path}: the name takes {size} bytes, at most {longest} are possible there; choose a shorter one") from error
 
 
@@ -95,30 +98,28 @@ def alone(path: Path, role: str, wait: Callable[[], None] | None = None) -> Iter
     """
     lock = beside(path, role)
     followed, waited = lock.exists(), False
-    while True:
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        check_name(path)
+        lock.touch()
+    except OSError as error:
+        raise unwritable(path, error) from error
+    # Who held it may have deleted the file meanwhile: the lock then makes it anew.
+    held = FileLock(lock)
+    with suppress(OSError):  # a file system without locks: whoever starts two processes on one file must keep them apart
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            check_name(path)
-            handle = open(lock, "w")  # noqa: SIM115
-        except OSError as error:
-            raise unwritable(path, error) from error
-        with handle:
-            try:
-                fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                if wait is not None and not waited:
-                    wait()
-                waited = True
-                fcntl.flock(handle, fcntl.LOCK_EX)
-            except OSError:
-                pass  # a file system without locks: whoever starts two processes on one file must keep them apart
-            # Who held it may have deleted the file meanwhile: a lock on that one keeps nobody out.
-            if _is(handle.fileno(), lock):
-                try:
-                    yield followed or waited
-                finally:
-                    lock.unlink(missing_ok=True)
-                return
+            held.acquire(blocking=False)
+        except Timeout:
+            if wait is not None:
+                wait()
+            waited = True
+            held.acquire()
+    try:
+        yield followed or waited
+    finally:
+        with suppress(OSError):  # Windows deletes no file that is open
+            lock.unlink(missing_ok=True)
+        held.release()
 
 
 def unwritable(path: Path, error: Exception) -> OSError:
@@ -131,14 +132,7 @@ def unwritable(path: Path, error: Exception) -> OSError:
     return OSError(f"{path}: cannot be written ({cause}{room}); mend that or choose another place, then give the same command again")
 
 
-def _is(handle: int, path: Path) -> bool:
-    try:
-        return os.path.samestat(os.fstat(handle), os.stat(path))
-    except FileNotFoundError:
-        return False
-
-
 def _to_disk(path: Path) -> None:
     """Wait until the disk has it: a full disk may show only now, and a rename must not overtake the data."""
-    with open(path, "rb") as handle:
+    with open(path, "r+b") as handle:
         os.fsync(handle.fileno())

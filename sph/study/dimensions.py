@@ -6,7 +6,6 @@ or null once, in the scene and in the study's tables.
 
 from __future__ import annotations
 
-import difflib
 import functools
 import re
 import types
@@ -18,7 +17,9 @@ from pydantic import BaseModel, BeforeValidator, Field
 
 from sph.measures.metrics import GRID
 from sph.scene.configuration import Section
+from sph.scene.names import nearest
 from sph.scene.schema import Scene
+from sph.scene.units import acceleration
 from sph.storage.trajectory import Variable
 
 SHORT_NAMES = dict(zip(GRID, ("coupling.S_R", "coupling.gamma", "motion.amplitude"), strict=True))
@@ -44,7 +45,11 @@ def as_written(value: Any) -> Any:
     return "null" if value is None else repr(value) if number else value
 
 
-Value = Annotated[str, Field(max_length=100, pattern=r"^[A-Za-z0-9+-][A-Za-z0-9_./+-]*$"), BeforeValidator(as_written)]
+Value = Annotated[
+    str,
+    Field(max_length=100, pattern=r"^[A-Za-z0-9+-][A-Za-z0-9_./+-]*$"),
+    BeforeValidator(as_written, json_schema_input_type=str | float | None),
+]
 Values = Annotated[tuple[Value, ...], Field(min_length=1)]
 
 
@@ -125,8 +130,7 @@ def check_names(where: str, names: Iterable[str]) -> None:
     for name in names:
         key = scene_key(name)
         if not any(_matches(key, known) for known in scene_keys()):
-            near = difflib.get_close_matches(key, [*SHORT_NAMES, *scene_keys()], 1, 0.5)
-            raise ValueError(f"{where}.{name}: there is no such key in a scene" + (f"; the nearest is {near[0]}" if near else ""))
+            raise ValueError(f"{where}.{name}: there is no such key in a scene{nearest(key, [*SHORT_NAMES, *scene_keys()])}")
         if key in keys:
             raise ValueError(f"{where}: {keys[key]} and {name} set the same key")
         keys[key] = name
@@ -137,19 +141,34 @@ def _matches(key: str, known: str) -> bool:
     return len(parts) == len(wanted) and all(part == other or other == NAME and part for part, other in zip(parts, wanted, strict=True))
 
 
+def in_si(values: Any) -> Any:
+    """Values of dimensions by name, where an acceleration is written with its unit (``0.4g``) the number in m/s2 instead."""
+    if not isinstance(values, Mapping):
+        return values
+    return {name: _in_si(each) if scene_keys().get(scene_key(str(name))) == "m/s2" else each for name, each in values.items()}
+
+
+def _in_si(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {name: _in_si(each) if name == "bounds" else each for name, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_in_si(each) for each in value]
+    return f"{acceleration(value):.12g}" if isinstance(value, str) and value != "null" and not is_number(value) else value
+
+
 @functools.cache
-def scene_keys() -> tuple[str, ...]:
-    """Every dotted key of a scene that can hold a number, a word or null, of all variants; ``NAME`` stands for a name."""
-    return tuple(dict.fromkeys(_keys(Scene)))
+def scene_keys() -> dict[str, str]:
+    """Unit of every dotted key of a scene that can hold a number, a word or null, of all variants; ``NAME`` stands for a name."""
+    return dict(_keys(Scene))
 
 
-def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[str]:
+def _keys(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str]]:
     for name, field in model.model_fields.items():
-        yield prefix + name
+        yield prefix + name, (field.json_schema_extra or {}).get("unit", "-")  # type: ignore[union-attr, misc]
         for section in sections(field.annotation):
             yield from _keys(section, f"{prefix}{name}.")
         if _mappings(field.annotation):
-            yield f"{prefix}{name}.{NAME}"
+            yield f"{prefix}{name}.{NAME}", "-"
         for section in named_sections(field.annotation):
             yield from _keys(section, f"{prefix}{name}.{NAME}.")
 

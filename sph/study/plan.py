@@ -22,6 +22,7 @@ from pydantic import BeforeValidator, Field, model_validator
 from sph.measures.fields import check_probe
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, dotted, found_file, key, merge, one_line, read_scene, read_yaml, scene_files, validated
+from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
 from sph.study.dimensions import (
     CASE,
@@ -32,6 +33,7 @@ from sph.study.dimensions import (
     check_names,
     dimension,
     in_order,
+    in_si,
     is_number,
     named_point,
     point_name,
@@ -52,13 +54,18 @@ OWN = "own"
 """The fidelity of a study that names none: the scene as it is."""
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
+Case = Annotated[dict[str, Value], BeforeValidator(in_si), Field(min_length=1)]
+# ``load_study`` puts the cases in the place of the name of a file.
+Cases = Annotated[
+    tuple[Case, ...], Field(min_length=1), BeforeValidator(lambda cases: cases, json_schema_input_type=tuple[Case, ...] | str)
+]
 Point = dict[str, str]
 """Value of every dimension of a run, as written."""
 
 
 def _dimensions_kept(grid: Any) -> Any:
     """A dimension set to null is none: so a configuration laid over another takes it out."""
-    return {name: values for name, values in grid.items() if values is not None} if isinstance(grid, Mapping) else grid
+    return in_si({name: values for name, values in grid.items() if values is not None}) if isinstance(grid, Mapping) else grid
 
 
 class FigureCases(Section):
@@ -83,7 +90,7 @@ class Study(Section):
         source="Figs. 4-5, Sec. 3.2",
         default=None,
     )
-    cases: Annotated[tuple[Annotated[dict[str, Value], Field(min_length=1)], ...], Field(min_length=1)] | None = key(
+    cases: Cases | None = key(
         "instead of a grid: the runs one by one, a value of each dimension; or the name of a CSV file with a column a dimension",
         default=None,
     )
@@ -99,8 +106,7 @@ class Study(Section):
 
     @model_validator(mode="after")
     def _known(self) -> Study:
-        if self.fidelity not in self.fidelities:
-            raise ValueError(f"fidelity: {self.fidelity!r} is not one of {', '.join(self.fidelities)}")
+        check_known("fidelity", [self.fidelity], self.fidelities)
         return self
 
     @model_validator(mode="after")

@@ -84,7 +84,7 @@ def _at_planning(name: str) -> str:
 
 
 def sources(*patterns: str) -> str:
-    """Digest of those of the library's files that match patterns: Snakemake does not see edits in imported modules by itself."""
+    """Digest of the files that match patterns, seen from the library: Snakemake does not see edits in imported modules by itself."""
     folder = Path(sph.__file__).parent
-    paths = sorted({path for pattern in patterns for path in folder.glob(pattern)})
+    paths = sorted({path for pattern in patterns for path in folder.glob(pattern) if path.is_file()})
     return content_digest(*paths)

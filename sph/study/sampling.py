@@ -13,6 +13,7 @@ from pydantic import BeforeValidator, model_validator
 from scipy.stats import qmc  # type: ignore[import-untyped]
 
 from sph.scene.configuration import Section, found_file, key
+from sph.study.dimensions import in_si
 
 MOST_RUNS = 100_000
 """Most runs of a study."""
@@ -44,7 +45,14 @@ class Range(Section):
         return [f"{value:.{DIGITS}g}" for value in (np.exp(values) if self.scale == "log" else values)]
 
 
-Ranges = dict[str, Annotated[Range, BeforeValidator(lambda value: {"bounds": value} if isinstance(value, list) else value)]]
+def _as_bounds(value: Any) -> Any:
+    return {"bounds": value} if isinstance(value, list) else value
+
+
+Ranges = Annotated[
+    dict[str, Annotated[Range, BeforeValidator(_as_bounds, json_schema_input_type=Range | tuple[float | str, float | str])]],
+    BeforeValidator(in_si),
+]
 
 
 class Sample(Section):

@@ -12,8 +12,9 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import model_validator
 
-from sph.experiments.base import Label, Name, Overrides, Run, check_file_names, check_known, checked, file_name
+from sph.experiments.base import Label, Name, Overrides, Run, check_file_names, checked, file_name
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
+from sph.scene.names import check_known
 from sph.study.plan import Plan
 from sph.study.planned import planned
 from sph.validation import CASES, PROBES

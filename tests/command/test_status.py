@@ -14,13 +14,14 @@ import netCDF4
 import psutil
 import pytest
 import yaml
+from small_scenes import SLOPE
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
 from sph.command.status import State, duration, estimate, jobs, located_plan, look, sentence, watch
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
 from sph.jobs.progress import SECONDS, Lines, reporter
-from sph.scene.schema import Scene
+from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress
 from sph.study.plan import Plan
 
@@ -135,7 +136,7 @@ def test_a_killed_job_is_stopped(study: Folder) -> None:
 )
 def test_a_failed_job_says_why(study: Folder, error: Exception, wanted: str) -> None:
     with pytest.raises(SystemExit), job_log(study.path / "logs" / f"{POINT}.log") as log:
-        with reporter("results/run.nc", log) as report:
+        with reporter("results/run.nc", make_scene(SLOPE), log) as report:
             report(progress(1.5, 10.0))
         raise error
     state = study.state(POINT)
@@ -247,6 +248,17 @@ def test_a_configuration_of_another_name(study: Folder, monkeypatch: pytest.Monk
     monkeypatch.chdir(study.base)
     (study.base / "config" / "config.yaml").unlink()
     assert "config/config.yaml: no such file; " in call().stderr and "--configfile" in call().stderr
+
+
+def test_the_configuration_of_a_folder_of_results_is_found_by_the_name_of_its_study(study: Folder) -> None:
+    (study.base / "config" / "studies").mkdir()
+    (study.base / "config" / "studies" / "mine.yaml").write_text("study: mine\n")
+    (study.base / "config" / "broken.yaml").write_text("study: [mine\n")
+    shown = call(study.base / "results" / "mine" / "draft")
+    assert shown.exit_code == 0 and "results/mine/draft" in shown.stdout, shown.output
+    (study.base / "second.yaml").write_text("study: mine\n")
+    refused = call(study.base / "results" / "mine" / "draft")
+    assert refused.exit_code == REFUSED and "name that of this one by --configfile" in refused.stderr
 
 
 def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,8 +18,9 @@ from synthetic import PAPER, synthetic, translation
 from synthetic_trade import FIDELITIES, SCENE, TRADE, runs_of, trade_frame, trade_runs
 from typer.testing import CliRunner, Result
 
-from sph.command.advise import flat
-from sph.command.cli import app, parse_settings
+from sph.command.advise import options
+from sph.command.cli import app
+from sph.command.options import parse_settings
 from sph.command.reference import TABLES, markdown
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
@@ -106,7 +107,7 @@ class TestConfiguration:
 
     def test_the_settings_of_every_shipped_variant_survive_the_command_line(self) -> None:
         for row in load_trade("config/trade.yaml", study_plan(), [ROOT]).rows:
-            assert parse_settings([f"{name}={' '.join(shlex.split(text))}" for name, text in flat(row.settings)]) == row.settings
+            assert parse_settings([word for word in shlex.split(options(row.settings)) if word != "--set"]) == row.settings
 
     def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
         rows = {(row.parameter, row.variant, row.case): row.runs for row in trade_runs().rows}

@@ -178,6 +178,11 @@ def test_a_search_needs_no_other_dimension(tmp_path: Path) -> None:
     assert len(figure_critical(table, plan.dimensions).axes) == 1
 
 
+def test_accelerations_have_units(tmp_path: Path) -> None:
+    plan = planned(tmp_path, {"intensity": {"highest": "0.8g"}, "tolerance": "50 gal"})
+    assert plan.trigger.intensity.highest == pytest.approx(7.848) and plan.trigger.tolerance == pytest.approx(0.5)
+
+
 @pytest.mark.parametrize(("tolerance", "levels"), [(4.0, 0), (3.9, 1), (1.0, 2), (0.25, 4), (100.0, 0)])
 def test_the_number_of_rounds_follows_from_the_tolerance(tmp_path: Path, tolerance: float, levels: int) -> None:
     assert planned(tmp_path, {"tolerance": tolerance}).levels("trigger") == levels

@@ -17,9 +17,11 @@ EXACT = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text(e
 
 
 def differences(conda: list[str]) -> set[str]:
-    """Dependencies with their bounds that are in one of environment.yml and pyproject.toml."""
-    needed = {requirement.lower() for requirement in PROJECT["dependencies"]} | {f"python{PROJECT['requires-python']}", "pip"}
-    return needed ^ set(conda)
+    """Dependencies with their bounds that are in one of environment.yml and pyproject.toml, the workflow's extras included."""
+    extras = PROJECT["optional-dependencies"]
+    wanted = [*PROJECT["dependencies"], *extras["workflow"], *extras["records"], *extras["sensitivity"]]
+    needed = {requirement.lower() for requirement in wanted if not requirement.startswith(PROJECT["name"])}
+    return (needed | {f"python{PROJECT['requires-python']}", "pip"}) ^ set(conda)
 
 
 def test_conda_and_pip_want_the_same() -> None:

@@ -305,7 +305,7 @@ def test_the_yield_acceleration_is_printed_in_both_units(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("arguments", "wanted"),
     [
-        (("--reduce", "cohesion"), "--reduce 'cohesion': must be strength or S_R"),
+        (("--reduce", "cohesion"), "--reduce: 'cohesion' is not one of strength, S_R"),
         (("--rule", "area=2"), "--rule: area: Input should be less than or equal to 1 (found 2)"),
         (("--rule", "width"), "--rule 'width': write KEY=VALUE"),
         (("--tolerance", "0", "--single"), "tolerance: 0.0 must be positive"),

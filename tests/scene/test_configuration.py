@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from sph.command.cli import parse_settings
+from sph.command.options import parse_settings
 from sph.scene.configuration import (
     DEEPEST,
     LARGEST_FILE,
@@ -27,6 +27,7 @@ from sph.scene.configuration import (
     validated,
     without_files,
 )
+from sph.scene.schema import make_scene
 
 ALIASES = "a0: &a0 [1, 2]\n" + "".join(f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
 MERGES = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
@@ -104,6 +105,29 @@ def test_a_number_is_decimal_to_all_readers_or_refused_with_its_key(tmp_path: Pa
 )
 def test_decimal_numbers_and_words_are_what_they_look_like(text: str, value: Any) -> None:
     assert parse_yaml(f"a: {text}") == {"a": value}
+
+
+BODIES = {"geometry": {"shape": "bodies", "width": 9.0, "height": 9.0, "bodies": [{"points": [[0, 0], [4, 0], [4, 4]]}]}}
+MISSPELT: dict[str, tuple[dict[str, Any], str]] = {
+    "a section": ({"geometri": {}}, "geometri: there is no such key here; did you mean geometry?"),
+    "a key": ({"soil": {"Cohesion_": 3.0}}, "soil.Cohesion_: there is no such key here; did you mean cohesion? (found 3.0)"),
+    "a key of a variant": ({"motion": {"kind": "ricker", "amplitud": 1}}, "amplitud: there is no such key here; did you mean amplitude?"),
+    "a key of another variant": ({"motion": {"kind": "ricker", "ramp": 1}}, "motion.ramp: there is no such key here (found 1)"),
+    "a key of a layer": (
+        {"layers": {"clay": {"soil": {"densty": 1}}}}, "layers.clay.soil.densty: there is no such key here; did you mean density?"
+    ),
+    "a variant": ({"motion": {"kind": "rickr"}}, "; did you mean ricker? (found 'rickr')"),
+    "no variant": ({"motion": {"amplitude": 1}}, "motion.kind: must be one of tapered_sine, ricker"),
+    "no kind of body": (BODIES, "geometry.bodies.0.kind: must be one of polygon, ring"),
+    "a word": ({"scheme": "resolvd"}, "scheme: Input should be 'resolved' or 'paper'; did you mean resolved?"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("changes", "wanted"), MISSPELT.values(), ids=MISSPELT)
+def test_the_nearest_of_the_names_known_is_told(changes: dict[str, Any], wanted: str) -> None:
+    with pytest.raises(ValueError) as raised:
+        make_scene({"name": "slope", "scheme": "paper", "geometry": {"shape": "slope"}} | changes, "slope")
+    assert wanted in str(raised.value)
 
 
 @pytest.mark.parametrize("setting", ["a=" + "[" * 9000, "a=&a [*a]", "a=!!timestamp x", ".".join(9000 * "a") + "=1", "a=2001-99-99"])

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from small_scenes import SLOPE
 
-from sph.scene.gravity import GravityStage
+from sph.scene.configuration import merge
+from sph.scene.gravity import GRAVITY, GravityStage
 from sph.scene.ground_motion.processing import integral
 from sph.scene.loading import gravity_history, make_loading
 from sph.scene.motion import (
@@ -247,3 +249,21 @@ def test_a_motion_that_the_steps_do_not_resolve_is_refused(motion: dict, step: f
         make_scene(scene)
     make_scene(scene | {"motion": motion | {"amplitude": 0.0}})
     make_scene(scene | {"numerics": numerics | {"time_step": 1e-4}, "outputs": {}})
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("0.4g", 0.4 * GRAVITY), (" 0.4 G ", 0.4 * GRAVITY), ("3.9 m/s2", 3.9), ("3.9m/s²", 3.9), ("3.9 m/s^2", 3.9), ("1e2 cm/s2", 1.0)]
+    + [("390 gal", 3.9), ("3.9", 3.9), (".5e1", 5.0), (2, 2.0)],
+)
+def test_accelerations_have_units(text: str | float, value: float) -> None:
+    for kind in ({"kind": "tapered_sine"}, {"kind": "ricker", "frequency": 1.0, "peak": 5.0}):
+        assert make_scene(merge(SLOPE, {"motion": kind | {"amplitude": text}})).motion.amplitude == pytest.approx(value, rel=1e-15)  # type: ignore[union-attr]
+    made = make_scene(merge(SLOPE, {"gravity": {"acceleration": text}}))
+    assert made.gravity.acceleration == pytest.approx(value, rel=1e-15)
+
+
+@pytest.mark.parametrize("text", ["0.4 h", "g", "", "m/s2", "1.2.3 g", "0.4g g", "0x3", "20g", "-1g", "1e999", "0.4 kg", "e"])
+def test_what_is_no_acceleration_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match=r"scene: motion\.amplitude: "):
+        make_scene(merge(SLOPE, {"motion": {"amplitude": text}}))

@@ -59,7 +59,7 @@ BAD = [
     (bodies(width=-1.0), ["geometry.width: ", "-1.0", "greater than 0"]),
     (bodies({}), ["geometry.bodies.0", "kind"]),
     ({"geometry": TWO_BODIES | {"bodies": []}}, ["geometry.bodies: ", "at least 1", "[]"]),
-    (bodies({"kind": "cone"}), ["geometry.bodies.0: ", "cone", "polygon", "ring"]),
+    (bodies({"kind": "cone"}), ["geometry.bodies.0.kind: ", "cone", "polygon", "ring"]),
     (bodies(POLYGON | {"points": [[0, 0], [1, 1]]}), ["geometry.bodies.0.points: ", "at least 3", "[[0, 0], [1, 1]]"]),
     (bodies(RING, POLYGON | {"points": [[0, 0], [1, "a"], [2, 2]]}), ["geometry.bodies.1.points.1.1: ", "'a'", "number"]),
     (bodies(POLYGON, RING | {"outer_radius": 0}), ["geometry.bodies.1.outer_radius: ", "found 0", "greater than 0"]),

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from sph.jobs.diagnostics import of_initiation, strengths
-from sph.scene.configuration import dotted, merge
+from sph.scene.configuration import dotted, flat, merge
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.storage.trajectory import scene_of
@@ -36,13 +36,6 @@ def value_at(scene: Scene, name: str) -> Any:
     for part in name.split("."):
         value = None if value is None else value[part]
     return value
-
-
-def leaves(section: dict[str, Any], prefix: str = "") -> dict[str, Any]:
-    flat: dict[str, Any] = {}
-    for name, part in section.items():
-        flat |= leaves(part, f"{prefix}{name}.") if isinstance(part, dict) else {prefix + name: part}
-    return flat
 
 
 def without(name: str) -> dict[str, Any]:
@@ -78,7 +71,7 @@ def test_all_that_is_missing_is_told_at_once_with_the_other_mistakes() -> None:
 def test_what_a_scene_does_not_write_is_computed_as_resolved() -> None:
     scene = make_scene(OWN)
     assert scene.scheme == "resolved"
-    assert {name: value_at(scene, name) for name in leaves(RESOLVED)} == leaves(RESOLVED)
+    assert {name: value_at(scene, name) for name in flat(RESOLVED)} == flat(RESOLVED)
 
 
 def test_what_a_scene_writes_counts() -> None:
@@ -91,7 +84,7 @@ def test_what_a_scene_writes_counts() -> None:
 def test_the_papers_scheme_fills_in_everything() -> None:
     scene = make_scene({"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}})
     assert (scene.soil.cohesion, scene.coupling.S_R, scene.walls.base, scene.numerics.smoothing_ratio) == (150.0, 0.25, "fixed", 2.3)
-    for name, value in leaves(RESOLVED).items():
+    for name, value in flat(RESOLVED).items():
         assert value_at(scene, name) != value or name == "numerics.artificial_viscosity.alpha", f"{name} need not be in RESOLVED"
 
 

@@ -302,8 +302,9 @@ from sph.scene.schema import make_scene
 from sph.solver.run import run
 from sph.jobs.progress import reporter
 
-with reporter("test") as report:
-    result = run(make_scene(json.loads(sys.argv[1])), report=report)
+scene = make_scene(json.loads(sys.argv[1]))
+with reporter("test", scene) as report:
+    result = run(scene, report=report)
 print(sum(advance.stats.cache_misses.values()), hashlib.sha256(b"".join(a.values.tobytes() for a in result.restart.values())).hexdigest())
 """
 

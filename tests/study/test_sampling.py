@@ -67,8 +67,8 @@ def test_keys_of_all_variants_are_known() -> None:
 @pytest.mark.parametrize(
     ("names", "message"),
     [
-        (["soil.cohesoin"], "grid.soil.cohesoin: there is no such key in a scene; the nearest is soil.cohesion"),
-        (["gama"], "the nearest is gamma"),
+        (["soil.cohesoin"], "grid.soil.cohesoin: there is no such key in a scene; did you mean soil.cohesion?"),
+        (["gama"], "did you mean gamma?"),
         (["soil"], ""),
         (["probes."], "no such key"),
         (["S_R", "coupling.S_R"], "S_R and coupling.S_R set the same key"),

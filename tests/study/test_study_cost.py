@@ -89,7 +89,7 @@ def test_the_speed_here(config: Path, small_slope: Callable[[dict[str, Any]], Sc
 
 def test_refusals(config: Path, tmp_path: Path) -> None:
     for arguments, words in (
-        ((config, "--fidelity", "best"), ["--fidelity 'best'", "draft, fine"]),
+        ((config, "--fidelity", "best"), ["--fidelity: 'best'", "draft, fine"]),
         ((config, "--speed", 0), ["--speed 0", "0.001"]),
         ((tmp_path / "none.yaml",), ["none.yaml"]),
     ):

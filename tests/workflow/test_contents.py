@@ -266,7 +266,7 @@ def test_refusals_of_explain(finished: Path, monkeypatch: pytest.MonkeyPatch, tm
         ([TABLE, "gamma=1"], "has no column 'gamma'"),
         ([TABLE, "S_R=0.2"], "has no row with S_R=0.2; it has 2 rows"),
         ([TABLE, "S_R"], "write COLUMN=VALUE"),
-        ([TABLE, "--column", "speed"], "--column 'speed': must be "),
+        ([TABLE, "--column", "speed"], "--column: 'speed' is not one of "),
         (["results/small/draft/claims.csv"], "its rows are not single runs"),
         (["results/small/draft/absent.csv"], "there is no such file"),
         ([str(tmp_path / "alone.nc")], "lies in no folder 'results'"),

@@ -39,8 +39,25 @@ def test_the_shipped_study_covers_the_papers_cases() -> None:
 
 
 @pytest.mark.parametrize(
-    "path", sorted(path for path in (ROOT / "config" / "studies").glob("*.yaml") if "study" in read_yaml(path)), ids=lambda path: path.stem
+    "runs",
+    [
+        {"grid": {"amplitude": ["0.2g", "4.0", "600 gal"]}},
+        {"cases": [{"motion.amplitude": value} for value in ("0.2g", "4.0", "6 m/s2")]},
+        {"sample": {"size": 3, "ranges": {"amplitude": ["0.2g", "600 gal"]}}},
+    ],
+    ids=lambda runs: next(iter(runs)),
 )
+def test_accelerations_of_a_study_have_units(runs: dict[str, Any]) -> None:
+    made = load_study(chosen_study(merge(GOOD, runs), runs), [ROOT])
+    if "sample" in runs:
+        assert made.study.sample is not None and made.study.sample.ranges["amplitude"].bounds == (1.962, 6.0)
+    else:
+        assert list(made.study.points.iloc[:, 0]) == ["1.962", "4.0", "6"]
+    for name in made.study.runs:
+        assert 1.962 <= make_scene(made.run_scene(name)).motion.amplitude <= 6.0  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "config" / "studies").glob("*.yaml")), ids=lambda path: path.stem)
 def test_the_shipped_studies_of_other_slopes_stand(path: Path) -> None:
     data = chosen_study(merge(GOOD, read_yaml(path)), read_yaml(path))
     for fidelity in read_yaml(path)["fidelities"]:
@@ -236,7 +253,7 @@ def test_large_studies_are_measured_in_parts() -> None:
     [
         ({}, ("one of grid, cases, sample", "found none")),
         ({"grid": {"S_R": [0.1]}, "cases": [{"S_R": 0.1}]}, ("one of grid, cases, sample", "grid and cases")),
-        ({"grid": {"soil.cohesoin": [1]}}, ("grid.soil.cohesoin", "the nearest is soil.cohesion")),
+        ({"grid": {"soil.cohesoin": [1]}}, ("grid.soil.cohesoin", "did you mean soil.cohesion?")),
         ({"grid": {"soil.cohesion": [20, -1]}}, ("soil.cohesion = -1", "greater than or equal to 0")),
         ({"grid": {"numerics.kernel": ["cubic"]}}, ("numerics.kernel = cubic", "'cubic_spline' or 'wendland_c2'", "cubic")),
         ({"grid": {"soil.cohesion": [20, "20.0"]}}, ("grid.soil.cohesion", "one value twice")),

@@ -79,6 +79,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     assert planned_jobs(folder, *config) == once | {"trunk": 2, "simulate": 8, "figure": 3, "paper_figure": 4}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
+    assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
     return folder
 
 
@@ -86,6 +87,16 @@ def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
     once = {"all": 1, "gravity": 1, "yield_acceleration": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
     assert jobs == once | {"trunk": 3, "simulate": 24, "figure": 3, "paper_figure": 4}
+
+
+@pytest.mark.parametrize(("target", "rule"), [("results/paper/paper/runs/S_R-0.10_gamma-1_amplitude-2.0.nc", "simulate"), ("docs", "docs")])
+def test_what_snakemake_tells_of_a_job_fits_a_screen(target: str, rule: str) -> None:
+    """What a job depends on but does not read, sources and pages, is a digest and no list of files."""
+    result = snakemake(ROOT, "--dry-run", "--forceall", "--printshellcmds", target)
+    assert result.returncode == 0, result.stderr
+    text = result.stdout + result.stderr
+    job = next(part for part in text.split("\n\n") if f"rule {rule}:" in part)
+    assert sum(1 + len(line) // 100 for line in job.splitlines()) <= 24 and str(ROOT / "sph") not in job, job
 
 
 def test_lint_finds_nothing_but_the_missing_containers() -> None:

@@ -1,5 +1,5 @@
 # Purpose: the documentation as a site. (`snakemake --cores 1 docs`)
-# Inputs:  mkdocs.yml, the pages of docs; the library's docstrings.
+# Inputs:  mkdocs.yml; the pages of docs and the library's docstrings, by their contents.
 # Outputs: results/docs: index.html, a page for each page of docs; api: the public interface and a page a module
 
 
@@ -7,14 +7,11 @@ rule docs:
     """Write the documentation; what it needs: pip install -c constraints.txt -e ".[docs]"."""
     input:
         settings=str(SPH.parent / "mkdocs.yml"),
-        pages=sorted(
-            str(path) for path in SPH.parent.glob("docs/**/*.*") if path.is_file()
-        ),
     output:
         "results/docs/index.html",
     log:
         "results/logs/docs.log",
     params:
-        sources=sources("**/*.py"),
+        sources=sources("**/*.py", "../docs/**/*.*"),
     script:
         "../scripts/docs/write_docs.py"

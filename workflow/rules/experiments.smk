@@ -4,7 +4,7 @@
 # Outputs: results/<name>: runs/**/*.nc, tables, figures/*
 import functools
 
-from sph.experiments.base import check_known
+from sph.scene.names import check_known
 from sph.experiments.registry import EXPERIMENTS, NAMES
 from sph.figures import experiment_figures
 

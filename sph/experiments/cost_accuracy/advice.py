@@ -15,6 +15,7 @@ import pandas as pd
 from sph.experiments.cost_accuracy.design import scheme, settings_text
 from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, read_trade, summary
 from sph.scene.geometry import SLOPES
+from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json
 from sph.study.tables import EXPECTED
@@ -132,9 +133,7 @@ def advise(table: pd.DataFrame, error: float, quantities: Sequence[str] = tuple(
     """
     if not 0 <= error < math.inf:
         raise ValueError(f"error: {error} must be at least 0, for example 0.1 or 10%")
-    for name in quantities:
-        if name not in QUANTITIES:
-            raise ValueError(f"quantity: {name!r} must be one of {', '.join(QUANTITIES)}")
+    check_known("quantity", quantities, QUANTITIES)
     variants = summary(table)
     references = {variant.scheme for variant in variants if variant.reference}
     known = [

@@ -17,10 +17,12 @@ from typing import Annotated, Any, Literal, NamedTuple
 import numpy as np
 from pydantic import Field, model_validator
 
-from sph.experiments.base import Label, Overrides, check_known, checked
+from sph.experiments.base import Label, Overrides, checked
 from sph.measures.fields import check_probe
 from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.scene.extras import of_extra
+from sph.scene.names import check_known
 from sph.scene.schema import make_scene
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import Variable
@@ -284,8 +286,7 @@ class SensitivityPlan:
         return tuple(moved.get(axis.name, axis.base) for axis in self.axes)
 
     def _morris(self) -> Iterable[tuple[str, Point]]:
-        from SALib.sample import morris
-
+        morris = of_extra("SALib.sample.morris", "sensitivity")
         problem = {"num_vars": len(self.axes), "names": [axis.name for axis in self.axes], "bounds": [[0.0, 1.0]] * len(self.axes)}
         for number in range(self.settings.morris.trajectories):
             seed = int(np.random.SeedSequence([self.settings.seed, number]).generate_state(1)[0])

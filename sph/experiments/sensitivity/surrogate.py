@@ -18,16 +18,12 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from SALib.analyze.sobol import first_order, total_order
-from SALib.sample import sobol as salib_sobol
-from sklearn.exceptions import ConvergenceWarning  # type: ignore[import-untyped]
-from sklearn.gaussian_process import GaussianProcessRegressor  # type: ignore[import-untyped]
-from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel  # type: ignore[import-untyped]
 from threadpoolctl import threadpool_limits
 
 from sph.experiments.sensitivity.design import Axis, Quantity, SobolSettings
 from sph.experiments.sensitivity.elementary_effects import INTERVAL
 from sph.experiments.sensitivity.tables import diverged_runs
+from sph.scene.extras import of_extra
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, number_column, text_column
 
@@ -73,22 +69,26 @@ CROSS_VALIDATION: tuple[Variable, ...] = (
 Function = Callable[[np.ndarray], np.ndarray]
 
 
-def fit_surrogate(shares: np.ndarray, values: np.ndarray) -> GaussianProcessRegressor:
+def fit_surrogate(shares: np.ndarray, values: np.ndarray) -> Any:
     """Gaussian process through values (n,) at shares of the ranges (n, d)."""
-    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(np.ones(shares.shape[1]), (0.05, 100.0), nu=SMOOTHNESS)
-    process = GaussianProcessRegressor(kernel + WhiteKernel(0.01, (1e-6, 1.0)), normalize_y=True)
+    gaussian, kernels = of_extra("sklearn.gaussian_process", "sensitivity"), of_extra("sklearn.gaussian_process.kernels", "sensitivity")
+    matern = kernels.Matern(np.ones(shares.shape[1]), (0.05, 100.0), nu=SMOOTHNESS)
+    kernel = kernels.ConstantKernel(1.0, (1e-2, 1e3)) * matern + kernels.WhiteKernel(0.01, (1e-6, 1.0))
+    process = gaussian.GaussianProcessRegressor(kernel, normalize_y=True)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ConvergenceWarning)  # the length scale of a factor without effect goes to its bound
+        warnings.simplefilter(
+            "ignore", of_extra("sklearn.exceptions", "sensitivity").ConvergenceWarning
+        )  # the length scale of a factor without effect goes to its bound
         return process.fit(shares, values)
 
 
-def cross_validate(shares: np.ndarray, values: np.ndarray, folds: int, seed: int) -> tuple[np.ndarray, list[GaussianProcessRegressor]]:
+def cross_validate(shares: np.ndarray, values: np.ndarray, folds: int, seed: int) -> tuple[np.ndarray, list[Any]]:
     """Part (n,) of every run, by number, and the surrogates fitted without each part."""
     fold = np.random.default_rng(seed).permutation(values.size) % folds
     return fold, [fit_surrogate(shares[fold != number], values[fold != number]) for number in range(folds)]
 
 
-def predict_unseen(shares: np.ndarray, fold: np.ndarray, processes: Sequence[GaussianProcessRegressor]) -> tuple[np.ndarray, np.ndarray]:
+def predict_unseen(shares: np.ndarray, fold: np.ndarray, processes: Sequence[Any]) -> tuple[np.ndarray, np.ndarray]:
     """Prediction (n,) of every run and its standard deviation (n,) by the surrogate that has not seen it."""
     found = np.empty((2, len(shares)))
     for number, process in enumerate(processes):
@@ -101,7 +101,7 @@ def predictivity(values: np.ndarray, predicted: np.ndarray) -> float:
     return float(1.0 - np.sum((values - predicted) ** 2) / np.sum((values - values.mean()) ** 2))
 
 
-def posterior_functions(process: GaussianProcessRegressor, draws: int, rng: np.random.Generator) -> Function:
+def posterior_functions(process: Any, draws: int, rng: np.random.Generator) -> Function:
     """Functions drawn from a fitted process: a call at shares (n, d) gives the values (n, draws)."""
     smooth, noise = process.kernel_.k1, process.kernel_.k2.noise_level
     known, d = process.X_train_, process.X_train_.shape[1]
@@ -126,7 +126,7 @@ def sobol_indices(functions: Function, dimensions: int, points: int, seed: int) 
     ``functions`` gives values (n, draws) at shares (n, d); the estimator uses ``points`` rows of d + 2 values, resampled once a draw.
     """
     problem = {"num_vars": dimensions, "names": [str(i) for i in range(dimensions)], "bounds": [[0.0, 1.0]] * dimensions}
-    x = salib_sobol.sample(problem, points, calc_second_order=False, seed=seed)
+    x = of_extra("SALib.sample.sobol", "sensitivity").sample(problem, points, calc_second_order=False, seed=seed)
     y = functions(x).reshape(points, dimensions + 2, -1)
     y -= y.mean(axis=(0, 1))
     draws = y.shape[2]
@@ -138,7 +138,9 @@ def sobol_indices(functions: Function, dimensions: int, points: int, seed: int) 
 def _indices(y: np.ndarray) -> np.ndarray:
     """First-order and total indices (2, d, draws) of values (points, d + 2, draws), centred."""
     a, b, mixed = y[:, 0], y[:, -1], y[:, 1:-1]
-    return np.array([[estimate(a, mixed[:, i], b) for i in range(mixed.shape[1])] for estimate in (first_order, total_order)])
+    indices = of_extra("SALib.analyze.sobol", "sensitivity")
+    estimates = (indices.first_order, indices.total_order)
+    return np.array([[estimate(a, mixed[:, i], b) for i in range(mixed.shape[1])] for estimate in estimates])
 
 
 def sobol_tables(
@@ -172,7 +174,7 @@ def sobol_tables(
 
 
 def _rows(
-    processes: Sequence[GaussianProcessRegressor], values: np.ndarray, predicted: np.ndarray, settings: SobolSettings, seed: int
+    processes: Sequence[Any], values: np.ndarray, predicted: np.ndarray, settings: SobolSettings, seed: int
 ) -> Iterator[dict[str, Any]]:
     """Indices, their intervals and the facts of the fit, a mapping a factor."""
     rng, each = np.random.default_rng(seed), -(-settings.draws // len(processes))

@@ -13,16 +13,18 @@ import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import pandas as pd
-from pydantic import model_validator
+from pydantic import BeforeValidator, model_validator
 
-from sph.experiments.base import Label, Overrides, check_file_names, check_known, file_name
+from sph.experiments.base import Label, Overrides, check_file_names, file_name
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
-from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, point_name, scene_key, value_of
+from sph.scene.names import check_known
+from sph.scene.units import acceleration
+from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, value_of
 from sph.study.plan import Plan, Point
 from sph.study.planned import Planned, planned
 
@@ -40,6 +42,7 @@ SEARCHED = {"points": "trigger", "maps": "maps"}
 DamageClass = Literal["minor", "damaged", "collapse"]
 assert get_args(DamageClass) == CLASSES[1:]
 Classes = tuple[DamageClass, ...]
+At = Annotated[dict[str, Values], BeforeValidator(in_si)]
 
 
 def reached(collapse_class: str, wanted: str) -> bool | None:
@@ -57,6 +60,10 @@ INTENSITIES = {
 """What can be searched: dimensions that scale the shaking, with the power of each to which its accelerations are in proportion."""
 
 
+ACCELERATIONS = ("amplitude", "motion.spectral_acceleration.value")
+"""Those that are accelerations."""
+
+
 class Intensity(Span):
     """The intensity of the shaking that is searched."""
 
@@ -68,9 +75,7 @@ class Confirm(Section):
 
     fidelity: str = key("the fidelity, one of the study's", default="standard")
     cases: tuple[str, ...] | None = key("cases that are confirmed; null: all", default=None, min_length=1)
-    at: dict[str, Values] = key(
-        "values at which they are confirmed, among those searched, by dimension; all of one that is left out", default={}
-    )
+    at: At = key("values at which they are confirmed, among those searched, by dimension; all of one that is left out", default={})
     collapse_class: DamageClass = key("the class whose brackets are confirmed", default="collapse")
 
 
@@ -91,9 +96,20 @@ class Trigger(Section):
     intensity: Intensity = key("the intensities of the shaking, of all searches")
     tolerance: float = key("largest width of the bracket of a critical intensity", "that of the intensity", gt=0, le=1e4)
     classes: Classes = key("classes whose critical intensities are searched", default=("collapse",), min_length=1)
-    at: dict[str, Values] = key("values at which they are searched, by dimension, every combination; none: at the scene's own", default={})
+    at: At = key("values at which they are searched, by dimension, every combination; none: at the scene's own", default={})
     confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=None)
     maps: Maps | None = key("maps over some dimensions and the intensity; null: none", default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _in_si(cls, values: Any) -> Any:
+        """Intensities that are accelerations may be written with their units."""
+        span = values.get("intensity") if isinstance(values, Mapping) else None
+        if not isinstance(span, Mapping) or span.get("dimension", "amplitude") not in ACCELERATIONS:
+            return values
+        ends = {name: acceleration(span[name]) for name in ("lowest", "highest") if name in span}
+        width = {name: acceleration(values[name]) for name in ("tolerance",) if name in values}
+        return {**values, **width, "intensity": {**span, **ends}}
 
     @model_validator(mode="after")
     def _known(self) -> Trigger:

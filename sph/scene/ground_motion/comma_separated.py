@@ -12,8 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION, LARGEST_TIME, SHORTEST_INTERVAL, number, read_lines
-from sph.scene.ground_motion.units import SIZES, Unit, size_of, unit_of_column
-from sph.scene.units import SECONDS, unit_of
+from sph.scene.ground_motion.units import Unit, size_of, unit_of_column
+from sph.scene.units import SECONDS, SIZES, unit_of
 
 NAMES = {2: "time (s) and acceleration (m/s2)", 3: "time (s), horizontal and vertical acceleration (m/s2)"}
 

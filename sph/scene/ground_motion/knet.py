@@ -12,8 +12,10 @@ from pathlib import Path
 
 import numpy as np
 
+from sph.scene.extras import of_extra
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION, check_head, number, read_lines
-from sph.scene.ground_motion.units import SIZES, Unit, size_of
+from sph.scene.ground_motion.units import Unit, size_of
+from sph.scene.units import SIZES
 
 HEAD, RATE, DURATION, FACTOR = 17, 10, 11, 13
 """Lines of the head; indices of its lines with sampling rate, duration and scale factor."""
@@ -29,8 +31,7 @@ def read_knet(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, .
             raise ValueError(f"{path}, line {index + 1}: must be numbers (found {lines[index][:80]!r})")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of ObsPy's entry points, and of what is refused below
-        import obspy
-
+        obspy = of_extra("obspy", "records")
         try:
             [trace] = obspy.read(io.BytesIO("\n".join(lines).encode("ascii", "replace")), format="KNET")
         except Exception as error:  # its own, and IndexError, ValueError or AttributeError of a damaged head

@@ -23,6 +23,7 @@ from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline,
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION
 from sph.scene.ground_motion.units import Unit
+from sph.scene.units import Acceleration
 
 UNEVEN = 0.1
 """Largest distance of a sample from an even spacing, over the interval: times are written with few digits.  Also the largest difference
@@ -76,7 +77,7 @@ class Record(Section):
     unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs; null: they say it, or are CSV in m/s2", default=None)
     vertical: Vertical | None = key("vertical component; null: none", default=None)
     start: float = key("time at which the record, as processed, begins", "s", ge=0, le=1e4)
-    amplitude: float | None = key(
+    amplitude: Acceleration | None = key(
         "peak horizontal acceleration to which the record, as processed, is scaled; null: as recorded", "m/s2", ge=0, le=1e4, default=None
     )
     peak_velocity: float | None = key(

@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 
 from sph.scene.ground_motion.text import check_head, number, read_lines, samples
-from sph.scene.ground_motion.units import SIZES, Unit, size_of
+from sph.scene.ground_motion.units import Unit, size_of
+from sph.scene.units import SIZES
 
 KINDS = ("1 UNCORRECTED ACCELEROGRAM", "2 CORRECTED ACCELEROGRAM")
 TEXTS, INTEGERS, REALS = 11, 6, 10

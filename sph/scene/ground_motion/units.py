@@ -6,12 +6,9 @@ import re
 from pathlib import Path
 from typing import Literal
 
-from sph.scene.gravity import GRAVITY
-from sph.scene.units import LENGTH, Units, named, unit_of
+from sph.scene.units import LENGTH, SIZES, Units, named, unit_of
 
 Unit = Literal["m/s2", "cm/s2", "gal", "g"]
-SIZES: dict[str, float] = {"m/s2": 1.0, "cm/s2": 0.01, "gal": 0.01, "g": GRAVITY}
-"""One of each, m/s2."""
 SPELLINGS = {"m/s2": ("ms2", "mss", "mps2"), "cm/s2": ("cms2", "cmss", "cmps2"), "gal": ("gal", "gals"), "g": ("g", "gs")}
 ACCELERATIONS = Units(
     {spelling: SIZES[unit] for unit, spellings in SPELLINGS.items() for spelling in spellings},

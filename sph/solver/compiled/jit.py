@@ -14,14 +14,14 @@ files with their digests, and under the lock, before anything is loaded, what is
 from __future__ import annotations
 
 import ast
-import fcntl
 import gc
 import hashlib
 import json
 import os
 import tempfile
+import time as clock
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, update_wrapper
 from pathlib import Path
 from typing import Any
@@ -29,6 +29,7 @@ from typing import Any
 import llvmlite.binding
 import numba
 import numpy as np
+from filelock import FileLock
 from numba.core import event
 from numba.core.registry import CPUDispatcher
 
@@ -154,26 +155,50 @@ def entry(function: Callable[..., Any]) -> Any:
 
 
 @contextmanager
-def before_compiling(function: Any, tell: Callable[[], None]) -> Iterator[None]:
-    """Call ``tell`` before the first variant of an entry that is compiled because the cache does not hold it."""
-    with event.install_listener("numba:compile", _Once(function, tell)):
+def before_compiling(function: Any, variant: str, tell: Callable[[float | None], None]) -> Iterator[None]:
+    """Call ``tell`` before a variant of an entry is compiled because the cache does not hold it.
+
+    It is given the time (s) that this took last on this machine, None if it is not known, and the time it takes now is kept.
+    """
+    with event.install_listener("numba:compile", _Once(function, variant, tell)):
         yield
 
 
 class _Once(event.Listener):
-    """Calls back at the first event of a function."""
+    """Calls back at the first event of a function, and keeps how long that takes."""
 
-    def __init__(self, function: Any, tell: Callable[[], None]) -> None:
-        self.function, self.tell = function, tell
-        self.told = False
+    def __init__(self, function: Any, variant: str, tell: Callable[[float | None], None]) -> None:
+        self.function, self.variant, self.tell = function, variant, tell
+        self.started, self.kept = 0.0, False
 
     def on_start(self, event: Any) -> None:
-        if event.data["dispatcher"] is self.function and not self.told:
-            self.told = True
-            self.tell()
+        if event.data["dispatcher"] is self.function and not self.started:
+            self.started = clock.monotonic()
+            self.tell(_compile_times().get(self.variant))
 
     def on_end(self, event: Any) -> None:
-        """Nothing."""
+        if event.data["dispatcher"] is self.function and not self.kept:
+            self.kept = True
+            text = json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)})
+            with suppress(OSError):  # a folder that cannot be written is refused where code is to be kept in it
+                _replace(cache_folder().parent / TIMES, text)
+
+
+TIMES = "compiling.json"
+"""How long variants took to compile on this machine, s; in the folder of all cache folders, so that new sources do not lose it."""
+
+
+def _compile_times() -> dict[str, float]:
+    try:
+        return dict(json.loads((cache_folder().parent / TIMES).read_bytes()))
+    except (OSError, ValueError, TypeError):
+        return {}
+
+
+def _replace(path: Path, text: str) -> None:
+    temporary = path.with_name(f".{path.name}")
+    temporary.write_text(text, encoding="utf-8")
+    os.replace(temporary, path)
 
 
 @jit
@@ -203,8 +228,7 @@ def _cache() -> Iterator[None]:
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        with open(folder / "lock", "w") as handle:
-            fcntl.flock(handle, fcntl.LOCK_EX)
+        with FileLock(folder / "lock"):
             mend(folder)
             _keep_in(folder)
             with _no_collection():
@@ -258,9 +282,7 @@ def seal(folder: Path) -> None:
     text = json.dumps(_digests(folder))
     listed = folder / LISTED
     if not listed.exists() or listed.read_text(encoding="utf-8") != text:
-        temporary = folder / f".{LISTED}"
-        temporary.write_text(text, encoding="utf-8")
-        os.replace(temporary, listed)
+        _replace(listed, text)
 
 
 def _digests(folder: Path) -> dict[str, str]:

@@ -25,8 +25,8 @@ def simulate(
     def say(line: str) -> None:
         print(line, file=log)
 
-    with reporter(path_to_trajectory, log) as report:
-        built = planned.build()
+    built = planned.build()
+    with reporter(path_to_trajectory, built, log) as report:
         for diagnostic in of_motion(built):
             say(f"warning: {diagnostic.sentence()}")
         result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)

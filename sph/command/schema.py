@@ -1,0 +1,51 @@
+"""JSON Schema of the files that a user writes, by which editors complete keys and mark mistakes (``sph schema``, ``config/schemas``)."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel
+
+from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.sensitivity.design import Sensitivity
+from sph.experiments.trigger.design import Trigger
+from sph.paper.study import AnyStudy
+from sph.scene.schema import Scene
+from sph.validation.suite import Validation
+
+MODELS: dict[str, type[BaseModel]] = {
+    "scene": Scene,
+    "study": AnyStudy,
+    **{name: each.keys for name, each in EXPERIMENTS.items()},
+    "sensitivity": Sensitivity,
+    "trigger": Trigger,
+    "validation": Validation,
+}
+"""What the files hold, by the name of the schema; that of an experiment is the name of its file."""
+
+
+def json_schema(name: str) -> dict[str, Any]:
+    """The schema of a file; that of a study asks for no key, since a study may be laid over another."""
+    schema = {"$schema": "https://json-schema.org/draft/2020-12/schema"} | MODELS[name].model_json_schema()
+    if name == "study":
+        del schema["required"]
+    return schema
+
+
+def schema_text(name: str) -> str:
+    """The schema as JSON."""
+    return json.dumps(json_schema(name)) + "\n"
+
+
+def schema_file(name: str) -> Path:
+    """Where the repository keeps it for editors, seen from its folder."""
+    return Path("config", "schemas", f"{name}.json")
+
+
+def schema_of(path: Path) -> str:
+    """Name of the schema of one of the repository's files."""
+    if "scenes" in path.parts:
+        return "scene"
+    return path.stem if path.stem in MODELS else "study"

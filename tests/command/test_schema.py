@@ -1,0 +1,61 @@
+"""The schemas for editors: in step with the keys, what the shipped files fit, and what they would mark."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from jsonschema import Draft202012Validator
+from small_scenes import SLOPE
+from typer.testing import CliRunner
+
+from sph.command.cli import REFUSED, app
+from sph.command.schema import MODELS, json_schema, schema_file, schema_of, schema_text
+
+ROOT = Path(__file__).resolve().parents[2]
+SHIPPED = sorted((ROOT / "config").rglob("*.yaml"))
+
+
+def fits(name: str, data: Any) -> bool:
+    schema = json_schema(name)
+    Draft202012Validator.check_schema(schema)
+    return bool(Draft202012Validator(schema).is_valid(data))
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_the_files_for_editors_are_in_step(name: str) -> None:
+    assert (ROOT / schema_file(name)).read_text(encoding="utf-8") == schema_text(name), "python -m sph.command.reference"
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: str(path.relative_to(ROOT / "config")))
+def test_every_shipped_file_names_its_schema_and_fits_it(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    first, name = text.splitlines()[0], schema_of(path.relative_to(ROOT))
+    assert first == f"# yaml-language-server: $schema={os.path.relpath(ROOT / schema_file(name), path.parent)}"
+    assert fits(name, yaml.safe_load(text))
+
+
+@pytest.mark.parametrize(
+    ("name", "good", "bad"),
+    [
+        ("scene", SLOPE | {"motion": {"kind": "ricker", "amplitude": "0.4g", "frequency": 1, "peak": 5}}, SLOPE | {"geometri": {}}),
+        ("scene", SLOPE | {"geometry": {"shape": "ground_line", "file": "a.csv", "base": 1}}, SLOPE | {"geometry": {"shape": "hill"}}),
+        ("scene", SLOPE | {"soil": {"cohesion": 3}}, SLOPE | {"soil": {"cohesion": -3}}),
+        ("study", {"fidelity": "draft"}, {"fidelty": "draft"}),
+        ("study", {"grid": {"S_R": [0.1, "0.20"]}}, {"grid": {"S_R": 0.1}}),
+        ("study", {"cases": "cases.csv"}, {"cases": 3}),
+        ("study", {"sample": {"size": 4, "ranges": {"amplitude": ["0.1g", 6.0]}}}, {"sample": {"size": 4, "ranges": {"amplitude": 3}}}),
+    ],
+)
+def test_mistakes_are_marked_and_what_is_read_is_not(name: str, good: dict[str, Any], bad: dict[str, Any]) -> None:
+    assert fits(name, good) and not fits(name, bad)
+
+
+def test_the_command_prints_a_schema() -> None:
+    assert json.loads(CliRunner().invoke(app, ["schema", "study"]).stdout) == json_schema("study")
+    refused = CliRunner().invoke(app, ["schema", "scen"])
+    assert refused.exit_code == REFUSED and "did you mean scene?" in refused.stderr
