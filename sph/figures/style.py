@@ -69,6 +69,11 @@ def curve_colours(count: int) -> list[Any]:
     return [colour_map()(0.78 * span(i)) for i in range(count)]
 
 
+def class_colours() -> list[Any]:
+    """A colour a class, from harmless (light) to collapse (dark)."""
+    return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
+
+
 def note_text(scene: Scene) -> str:
     """Scene, resolution, walls and duration in one line."""
     numerics = scene.numerics

@@ -17,7 +17,7 @@ from matplotlib.patches import Patch
 from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, colour_map, curve_colours, label_panels, plain, styled, write_note
 from sph.measures.metrics import CLASSES, UNDETERMINED
 
 MARKERS = "osD^v<>p"
@@ -39,11 +39,6 @@ MAPPED = {
     "failed": Mapped("failed_fraction", "failed part of the soil"),
 }
 """The quantities that are mapped, by name."""
-
-
-def class_colours() -> list[Any]:
-    """A colour a class, from harmless (light) to collapse (dark)."""
-    return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
 
 
 @styled

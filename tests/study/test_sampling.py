@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import make_scene
-from sph.study.dimensions import Dimension, check_names, dimension, in_order, scene_keys, title_of, value_of
+from sph.study.dimensions import Dimension, check_names, dimension, in_order, readable, scene_keys, title_of, value_of
 from sph.study.sampling import Sample, chosen_runs, read_cases
 
 RANGES = {"soil.cohesion": {"bounds": [5.0, 50.0], "scale": "log"}, "S_R": [0.1, 0.5]}
@@ -110,3 +110,21 @@ def test_a_study_of_another_scene_must_say_which_runs_it_has() -> None:
         ValueError, match=r"scene: own\.yaml: a study of another scene must say which runs it has, by one of grid, cases, sample"
     ):
         chosen_runs({"study": "s", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"scene": "own.yaml"})
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("S_R", "S_R"),
+        ("gamma", "γ"),
+        ("soil.youngs_modulus", "Young's modulus"),
+        ("layers.soft_clay.soil.cohesion", "cohesion of soft clay"),
+        ("layers.clay.S_R", "S_R of clay"),
+        ("layers.clay.region.top", "top of clay"),
+        ("motion.frequency", "frequency of the motion"),
+        ("coupling.initiation.slip", "slip of the initiation"),
+        ("numerics.kernel", "kernel"),
+    ],
+)
+def test_names_of_keys_are_read_without_dots(name: str, words: str) -> None:
+    assert readable(name) == words
