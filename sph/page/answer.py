@@ -52,7 +52,7 @@ def answer(
     yields = table["yield_acceleration"].dropna().unique()
     yield_words = ("not searched", "sph yield-acceleration, for each slope of the study")
     if len(yields) == 1:
-        yield_words = in_both(yields[0]).replace("m/s2", "m/s²"), ""
+        yield_words = in_both(yields[0]).replace("m/s2", "m/s²"), "pseudo-static, at the spacing of the runs"
     facts = [
         ("Without shaking", "stands" if not unshaken else f"does not stand in {unshaken} of {runs} runs", ""),
         ("Factor of safety", *safety(found(SAFETY), len(yields) == 1, safety_target)),
@@ -66,7 +66,9 @@ def safety(files: Sequence[str], one_slope: bool, target: str) -> tuple[str, str
     """The factor of safety of the study's slope, or how to have it."""
     for file in files:
         facts = trajectory.read(file).attrs
-        return ("not found", str(facts["reason"])) if facts["reason"] else (f"{float(facts['value']):.2f}", "")
+        if facts["reason"]:
+            return "not found", str(facts["reason"])
+        return f"{float(facts['value']):.2f}", "static, by reduced strength, at the spacing of the runs"
     return "not searched", f"snakemake --cores 2 {target}" if one_slope else "sph fos, for each slope of the study"
 
 
@@ -82,11 +84,11 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], files: Sequence[
         return "one shaking only"
     shaking = table[AMPLITUDE].astype(float)
     gone = shaking[table["collapse_class"].isin(CLASSES[1:])].min()
-    below = shaking[shaking < gone].max() if gone == gone else shaking.max()
-    of = ", for the weakest slope" if len(dimensions) > 1 else ""
-    if gone != gone:
-        return f"above {below:g} m/s²: no run leaves the class {STABLE}"
-    return f"between {below:g} and {gone:g} m/s²{of}" if below == below else f"below {gone:g} m/s², the smallest studied{of}"
+    below = shaking[shaking < shaking[table["collapse_class"] != STABLE].min()].max()  # a run that diverged is not known to stand
+    of = " in the weakest case" if len(dimensions) > 1 else ""
+    if math.isnan(gone):
+        return f"not up to {shaking.max():g} m/s²: no run leaves the class {STABLE}"
+    return f"below {gone:g} m/s²{of}, the smallest studied" if math.isnan(below) else f"between {below:g} and {gone:g} m/s²{of}"
 
 
 def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
@@ -107,7 +109,7 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
 
 
 def _span(low: float, high: float, words: Callable[[float], str]) -> str:
-    return " to ".join(dict.fromkeys("without end" if value == math.inf else words(value) for value in (low, high)))
+    return " to ".join(dict.fromkeys((words(low), words(high))))
 
 
 def _warnings(table: pd.DataFrame, scene: Scene, files: Sequence[str]) -> list[str]:

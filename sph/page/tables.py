@@ -76,7 +76,9 @@ def short(cell: str) -> str:
 
 
 def metres(value: float) -> str:
-    """A length in m, to three digits or a millimetre."""
+    """A length in m, to three digits or a millimetre; that of a block which never stops has no end."""
+    if value == math.inf:
+        return "without end"
     digits = 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
     return NOTHING if math.isnan(value) else f"{value:.{digits}f}"
 
@@ -105,6 +107,7 @@ def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
         Column("status", _status),
         Column(f"displacement of {probe} (m)", lambda row: metres(row["displacement_magnitude"]), True),
         Column("run-out (m)", lambda row: metres(row["runout"]), True),
+        Column("Newmark block (m)", lambda row: metres(row["newmark_displacement"]), True),
         Column("expected error of displacement", lambda row: _share(row["expected_displacement_error"]), True),
         Column("expected error of run-out", lambda row: _share(row["expected_runout_error"]), True),
         Column("computing time (s)", lambda row: f"{row['wall_time']:.3g}"),
