@@ -88,7 +88,7 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension], files: Sequence[
     of = " in the weakest case" if len(dimensions) > 1 else ""
     if math.isnan(gone):
         return f"not up to {shaking.max():g} m/s²: no run leaves the class {STABLE}"
-    return f"below {gone:g} m/s²{of}, the smallest studied" if math.isnan(below) else f"between {below:g} and {gone:g} m/s²{of}"
+    return f"at most {gone:g} m/s²{of}" if math.isnan(below) else f"between {below:g} and {gone:g} m/s²{of}"
 
 
 def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
