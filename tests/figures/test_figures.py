@@ -34,6 +34,7 @@ from sph.figures import (
 from sph.figures.arrangement import layer_colours
 from sph.figures.profile import field_norm
 from sph.figures.scene import figure_scene
+from sph.figures.style import LINE_STYLES, curve_colours
 from sph.measures.fields import FIELDS, displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.solver.particles import SOIL, place_particles
@@ -375,3 +376,11 @@ def test_a_slope_that_falls_to_the_right_is_drawn_so() -> None:
     circle, bar = circles(figure)[1], figure.axes[-1]
     assert axes(figure).xaxis_inverted() and bar.get_ylabel() == "initial elevation (m)"
     assert circle.norm.vmin == 430.0 and circle.get_array().max() == pytest.approx(464.5)
+
+
+def test_curves_survive_print() -> None:
+    """In grey, too: every one stands out from the paper, and each is paler than the one before."""
+    colours = np.array([colour[:3] for colour in curve_colours(len(LINE_STYLES))])
+    linear = np.where(colours <= 0.03928, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)  # WCAG 2.1, relative luminance
+    luminance = linear @ (0.2126, 0.7152, 0.0722)
+    assert (1.05 / (luminance + 0.05) >= 3.0).all() and (np.diff(luminance) > 0.01).all()
