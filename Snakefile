@@ -58,11 +58,7 @@ ANALYSIS = sources(
 )
 DRAWING = ANALYSIS + sources("figures/*.py")
 PAPER = sources("paper/*.py")
-PAGE = (
-    DRAWING
-    + PAPER
-    + sources("page/*.*", "command/reference.py", "validation/measured/*.csv")
-)
+PAGE = DRAWING + PAPER + sources("page/*.*", "jobs/diagnostics.py")
 
 
 report: "workflow/report/workflow.rst"

@@ -136,7 +136,7 @@ class _Enough(Exception):
 
 
 def coarse(scene: Scene) -> Scene:
-    """A scene with the longest stable step, coarsened until it takes ``CALIBRATION`` or has ``FEWEST`` particles."""
+    """A scene with the longest time step that the scheme allows, coarsened until it takes ``CALIBRATION`` or has ``FEWEST`` particles."""
     numerics = {"time_step": scene.outputs.series_interval, "adaptive_step": {"courant": 0.8}}
     quick = make_scene(merge(scene.model_dump(), {"numerics": numerics}))
     expected = cost(quick)

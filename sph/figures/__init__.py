@@ -6,7 +6,7 @@
 * ``overview``: one trajectory at a chosen time (``sph plot``)
 * ``film``: one trajectory through time (``sph animate``)
 * ``scene``: a scene before it is run (``sph check``)
-* ``study``: a study of any dimensions: results against each
+* ``study``: a study of any dimensions: curves and a map
 * ``trade``, ``resolution``: the cost-accuracy studies: error against cost, results against spacing
 * ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
 * ``style``: sizes, fonts, colours, the note on every figure, saving
@@ -26,7 +26,7 @@ from matplotlib.figure import Figure
 from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
 from sph.figures.overview import plot_trajectory
 from sph.figures.profile import figure_profiles
-from sph.figures.study import figure_study
+from sph.figures.study import figure_map, figure_study
 from sph.figures.style import save
 from sph.study.plan import INPUT_FIGURES, PROFILES
 
@@ -37,6 +37,7 @@ __all__ = [
     "experiment_figures",
     "figure_arrangement",
     "figure_geometry",
+    "figure_map",
     "figure_motion",
     "figure_profiles",
     "figure_study",
@@ -49,7 +50,7 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
     PROFILES: figure_profiles,
 }
 """Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
-STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study}
+STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
 
 

@@ -2,28 +2,40 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
-from matplotlib.patches import Arc, Polygon, Rectangle
+from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
 from sph.figures.history import shade_shaking
-from sph.figures.profile import mark_probes, stack_of_profiles, surface_line, survey_axes
-from sph.figures.style import GREY, WIDTH, add_note, styled
+from sph.figures.profile import mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
+from sph.figures.style import GREY, WIDTH, add_note, colour_map, plain, styled
 from sph.scene.geometry import SLOPES, Slope
-from sph.scene.ground_line import GroundLine
+from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
+from sph.scene.places import Shape
 from sph.scene.schema import Scene
 from sph.storage.trajectory import scene_of
 
 SOIL_COLOUR = "#d9c9a8"
+LEGEND_LINE = 0.17
+"""Inches of a line of the legend of layers."""
+NAMED = 0.12
+"""Least part of the duration of a stage whose name has room."""
+HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
 
 
 @styled
 def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
-    """Geometry of the slope, its material and the box that holds it; A is the particle at the crest edge whose motion is followed.
+    """Section of the slope with its layers and their properties, and the box that holds it; A is the particle at the crest edge whose
+    motion is followed.  What the study varies has the values of its first run.
 
     ``trajectory`` of any run of the scene.  Raises ValueError for a shape without a slope.
     """
@@ -31,52 +43,99 @@ def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     geometry = scene.geometry
     if not isinstance(geometry, SLOPES):
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
-    reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, -0.22 * geometry.height
-    figure = Figure(
-        figsize=(WIDTH, WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.25 if isinstance(geometry, Slope) else 0.9)),
-        layout="constrained",
-    )
+    dimensioned = isinstance(geometry, Slope)
+    reach, top, bottom = 0.09 * geometry.width, 1.1 * geometry.height, (-0.22 if dimensioned else -0.11) * geometry.height
+    height = WIDTH * (top - bottom) / (geometry.width + 2 * reach) + (0.4 if dimensioned else 0.75) + LEGEND_LINE * len(scene.soils)
+    figure = Figure(figsize=(WIDTH, height), layout="constrained")
     ax = figure.subplots()
     draw_box(ax, scene)
-    draw_ground(ax, scene, facecolor=SOIL_COLOUR)
-    mark_probes(ax, trajectory, 0)
-    ax.set_aspect("equal")
+    draw_layers(ax, scene)
+    draw_ground(ax, scene)
+    survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
+    mark_places(ax, scene, probe_places(trajectory, 0), height=not dimensioned)
     if isinstance(geometry, Slope):
-        place = 0.03 * geometry.width, 1.0 * geometry.height
-        ax.text(*place, "\n".join(_material(scene)), va="top", linespacing=1.5)
         _draw_dimensions(ax, geometry)
-        ax.set(xlim=(-reach, geometry.width + reach), ylim=(bottom, top))
         ax.axis("off")
-    else:
-        mark_slope(ax, geometry)
-        ax.set_title("\n".join(" · ".join(lines) for lines in (_material(scene)[:2], _material(scene)[2:])), loc="left", linespacing=1.5)
-        ax.set(xlim=(-reach, geometry.width + reach), ylim=(0.5 * bottom, top), xlabel="horizontal position (m)")
-        survey_axes(ax, scene)
+    layer_legend(figure, scene)
     add_note(figure, [scene], fidelity)
     return figure
 
 
-def draw_ground(ax: Axes, scene: Scene, facecolor: str = "none") -> None:
+def layer_colours(scene: Scene) -> list[Any]:
+    """A colour for the scene's own soil and every layer, from dark to light among the layers."""
+    others = len(scene.layers)
+    return [to_rgba(SOIL_COLOUR), *(colour_map()(0.15 + 0.5 * n / max(others - 1, 1)) for n in range(others))]
+
+
+def layer_legend(figure: Figure, scene: Scene, shown: Iterable[int] | None = None) -> None:
+    """Colour, name and properties of the scene's own soil and its layers, or of those ``shown``, a line each, above a figure."""
+    names, colours, properties = ("soil", *scene.layers), layer_colours(scene), _material(scene)
+    handles = [
+        Patch(facecolor=colours[n], edgecolor="0.3", linewidth=0.4, label=f"{plain(names[n]).replace('_', ' ')}: {properties[n]}")
+        for n in (range(len(names)) if shown is None else shown)
+    ]
+    figure.legend(handles=handles, loc="outside upper left", fontsize=7.5, borderaxespad=0.0)
+
+
+def draw_layers(ax: Axes, scene: Scene) -> None:
+    """The soil below the ground line, layer over layer as the scene gives them."""
+    x, y = surface_line(scene)
+    ground = Polygon([*zip(x, y, strict=True), (scene.geometry.width, 0.0), (0.0, 0.0)], visible=False)
+    ax.add_patch(ground)
+    regions = [np.array([(0.0, 0.0), (0.0, 2.0 * y.max()), (x[-1], 2.0 * y.max()), (x[-1], 0.0)])]
+    regions += [_outline(layer.region, scene.geometry, x, y) for layer in scene.layers.values()]
+    for outline, colour in zip(regions, layer_colours(scene), strict=True):
+        ax.add_patch(Polygon(outline, facecolor=colour, edgecolor="0.3", linewidth=0.5, clip_path=ground))
+
+
+def _outline(region: DepthRegion | ElevationRegion | PolygonRegion, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Corners (n, 2) of a layer in the box, m, below a ground of these corners."""
+    if isinstance(region, PolygonRegion):
+        return np.column_stack(geometry.in_box(*region.outline.T))
+    if isinstance(region, ElevationRegion):
+        ends = [
+            geometry.in_box(0.0, end)[1] if end is not None else beyond for end, beyond in ((region.top, y.max()), (region.bottom, 0.0))
+        ]
+        upper, lower = (np.full_like(y, end) for end in ends)
+    else:
+        upper, lower = y - region.top, np.zeros_like(y) if region.bottom is None else y - region.bottom
+    return np.concatenate([np.column_stack([x, upper]), np.column_stack([x, lower])[::-1]])
+
+
+def draw_ground(ax: Axes, scene: Scene) -> None:
     """Outline of the soil down to the base."""
     x, y = surface_line(scene)
     outline = [*zip(x, y, strict=True), (scene.geometry.width, 0.0), (0.0, 0.0)]
-    ax.add_patch(Polygon(outline, facecolor=facecolor, edgecolor="black", linewidth=1.0))
+    ax.add_patch(Polygon(outline, facecolor="none", edgecolor="black", linewidth=1.0))
 
 
-def mark_slope(ax: Axes, geometry: Slope | GroundLine) -> None:
-    """Toe and crest edge, and the height between them."""
-    (toe_x, toe_y), (crest_x, crest_y) = geometry.toe, geometry.crest
-    ax.plot([toe_x, crest_x], [toe_y, crest_y], linestyle="none", marker="^", markersize=5, color="black", zorder=4)
-    halo = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
-    ax.annotate("toe", (toe_x, toe_y), xytext=(0, -7), textcoords="offset points", ha="center", va="top", bbox=halo)
-    ax.annotate("crest", (crest_x, crest_y), xytext=(7, 5), textcoords="offset points", ha="left", va="bottom")
-    x = toe_x - 0.04 * geometry.width
-    ax.plot([x, crest_x], [crest_y, crest_y], color=GREY, linewidth=0.4)
-    ax.plot([x, toe_x], [toe_y, toe_y], color=GREY, linewidth=0.4)
-    _dimension(ax, (x, toe_y), (x, crest_y), "")
-    middle = (x, 0.5 * (toe_y + crest_y))
-    text = f"H = {geometry.slope_height:.3g} m"
-    ax.annotate(text, middle, xytext=(-5, 0), textcoords="offset points", ha="right", va="center")
+def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True) -> None:
+    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them."""
+    geometry, near = scene.geometry, 2.0 * scene.numerics.spacing
+    edges = {"toe": geometry.toe, "crest": geometry.crest} if isinstance(geometry, SLOPES) else {}
+    for name, place in probes.items():
+        at = [edge for edge, corner in edges.items() if math.dist(place, corner) < near]
+        mark_place(ax, f"{name} ({at[0]})" if at else name, *place, above=True)
+        edges = {edge: corner for edge, corner in edges.items() if edge not in at}
+    for edge, corner in edges.items():
+        ax.plot(*corner, linestyle="none", marker="^", markersize=5, color="black", zorder=4)
+        ax.annotate(edge, corner, xytext=(0, 7), textcoords="offset points", ha="center", va="bottom", bbox=HALO)
+    if height and isinstance(geometry, SLOPES):
+        (toe_x, toe_y), (crest_x, crest_y) = geometry.toe, geometry.crest
+        x = toe_x - 0.04 * geometry.width
+        for end, level in ((crest_x, crest_y), (toe_x, toe_y)):
+            ax.plot([x, end], [level, level], color=GREY, linewidth=0.4)
+        _dimension(ax, (x, toe_y), (x, crest_y), "")
+        text = f"H = {geometry.slope_height:.3g} m"
+        side = geometry.direction
+        ax.annotate(
+            text,
+            (x, 0.35 * toe_y + 0.65 * crest_y),
+            xytext=(-5 * side, 0),
+            textcoords="offset points",
+            ha="right" if side > 0 else "left",
+            va="center",
+        )
 
 
 def draw_box(ax: Axes, scene: Scene) -> None:
@@ -92,7 +151,7 @@ def draw_box(ax: Axes, scene: Scene) -> None:
     ground = scene.geometry.surface[1] if sides.absorbs else (height, height)
     for left, top in ((-thick, ground[0]), (width, ground[-1])):
         ax.add_patch(Rectangle((left, 0.0), thick, top, **style))
-    for x, side in ((-1.6 * thick, "right"), (width + 1.6 * thick, "left")):
+    for x, side in zip((-1.6 * thick, width + 1.6 * thick), ("right", "left")[:: scene.geometry.direction], strict=True):
         ax.text(x, 0.5 * height, sides.label, rotation=90, ha=side, va="center", color=GREY)
 
 
@@ -124,13 +183,13 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
 
 
 def _material(scene: Scene) -> list[str]:
-    """Tables 1 and 2 in four lines."""
-    soil = scene.soil
+    """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
+    couplings = [(None, None), *((layer.S_R, layer.gamma) for layer in scene.layers.values())]
     return [
-        f"ρ = {soil.density:g} kg/m³",
-        f"E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}",
-        f"solid: c = {soil.cohesion:g} kPa, φ = {soil.friction_angle:g}°",
-        f"fluid: $S_R$ c, $S_R$ φ, η = {soil.viscosity:g} Pa·s",
+        f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {soil.cohesion:g} kPa, "
+        f"φ = {soil.friction_angle:g}°; failed: $S_R$ = {scene.coupling.S_R if ratio is None else ratio:g}, "
+        f"γ = {scene.coupling.gamma if rate is None else rate:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
+        for soil, (ratio, rate) in zip(scene.soils, couplings, strict=True)
     ]
 
 
@@ -150,8 +209,15 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     peak = abs(reference_amplitude(scene.motion)) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     _name_stages(ax, scene)
+    ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(trajectory['ground_acceleration'].values).max()):.3g} m/s²", loc="left")
     add_note(figure, [scene], fidelity)
     return figure
+
+
+def motion_name(scene: Scene) -> str:
+    """The scene's motion in words: its kind, of a record the file."""
+    file = getattr(scene.motion, "file", None)
+    return plain(f"record {Path(file).name}" if file else scene.motion.kind.replace("_", " "))
 
 
 def _name_stages(ax: Axes, scene: Scene) -> None:
@@ -159,6 +225,8 @@ def _name_stages(ax: Axes, scene: Scene) -> None:
     if not isinstance(scene.motion, NoMotion) and scene.motion.end < scene.duration:
         stages.append(("no shaking", scene.motion.end, scene.duration))
     for name, start, end in stages:
+        if end - start < NAMED * scene.duration:
+            continue
         middle = 0.5 * (start + end)
         ax.annotate(
             name, (middle, 1.0), xycoords=("data", "axes fraction"), xytext=(0, -3), textcoords="offset points", ha="center", va="top"
@@ -167,7 +235,7 @@ def _name_stages(ax: Axes, scene: Scene) -> None:
 
 @styled
 def figure_arrangement(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
-    """Initial arrangement of the particles, coloured by height; the particles of the box are white.  A is the particle at the
+    """Initial arrangement of the particles, coloured by elevation; the particles of the box are white.  A is the particle at the
     crest edge.
 
     ``trajectory`` of any run of the scene; its first frame is drawn.

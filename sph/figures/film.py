@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from sph.figures.history import shade_shaking
-from sph.figures.profile import OUTSIDE, draw_profile, field_norm, frame_limits, mark_probes
+from sph.figures.profile import OUTSIDE, draw_profile, field_norm, frame_limits, mark_probes, survey_axes
 from sph.figures.style import STYLE, WIDTH, add_note, colour_map, plain
 from sph.measures.fields import FIELDS, check_field
 from sph.storage.files import whole
@@ -98,7 +98,7 @@ def draw_film(trajectory: xr.Dataset, frames: Sequence[int], field: str, motion:
         time = float(trajectory["time"].values[frame])
         coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} 1/s"
         profile.set_title(f"{plain(scene.title or scene.name)}, {coupling}\nt = {time:5.2f} s", loc="left")
-        profile.set(xlim=(left, right), ylim=(lower, upper), xlabel="horizontal position (m)")
+        survey_axes(profile, scene, (left, right, lower, upper))
         if now is not None:
             now.set_xdata([time, time])
 

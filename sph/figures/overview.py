@@ -39,7 +39,6 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
     status = trajectory.attrs["status"]
     coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} 1/s"
     axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling}, {status}", loc="left")
-    axes[0].set_xlabel("horizontal position (m)")
     _draw_probes(axes[1], trajectory)
     _draw_energies(axes[2], trajectory)
     for ax in axes[1:]:
@@ -66,10 +65,11 @@ def _draw_probes(ax: Axes, trajectory: xr.Dataset) -> None:
     colours = curve_colours(2 * len(names))
     for number, name in enumerate(names):
         history = probe_history(trajectory, name)
-        for offset, axis in enumerate(("vertical", "horizontal")):
+        horizontal = scene_of(trajectory).geometry.direction * history.horizontal  # along the axis of the profile
+        for offset, (axis, values) in enumerate({"vertical": history.vertical, "horizontal": horizontal}.items()):
             at = 2 * number + offset
             style = LINE_STYLES[at % len(LINE_STYLES)]
-            ax.plot(history.time, getattr(history, axis), color=colours[at], linestyle=style, label=f"{name}, {axis}")
+            ax.plot(history.time, values, color=colours[at], linestyle=style, label=f"{name}, {axis}")
     ax.margins(y=0.15)
     ax.set_ylabel("displacement (m)")
 

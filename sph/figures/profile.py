@@ -73,10 +73,7 @@ def draw_profile(ax: Axes, trajectory: xr.Dataset, frame: int, field: str, norm:
     surface_x, surface_y = surface_line(scene)
     end_of_soil = trajectory["x0"].values[soil].max() + 0.5 * spacing  # whole columns of particles may leave a part of the width empty
     ax.plot(np.minimum(surface_x, end_of_soil), surface_y, color="black", linewidth=0.7)
-    ax.set_aspect("equal")
-    left, right, lower, upper = frame_limits(trajectory, frame)
-    ax.set(xlim=(left, right), ylim=(lower, upper))
-    survey_axes(ax, scene)
+    survey_axes(ax, scene, frame_limits(trajectory, frame))
     return circles
 
 
@@ -97,11 +94,13 @@ class SurveyTicks(AutoLocator):
         return f"{round(self.start + self.direction * value, 6) + 0.0:.12g}".replace("-", "\N{MINUS SIGN}")
 
 
-def survey_axes(ax: Axes, scene: Scene) -> None:
-    """Show a survey's own coordinates along both axes; those of a slope that falls to the right decrease to the right."""
-    geometry = scene.geometry
+def survey_axes(ax: Axes, scene: Scene, limits: Sequence[float]) -> None:
+    """Axes of a section to scale with ``limits`` (left, right, lower, upper) in the box, m, in the survey's own coordinates and seen
+    as it is surveyed: a slope that falls to the right does so."""
+    geometry, (left, right, lower, upper) = scene.geometry, limits
+    ax.set_aspect("equal")
+    ax.set(xlim=(left, right)[:: geometry.direction], ylim=(lower, upper), xlabel="horizontal position (m)", ylabel="height (m)")
     if not isinstance(geometry, GroundLine):
-        ax.set_ylabel("height (m)")
         return
     for axis, ticks in ((ax.xaxis, SurveyTicks(geometry.origin[0], geometry.direction)), (ax.yaxis, SurveyTicks(geometry.origin[1], 1))):
         axis.set_major_locator(ticks)
@@ -109,18 +108,27 @@ def survey_axes(ax: Axes, scene: Scene) -> None:
     ax.set_ylabel("elevation (m)")
 
 
+def probe_places(trajectory: xr.Dataset, frame: int) -> dict[str, tuple[float, float]]:
+    """Place of every probe in a frame, m, by name."""
+    particles = trajectory["probe_particle"].values
+    places = zip(*(trajectory[axis].values[frame, particles].tolist() for axis in ("x", "y")), strict=True)
+    return dict(zip(map(str, trajectory["probe"].values), places, strict=True))
+
+
 def mark_probes(ax: Axes, trajectory: xr.Dataset, frame: int) -> None:
     """A ring and the name at every probe."""
-    for name, particle in zip(trajectory["probe"].values, trajectory["probe_particle"].values, strict=True):
-        x, y = (float(trajectory[axis].values[frame, particle]) for axis in ("x", "y"))
-        mark_place(ax, str(name), x, y)
+    for name, place in probe_places(trajectory, frame).items():
+        mark_place(ax, name, *place)
 
 
-def mark_place(ax: Axes, name: str, x: float, y: float) -> None:
-    """A ring and a name."""
+def mark_place(ax: Axes, name: str, x: float, y: float, above: bool = False) -> None:
+    """A ring and a name, on the side to which the slope falls."""
+    side = 1 if ax.xaxis_inverted() else -1
     ax.plot(x, y, marker="o", markersize=5, markerfacecolor="white", markeredgecolor="black", markeredgewidth=1.0, zorder=4)
     halo = {"boxstyle": "round,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.8}
-    ax.annotate(name, (x, y), xytext=(-5, 5), textcoords="offset points", ha="right", va="bottom", weight="bold", bbox=halo, zorder=5)
+    offset, level = ((5 * side, 5), "bottom") if above else ((7 * side, 0), "center")
+    align = "left" if side > 0 else "right"
+    ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", ha=align, va=level, weight="bold", bbox=halo, zorder=5)
 
 
 def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:
@@ -130,7 +138,8 @@ def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int)
     values = np.concatenate([FIELDS[field].of(ds, frame)[soil] for ds, soil in soils for frame in frames or (-1,)])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
-    low = 0.0 if low > 0 else low
+    zero = min(scene_of(ds).geometry.origin[1] for ds in trajectories.values()) if field == "initial_height" else 0.0
+    low = zero if low > zero else low
     return Normalize(low, high if high > low else low + 1.0)
 
 
@@ -150,9 +159,9 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
     for ax, trajectory in zip(axes, trajectories.values(), strict=True):
         circles = draw_profile(ax, trajectory, frame, field, norm)
         mark_probes(ax, trajectory, frame)
-    for ax in axes:
-        ax.set(xlim=(left, right), ylim=(lower, upper))
-    axes[-1].set_xlabel("horizontal position (m)")
+    for ax, trajectory in zip(axes, trajectories.values(), strict=True):
+        survey_axes(ax, scene_of(trajectory), (left, right, lower, upper))
+        ax.label_outer()
     label_panels(axes, ["\n".join(lines) for lines in titles])
     bar = FIELDS[field]
     figure.colorbar(
@@ -163,7 +172,7 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
 
 @styled
 def figure_profiles(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") -> Figure:
-    """Profiles of the slope at the end of the run, coloured by the initial height of the particles; particles of the box are
+    """Profiles of the slope at the end of the run, coloured by the initial elevation of the particles; particles of the box are
     white, the line is the initial surface, A is the particle at the original crest edge.
 
     ``trajectories`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": ds, ...}``.  Raises ValueError without trajectories.

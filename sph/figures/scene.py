@@ -6,14 +6,12 @@ from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap, to_rgba
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
-from sph.figures.arrangement import SOIL_COLOUR, draw_box, draw_ground, mark_slope
-from sph.figures.profile import draw_circles, mark_place, survey_axes
-from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
-from sph.scene.geometry import SLOPES
+from sph.figures.arrangement import LEGEND_LINE, draw_box, draw_ground, layer_colours, layer_legend, mark_places
+from sph.figures.profile import draw_circles, survey_axes
+from sph.figures.style import WIDTH, add_note, plain, styled
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles
 
@@ -26,28 +24,21 @@ SHOWN_WIDTH = 600
 @styled
 def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) -> Figure:
     """Soil coloured by the layer of each particle, walls, ground, toe and crest; ``probes`` are particles."""
-    layer, names = particles.layer[: particles.n_soil], ("soil", *scene.layers)
+    layer = particles.layer[: particles.n_soil]
     width, height = scene.geometry.width, scene.geometry.height
     thick = scene.walls.layers * scene.numerics.spacing
     reach, below, top = thick + 0.06 * width, thick + 0.03 * height, 1.12 * height
-    figure = Figure(figsize=(WIDTH, max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8) + 1.1), layout="constrained")
+    high = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8) + 1.0 + LEGEND_LINE * len(scene.soils)
+    figure = Figure(figsize=(WIDTH, high), layout="constrained")
     ax = figure.subplots()
     draw_box(ax, scene)
-    present = np.unique(layer)
-    others = len(names) - 1
-    colours = ListedColormap([to_rgba(SOIL_COLOUR), *(colour_map()(0.15 + 0.5 * n / max(others - 1, 1)) for n in range(others))])
-    _draw_soil(ax, scene, particles, layer, colours, BoundaryNorm(np.arange(len(names) + 1) - 0.5, len(names)))
+    colours = layer_colours(scene)
+    _draw_soil(ax, scene, particles, layer, ListedColormap(colours), BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours)))
     draw_ground(ax, scene)
-    if isinstance(scene.geometry, SLOPES):
-        mark_slope(ax, scene.geometry)
-    for name, particle in probes.items():
-        mark_place(ax, name, float(particles.x[particle]), float(particles.y[particle]))
-    ax.set(xlim=(-reach, width + reach), ylim=(-below, top), xlabel="horizontal position (m)")
-    ax.set_aspect("equal")
-    survey_axes(ax, scene)
+    mark_places(ax, scene, {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()})
+    survey_axes(ax, scene, (-reach, width + reach, -below, top))
     ax.set_title(plain(scene.title or scene.name), loc="left")
-    handles = [Patch(facecolor=colours(int(number)), edgecolor="0.3", linewidth=0.4, label=plain(names[number])) for number in present]
-    figure.legend(handles=handles, loc="outside upper right", ncols=4)
+    layer_legend(figure, scene, np.unique(layer))
     add_note(figure, [scene])
     return figure
 

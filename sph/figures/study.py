@@ -1,102 +1,236 @@
-"""A study of any dimensions at a glance: displacement and run-out against each of them."""
+"""All runs of a study, of any dimensions: results as curves against one of them, and as maps of two."""
 
 from __future__ import annotations
 
+import itertools
+import math
 import textwrap
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch, Rectangle
 
-from sph.figures.style import WIDTH, colour_map, plain, styled, write_note
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.study.dimensions import Dimension
+from sph.study.dimensions import Dimension, title_of
 
 SHOWN = {"displacement_magnitude": "displacement of {probe} (m)", "runout": "run-out (m)"}
 """The metrics that are drawn, and their words."""
-MARKERS = "osD^"
+MARKERS = dict(zip(CLASSES, "osDP", strict=True))
 """Classes differ by these as well as by colour."""
 COLUMNS = 3
 """Most panels side by side."""
+MOST_PANELS = 9
+"""Most panels into which a grid is split; of a larger one every run is drawn against each dimension instead."""
+NUMBERED = 15
+"""Most cells of a map side by side that have room for their numbers."""
 LOG_FROM = 50.0
 """A dimension is drawn on a logarithmic axis where its largest value is at least this many times its smallest."""
-LONG_LABEL = 24
-"""Most characters in a line of the name of a dimension."""
+LONG_LABEL = 28
+"""Most characters in a line of the name of a dimension or of a panel."""
 MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
+DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
+
+
+class Panel(NamedTuple):
+    """What is drawn in a panel, and against what."""
+
+    title: str
+    along: Dimension
+    runs: pd.DataFrame
+
+
+class Arrangement(NamedTuple):
+    """How the runs of a study are drawn."""
+
+    panels: list[Panel]
+    other: Dimension | None  # of the curves, or of the other axis of a map
+    grid: bool
+
+
+def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) -> Arrangement:
+    """The panels of a study: of a grid along one dimension, the shaking or else the first of numbers, with the other one of at most
+    ``most`` values, and a panel a value of the rest; of anything else a panel a dimension.  ValueError for an empty table."""
+    if table.empty:
+        raise ValueError("table: no run to draw")
+    names = [found.name for found in dimensions]
+    values = {found: list(dict.fromkeys(table[found.name])) for found in dimensions}
+    varied = [found for found in dimensions if len(values[found]) > 1] or list(dimensions[:1])
+    along = min(varied, key=lambda found: (found.words, found.name != "amplitude"))
+    rest = [found for found in varied if found != along]
+    other = max((found for found in rest if len(values[found]) <= most), key=lambda found: len(values[found]), default=None)
+    split = [found for found in rest if found != other]
+    is_grid = not table.duplicated(names).any() and math.prod(map(len, values.values())) == len(table)
+    if not is_grid or math.prod(len(values[found]) for found in split) > MOST_PANELS:
+        return Arrangement([Panel("", found, table) for found in dimensions], None, False)
+    panels = []
+    for point in itertools.product(*(values[found] for found in split)):
+        at = dict(zip((found.name for found in split), point, strict=True))
+        of_panel = np.logical_and.reduce([table[name] == value for name, value in at.items()], initial=True)
+        panels.append(Panel(title_of(split, at), along, table[np.broadcast_to(of_panel, len(table))]))
+    return Arrangement(panels, other, True)
 
 
 @styled
 def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
-    """Displacement of the probe and run-out of every run against each dimension of the study, by class; crosses at the lower edge
-    diverged.
+    """Displacement of the probe and run-out of every run.  A grid is drawn against the amplitude of shaking, or else its first dimension,
+    with a curve for every value of another and panels for the rest; a list or a sample against each of its dimensions.  Marks tell the
+    class; crosses at the lower edge diverged.
 
-    ``table`` as from ``sph.study.tables.read_table``.  Points above one another differ in the other dimensions.  Metrics that no
-    run has, such as the run-out of a block, are left out.  Raises ValueError for an empty table.
+    ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
+    ValueError for an empty table.
     """
-    if table.empty:
-        raise ValueError("table: no run to draw")
+    found = arranged(table, dimensions, len(LINE_STYLES))
+    written = [] if found.other is None else list(dict.fromkeys(table[found.other.name]))
+    looks = [{"color": colour, "linestyle": line} for colour, line in zip(curve_colours(len(written)), LINE_STYLES, strict=False)]
     metrics = [name for name in SHOWN if table[name].notna().any()] or list(SHOWN)[:1]
-    across = min(len(dimensions), COLUMNS)
-    down = len(metrics) * -(-len(dimensions) // across)
-    figure = Figure(figsize=(WIDTH, 0.6 + 2.1 * down), layout="constrained")
-    axes = figure.subplots(down, across, squeeze=False)
-    for ax in axes.flat[: down * across]:
-        ax.set_visible(False)
-    for place, found in enumerate(dimensions):
-        for row, name in enumerate(metrics):
-            ax = axes[len(metrics) * (place // across) + row, place % across]
-            ax.set_visible(True)
-            _draw(ax, table, found, name)
-            if place % across == 0:
-                ax.set_ylabel(SHOWN[name].format(probe=plain(probe)))
-            else:
-                ax.tick_params(labelleft=False)
-            if row == len(metrics) - 1:
-                ax.set_xlabel(_wrapped(found.label))
-            else:
-                ax.tick_params(labelbottom=False)
-    handles = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
-    if (table["collapse_class"] == UNDETERMINED).any():
-        handles.append(Line2D([], [], label="diverged", **DIVERGED))
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles))
+    figure = Figure(layout="constrained")
+    for panel, metric, ax in _axes(figure, found.panels, metrics, 2.1):
+        at = _places(ax, "x", panel.along, table)
+        runs = panel.runs.assign(x=panel.runs[panel.along.name].map(at), y=panel.runs[metric])
+        curves = (
+            [(runs, {"color": GREY, "linestyle": "-"})]
+            if found.other is None
+            else [(runs[runs[found.other.name] == value], look) for value, look in zip(written, looks, strict=True)]
+        )
+        for rows, look in curves if found.grid and not panel.along.words else ():
+            ax.plot(rows["x"], rows["y"], linewidth=1.0, zorder=1, **look)
+        _draw_runs(ax, runs)
+        ax.set_ylim(0.0, max(1.06 * float(table[metric].max()), 1e-3) if table[metric].notna().any() else 1.0)
+        ax.set_ylabel(SHOWN[metric].format(probe=plain(probe)))
+    if found.other is not None:
+        handles = [Line2D([], [], label=plain(value), **look) for value, look in zip(written, looks, strict=True)]
+        figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), title=_wrapped(found.other.label), handlelength=3.0)
+    classes = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
+    _class_legend(figure, table, classes)
     write_note(figure, note)
     return figure
 
 
+@styled
+def figure_map(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
+    """Class of every run over two dimensions, with panels for the rest; of a list or a sample, over its first two.  The number in a cell
+    is the displacement of the probe, m; crosses diverged.  Nothing is interpolated.
+
+    ``table`` as from ``sph.study.tables.read_table``.  Raises ValueError for an empty table.
+    """
+    found = arranged(table, dimensions, len(table))
+    if not found.grid:
+        found = Arrangement([Panel("", dimensions[0], table)], (*dimensions[1:], None)[0], False)
+    rows = 1 if found.other is None else min(table[found.other.name].nunique(), 8)
+    figure = Figure(layout="constrained")
+    for panel, _, ax in _axes(figure, found.panels, [""], 1.0 + 0.25 * rows if found.grid else 3.0):
+        at = [
+            {"": 0.0} if each is None else _places(ax, axis, each, table, found.grid)
+            for axis, each in (("x", panel.along), ("y", found.other))
+        ]
+        x = panel.runs[panel.along.name].map(at[0])
+        y = pd.Series(0.0, x.index) if found.other is None else panel.runs[found.other.name].map(at[1])
+        if found.grid:
+            _draw_cells(ax, panel.runs.assign(x=x, y=y), len(at[0]) * min(len(found.panels), COLUMNS) <= NUMBERED)
+        else:
+            _draw_runs(ax, panel.runs.assign(x=x, y=y))
+        if found.other is None:
+            ax.set(yticks=[], ylim=(-0.5, 0.5))
+    patches = [
+        Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for name, colour in zip(CLASSES, class_colours(), strict=True)
+    ]
+    _class_legend(figure, table, patches if found.grid else [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES])
+    if found.grid:
+        figure.text(0.005, 0.995, f"numbers: displacement of {plain(probe)} (m)", ha="left", va="top")
+    write_note(figure, note)
+    return figure
+
+
+def _axes(figure: Figure, panels: Sequence[Panel], metrics: Sequence[str], height: float) -> Iterator[tuple[Panel, str, Axes]]:
+    """Axes for every panel and metric, a panel's below one another; labels where the left ones and the lowest do not tell."""
+    across = 2 if len(panels) == 4 else min(len(panels), COLUMNS)
+    down = len(metrics) * -(-len(panels) // across)
+    figure.set_size_inches(WIDTH, 0.9 + height * down)
+    axes = figure.subplots(down, across, squeeze=False)
+    for ax in axes.flat:
+        ax.set_visible(False)
+    for place, panel in enumerate(panels):
+        for row, metric in enumerate(metrics):
+            ax = axes[len(metrics) * (place // across) + row, place % across]
+            ax.set_visible(True)
+            yield panel, metric, ax
+            if row == 0:
+                ax.set_title(_wrapped(panel.title), loc="left")
+            if row < len(metrics) - 1:
+                ax.tick_params(labelbottom=False)
+                ax.set_xlabel("")
+            if place % across:
+                ax.tick_params(labelleft=False)
+                ax.set_ylabel("")
+
+
+def _places(ax: Axes, axis: str, found: Dimension, table: pd.DataFrame, cells: bool = False) -> dict[str, float]:
+    """Places of a dimension's values along an axis, which gets its name: words and ``cells`` stand side by side in their order."""
+    words = list(dict.fromkeys(table[found.name]))
+    ax.set(**{f"{axis}label": _wrapped(found.label)})
+    if cells or found.words:
+        getattr(ax, f"set_{axis}ticks")(
+            range(len(words)), list(map(plain, words)), rotation=20 if axis == "x" and max(map(len, words)) > 8 else 0
+        )
+        getattr(ax, f"set_{axis}lim")(-0.5, len(words) - 0.5)
+        return dict(zip(words, map(float, range(len(words))), strict=True))
+    at = {word: float(word) for word in words}
+    if min(at.values()) > 0 and max(at.values()) >= LOG_FROM * min(at.values()):
+        getattr(ax, f"set_{axis}scale")("log")
+    return at
+
+
+def _draw_runs(ax: Axes, runs: pd.DataFrame) -> None:
+    """Marks at the runs' ``x`` and ``y``, by class."""
+    many = len(runs) > MANY
+    for name in CLASSES:
+        rows = runs[(runs["collapse_class"] == name) & runs["y"].notna()]
+        if len(rows):  # a line without points would upset the layout
+            ax.plot(rows["x"], rows["y"], rasterized=many, clip_on=False, **_look(name, many))
+    diverged = runs[runs["collapse_class"] == UNDETERMINED]
+    if len(diverged):
+        ax.plot(diverged["x"], np.full(len(diverged), 0.02), transform=ax.get_xaxis_transform(), **DIVERGED)
+
+
+def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
+    """A cell a run at ``x`` and ``y``, by class."""
+    colours = dict(zip(CLASSES, class_colours(), strict=True))
+    for run in runs.to_dict("records"):
+        colour = colours.get(run["collapse_class"], "white")
+        ax.add_patch(Rectangle((run["x"] - 0.5, run["y"] - 0.5), 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=0.8))
+        if run["collapse_class"] == UNDETERMINED:
+            ax.plot(run["x"], run["y"], **DIVERGED)
+        elif numbered:
+            dark = float(np.dot(to_rgb(colour), (0.3, 0.59, 0.11))) < 0.5
+            ax.text(
+                run["x"], run["y"], _metres(run["displacement_magnitude"]), ha="center", va="center", color="white" if dark else "black"
+            )
+
+
+def _metres(value: float) -> str:
+    """A length in a cell: three digits, below a decimetre two decimals."""
+    return f"{value:.3g}" if value >= 0.1 else f"{value:.2f}"
+
+
+def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -> None:
+    """The classes, and what marks a diverged run where there is one."""
+    diverged = [Line2D([], [], label="diverged", **DIVERGED)] if (table["collapse_class"] == UNDETERMINED).any() else []
+    figure.legend(handles=[*handles, *diverged], loc="outside upper right", ncols=5)
+
+
 def _wrapped(label: str) -> str:
-    """Name of a dimension for an axis: a long one in lines that end with a part of its path."""
-    text = "$S_R$" if label == "S_R" else plain(label)
-    return "\n".join(line.replace(". ", ".") for line in textwrap.wrap(text.replace(".", ". "), LONG_LABEL))
-
-
-DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
+    """Name of a dimension or a panel, a long one in lines."""
+    return "\n".join(textwrap.wrap(plain(label).replace("S_R", "$S_R$"), LONG_LABEL))
 
 
 def _look(name: str, many: bool) -> dict[str, Any]:
-    number = CLASSES.index(name)
     edge = {"markersize": 2.2, "markeredgewidth": 0.0} if many else {"markersize": 4.2, "markeredgecolor": "black", "markeredgewidth": 0.4}
-    return {"linestyle": "", "marker": MARKERS[number], "color": colour_map("lajolla_r")((0.1, 0.3, 0.55, 0.8)[number]), **edge}
-
-
-def _draw(ax: Axes, table: pd.DataFrame, found: Dimension, metric: str) -> None:
-    """One metric against one dimension; words stand side by side in their order."""
-    words = list(dict.fromkeys(table[found.name]))
-    x = table[found.name].map(words.index) if found.words else table[found.name].astype(float)
-    drawn = table["collapse_class"].where(table[metric].notna())
-    for name in (name for name in CLASSES if (drawn == name).any()):  # a line without points would upset the layout
-        of_class = drawn == name
-        ax.plot(x[of_class], table[metric][of_class], rasterized=len(table) > MANY, clip_on=False, **_look(name, len(table) > MANY))
-    diverged = table["collapse_class"] == UNDETERMINED
-    if diverged.any():
-        ax.plot(x[diverged], np.full(diverged.sum(), 0.02), transform=ax.get_xaxis_transform(), **DIVERGED)
-    ax.set_ylim(0.0, max(1.06 * float(table[metric].max()), 1e-3) if table[metric].notna().any() else 1.0)
-    if found.words:
-        ax.set_xticks(range(len(words)), [plain(word) for word in words], rotation=20 if max(map(len, words)) > 8 else 0)
-        ax.set_xlim(-0.5, len(words) - 0.5)
-    elif x.min() > 0 and x.max() >= LOG_FROM * x.min():
-        ax.set_xscale("log")
+    return {"linestyle": "", "marker": MARKERS[name], "color": class_colours()[CLASSES.index(name)], **edge}

@@ -64,9 +64,14 @@ def colour_map(name: str = "batlow") -> Colormap:
 
 
 def curve_colours(count: int) -> list[Any]:
-    """Distinct colours from dark to light, the palest end of the map left out."""
+    """Distinct colours from dark to light, without those that a printer would leave too pale: a contrast with paper of three at least."""
     span = Normalize(0, max(count - 1, 1))
-    return [colour_map()(0.78 * span(i)) for i in range(count)]
+    return [colour_map()(0.6 * span(i)) for i in range(count)]
+
+
+def class_colours() -> list[Any]:
+    """A colour a class, from harmless (light) to collapse (dark)."""
+    return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
 
 
 def note_text(scene: Scene) -> str:

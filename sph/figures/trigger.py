@@ -18,7 +18,7 @@ from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untype
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
 from sph.experiments.trigger.design import Searched
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, colour_map, curve_colours, label_panels, plain, styled, write_note
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, colour_map, curve_colours, label_panels, plain, styled, write_note
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.study.dimensions import Dimension, is_number
 
@@ -40,11 +40,6 @@ MAPPED = {
     "failed": Mapped("failed_fraction", "failed part of the soil"),
 }
 """The quantities that are mapped, by name."""
-
-
-def class_colours() -> list[Any]:
-    """A colour a class, from harmless (light) to collapse (dark)."""
-    return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
 
 
 def _words(found: Dimension, value: str) -> str:

@@ -89,7 +89,7 @@ def check_probe(probe: str, scene: Scene, where: str) -> None:
 
 
 def _initial_height(trajectory: xr.Dataset, frame: int) -> np.ndarray:
-    return trajectory["y0"].values
+    return trajectory["y0"].values + scene_of(trajectory).geometry.origin[1]
 
 
 def _displacement_magnitude(trajectory: xr.Dataset, frame: int) -> np.ndarray:
@@ -109,7 +109,7 @@ def _mean_pressure(trajectory: xr.Dataset, frame: int) -> np.ndarray:
 
 
 FIELDS: dict[str, Field] = {
-    "initial_height": Field("initial height", "m", _initial_height),
+    "initial_height": Field("initial elevation", "m", _initial_height),
     "displacement": Field("displacement since the gravity stage", "m", _displacement_magnitude),
     "speed": Field("speed relative to the box", "m/s", _speed),
     "beta": Field("weight of the solid state β", "-", _beta),

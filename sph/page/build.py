@@ -5,7 +5,9 @@ from __future__ import annotations
 import base64
 import io
 import math
+import os
 import re
+import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -17,18 +19,17 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
-from sph.command.reference import Strong
-from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.measures.metrics import CLASSES
+from sph.page.answer import answer
 from sph.page.explorer import explorer
-from sph.page.sections import Drawing, Section, of
-from sph.page.tables import Code, Table, chosen_keys, csv_table, reference_table, run_columns, scene_table
+from sph.page.sections import DOCS, Drawing, Section, of
+from sph.page.tables import MOST_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
 from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.storage.trajectory import Status, scene_of
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
-from sph.study.tables import EXPECTED, Layout, read_table
+from sph.study.tables import Layout, read_table
 from sph.study.verdicts import FAILS, HOLDS, MISSES, NOT_COVERED, NOT_YET
 
 LARGEST = 10_000_000
@@ -37,12 +38,8 @@ REST = 1000
 """Characters of it left for what joins the runs to the rest."""
 DATA = "@@data@@"
 """Place of the runs in the page."""
-MOST_VALUES = 12
-"""Most values of a dimension that a cell holds."""
 OVER = {"S_R": "strength ratio S_R", "gamma": "rate of the loss of strength γ", "amplitude": "amplitude of shaking"}
 """The dimensions with short names in a sentence."""
-LEGENDS = {name: words[0].upper() + words[1:] for name, words in OVER.items()}
-EXPECTED_NAMES = [row.name for row in EXPECTED]
 MARKS: dict[str, str] = {
     HOLDS: "good", FAILS: "bad", MISSES: "bad", Status.DIVERGED: "bad", NOT_YET: "open", NOT_COVERED: "open",
 }  # fmt: skip
@@ -139,21 +136,28 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     listed = not study.layout.labels or len(table) < study.size
     keyed = list(table.index) if listed else list(map("|".join, shown))
     scene = scene_of(trajectory.read_run(runs[0]))
-    keys = scene_table(scene, {scene_key(name): _values(whole_table[name]) for name in axes})
+    varied = {scene_key(name): _values(whole_table[name]) for name in axes}
+    keys = scene_table(scene, varied)
+    over = [OVER.get(found.name, found.symbol) for found in study.dimensions]
+
+    def found(pattern: str) -> list[str]:
+        return [file for file, _ in of({pattern: None}, study.files, study.folder)]
+
     page = template().render(
         study=study,
         scene=scene,
         scene_table=keys,
         key_table=chosen_keys(keys),
+        layer_table=layer_table(scene, varied),
+        answer=answer(whole_table, study.dimensions, scene, study.probe, found, f"{study.folder}/stages/factor_of_safety.nc"),
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
-        unshaken=int((whole_table["failed_unshaken"] > 0).sum()),
-        over=[OVER.get(name, name) for name in axes],
-        axes=[] if listed else [(found, LEGENDS.get(found.name, found.symbol), _written(table[found.name])) for found in study.dimensions],
+        over=over,
+        axes=[] if listed else [(each, words, _written(table[each.name])) for each, words in zip(study.dimensions, over, strict=True)],
         listed=list(zip(keyed, titles, strict=True)) if listed else [],
         columns=[column.heading for column in columns],
         run_rows=list(zip(files, rows, (table["diverged"] > 0) | (table["failed_unshaken"] > 0), strict=True)),
-        expected=expected_sentence(scene) if len(whole_table[EXPECTED_NAMES].drop_duplicates()) == 1 else "differs, see all runs",
+        docs=docs_links(study.folder),
         parts=[found_part(section, study) for section in study.sections],
         cost=cost_of(whole_table, study),
         versions=versions_of(runs),
@@ -168,6 +172,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         "axes": ["run"] if listed else axes,
         "folder": study.folder,
         "points": facts,
+        "table": base64.b64encode(zlib.compress(table.to_csv(index=False, na_rep="NaN", lineterminator="\n").encode(), 9)).decode(),
     }
     data |= explorer(runs, study.probe, largest - len(page) - len(as_json(data)) - REST)
     for point, run in zip(facts.values(), data.pop("runs"), strict=False):
@@ -184,7 +189,6 @@ def as_json(data: Any) -> str:
 def found_part(section: Section, study: StudyFiles) -> Part:
     """A section with the tables and figures of the study that belong to it."""
     tables = [csv_table(file, caption, section.variables) for file, caption in of(section.tables, study.files, study.folder)]
-    tables += [table for name, caption in section.measured.items() if (table := reference_table(name, caption)).rows]
     pictures = []
     shown = {f"{study.folder}/figures/{name}.png": runs for name, runs in study.shown.items()}
     for file, drawing in of(section.figures, study.files, study.folder):
@@ -245,6 +249,12 @@ def versions_of(paths: Sequence[str]) -> dict[str, list[str]]:
     return found
 
 
+def docs_links(folder: str) -> dict[str, str]:
+    """Pages of ``DOCS`` as links from the page of a folder, by title; without those that the program's folder lacks."""
+    root = Path(__file__).parents[2]
+    return {title: os.path.relpath(root / file, folder) for title, file in DOCS.items() if (root / file).is_file()}
+
+
 def attributes(path: str) -> dict[str, Any]:
     """Attributes of a trajectory, its arrays left alone; ValueError names a file that is none."""
     try:
@@ -255,10 +265,9 @@ def attributes(path: str) -> dict[str, Any]:
 
 
 def inline(text: str) -> Markup:
-    """Text with ``**strong**`` and ```code``` as in the README, everything else as it is; also a cell that is one of the two as a whole."""
-    for kind, tag in ((Strong, "strong"), (Code, "code")):
-        if isinstance(text, kind):
-            return Markup(f"<{tag}>{{}}</{tag}>").format(str(text))
+    """Text with ``**strong**`` and ```code``` as in the README, everything else as it is; also a cell that is a name as a whole."""
+    if isinstance(text, Code):
+        return Markup("<code>{}</code>").format(str(text))
     safe = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", str(escape(text)))
     return Markup(re.sub(r"`(.+?)`", r"<code>\1</code>", safe))
 

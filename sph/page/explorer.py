@@ -20,6 +20,7 @@ from matplotlib.colors import to_hex
 from sph.figures.profile import frame_limits, surface_line
 from sph.figures.style import colour_map
 from sph.measures.fields import gravity_frame, probe_history
+from sph.scene.ground_line import GroundLine
 from sph.scene.motion import NoMotion
 from sph.scene.strict_json import to_json
 from sph.solver.particles import SOIL
@@ -93,7 +94,8 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
 
 
 def surroundings_of(run: xr.Dataset) -> dict[str, Any]:
-    """What is drawn around the soil, and the grid of its positions (``quantum`` and ``middle``, m): the same for runs of one slope."""
+    """What is drawn around the soil, the grid of its positions (``quantum`` and ``middle``, m) and how these lie in the survey (``origin``,
+    m, and ``direction``): the same for runs of one slope."""
     scene, limits = trajectory.scene_of(run), np.array(frame_limits(run, 0))
     low, high = limits[::2], limits[1::2]
     box = run["kind"].values != SOIL
@@ -103,6 +105,9 @@ def surroundings_of(run: xr.Dataset) -> dict[str, Any]:
         "middle": (0.5 * (low + high)).tolist(),
         "surface": [corners.tolist() for corners in surface_line(scene)],
         "box": [np.round(run[name].values[box], 3).tolist() for name in ("x0", "y0")],
+        "origin": list(scene.geometry.origin),
+        "direction": scene.geometry.direction,
+        "upwards": "elevation (m)" if isinstance(scene.geometry, GroundLine) else "height (m)",
         "shaking": None if isinstance(scene.motion, NoMotion) else [scene.motion.start, scene.motion.end],
     }
 

@@ -131,11 +131,15 @@
 
   function drawProfile(frame) {
     const canvas = byId("profile"), width = canvas.parentElement.clientWidth;
-    const box = { x: 46, y: 8, w: width - 58, h: 0 };
+    const box = { x: 58, y: 8, w: width - 70, h: 0 };
     box.h = (box.w * (study.upper - study.lower)) / (study.right - study.left); // equal aspect
     const ink = pen(canvas, box.h + 108);
-    const [X, Y] = axes(ink, box, [study.left, study.right], [study.lower, study.upper], ["horizontal position (m)", "height (m)"], false);
     const { n, places, scene: own } = chosen.run, bins = study.colours.map(() => []);
+    // The axes are those of the survey; a slope that falls to the right does so.
+    const along = (x) => own.origin[0] + own.direction * x, ends = [along(study.left), along(study.right)].sort((one, other) => one - other);
+    const heights = [study.lower, study.upper].map((y) => y + own.origin[1]);
+    const [atX, atY] = axes(ink, box, ends, heights, ["horizontal position (m)", own.upwards], false);
+    const X = (x) => atX(along(x)), Y = (y) => atY(y + own.origin[1]);
     const radius = (0.5 * own.spacing * box.w) / (study.right - study.left), scale = colouring(frame);
     let lost = 0;
     for (let i = 0; i < n; i += 1) {
@@ -167,9 +171,10 @@
       ink.font = `bold ${FONT}`;
       ink.lineWidth = 3;
       ink.strokeStyle = "#fff";
-      Object.assign(ink, { textAlign: "right", textBaseline: "bottom" });
-      ink.strokeText(study.probe, at[0] - 5, at[1] - 4);
-      write(ink, study.probe, at[0] - 5, at[1] - 4, "right", "bottom");
+      const [side, align] = own.direction < 0 ? [5, "left"] : [-5, "right"]; // where the air is
+      Object.assign(ink, { textAlign: align, textBaseline: "bottom" });
+      ink.strokeText(study.probe, at[0] + side, at[1] - 4);
+      write(ink, study.probe, at[0] + side, at[1] - 4, align, "bottom");
     }
     ink.restore();
     drawBar(ink, { x: box.x, y: box.y + box.h + 52, w: Math.min(box.w, 420), h: 10 }, scale);
@@ -187,7 +192,7 @@
   }
 
   function drawCurve(frame) {
-    const canvas = byId("curve"), { t, u, v, times, scene: own } = chosen.run;
+    const canvas = byId("curve"), { t, v, times, scene: own } = chosen.run, u = chosen.run.u.map((value) => own.direction * value);
     const box = { x: 58, y: 26, w: canvas.parentElement.clientWidth - 70, h: 190 };
     const ink = pen(canvas, box.y + box.h + 44);
     const finite = [0, ...u, ...v].filter(Number.isFinite);
@@ -252,8 +257,49 @@
     if (unshaken) numbers.unshift(["without shaking", `this slope fails${run ? `: ${run.reason}` : ""}`]);
     byId("result").className = diverged || unshaken ? "bad" : "";
     list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
+    byId("link").href = `#run=${nameOf(file)}`;
     list("facts", [["status", named.status], ["file", path], ["repeat it", `sph run ${path} --out again.nc`]], "code");
   }
+
+  // ---------------------------------------------------------------- links and files
+
+  const nameOf = (file) => file.replace(/^runs\/|\.nc$/g, ""); // of a run, as in its file
+
+  // Open the run that the address names, if it names one of the page's.
+  function follow() {
+    const wanted = decodeURIComponent(location.hash).match(/^#run=(.+)$/);
+    const found = wanted && Object.entries(study.points).find(([, point]) => nameOf(point.file) === wanted[1]);
+    if (!found) return;
+    if (study.axes[0] === "run") {
+      if (find) { find.value = ""; narrow(); }
+      form.elements.run.value = found[0];
+    } else found[0].split("|").forEach((value, i) => { form.elements[study.axes[i]].value = value; });
+    choose();
+    byId("explorer").scrollIntoView();
+  }
+
+  function keep(name, href) {
+    Object.assign(document.createElement("a"), { href, download: name.replace(/[/\\:]/g, "-") }).click();
+  }
+
+  const text = (words) => URL.createObjectURL(new Blob([words], { type: "text/csv" }));
+  const csv = (rows) => rows.map((row) => row.map((cell) => (/[",\n]/.test(cell) ? `"${cell.replaceAll('"', '""')}"` : cell)).join(",")).join("\n") + "\n";
+
+  const SAVES = {
+    profile: () => keep(`${nameOf(chosen.point.file)}-profile.png`, byId("profile").toDataURL()),
+    curve: () => keep(`${nameOf(chosen.point.file)}-displacement.png`, byId("curve").toDataURL()),
+    history: () => {
+      const { t, u, v, scene: own } = chosen.run, rows = [["time (s)", "horizontal (m)", "vertical (m)"]];
+      t.forEach((time, i) => rows.push([time, own.direction * u[i], v[i]].map((value) => String(Number(value.toPrecision(7))))));
+      keep(`${nameOf(chosen.point.file)}-displacement.csv`, text(csv(rows)));
+    },
+    picture: (button) => keep(button.dataset.name, button.closest("figure").querySelector("img").src),
+    table: (button) => {
+      const rows = [...button.previousElementSibling.querySelectorAll("tr")];
+      keep(button.dataset.name, text(csv(rows.map((row) => [...row.cells].map((cell) => cell.textContent)))));
+    },
+    study: async (button) => keep(button.dataset.name, text(new TextDecoder().decode(await unpacked(study.table)))),
+  };
 
   async function choose() {
     const point = study.points[study.axes.map((name) => form.elements[name].value).join("|")];
@@ -306,8 +352,18 @@
   slider.addEventListener("input", () => { stop(); draw(); });
   form.addEventListener("submit", (event) => event.preventDefault());
   if (find) find.addEventListener("input", () => { stop(); narrow(); });
-  form.addEventListener("change", () => { stop(); choose(); });
+  form.addEventListener("change", () => {
+    stop();
+    choose();
+    if (chosen) history.replaceState(null, "", `#run=${nameOf(chosen.point.file)}`);
+  });
+  for (const button of document.querySelectorAll("button.save")) {
+    button.hidden = false;
+    button.addEventListener("click", () => SAVES[button.dataset.save](button));
+  }
+  window.addEventListener("hashchange", follow);
   byId("detail").textContent = `This page holds ${study.detail} of every run, positions to ${(1000 * study.quantum).toPrecision(2)} mm; the run's file holds the rest.`;
   new ResizeObserver(() => draw()).observe(byId("profile").parentElement);
   choose();
+  follow();
 })();

@@ -7,14 +7,16 @@ only the paper's study shows is in ``sph.page.paper``.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import chain
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple, TypeVar
 
 from sph.figures import RUN_FIGURES, STUDY_FIGURES
 from sph.figures import caption as caption_of
 from sph.figures.trigger import MAPPED
+from sph.page.answer import CRITICAL, FINDINGS, SAFETY
 from sph.storage.trajectory import Variable
-from sph.study.plan import PROFILES
+from sph.study.plan import INPUT_FIGURES, PROFILES
 
 Held = TypeVar("Held")
 
@@ -36,11 +38,10 @@ class Section(NamedTuple):
     tables: Mapping[str, str] = {}  # caption by pattern of CSV files
     figures: Mapping[str, Drawing] = {}  # by pattern of PNG files
     variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
-    measured: Mapping[str, str] = {}  # caption by name in sph.command.reference.TABLES: what the release holds
     always: bool = False  # made with every study
 
 
-MAP = "Map over strength ratio and amplitude."
+MAP = "Map over the first dimension of the search and the shaking."
 
 
 def drawings(figures: Mapping[str, Callable[..., Any]], names: Mapping[str, str]) -> dict[str, Drawing]:
@@ -53,30 +54,34 @@ def numbered(count: int) -> dict[str, str]:
     return {f"fig{number}": f"Figure {number}" for number in range(1, count + 1)}
 
 
+INPUTS = dict(zip(INPUT_FIGURES, ("Section", "Motion", "Initial particles"), strict=True))
+"""Names of the figures of what goes in."""
 FIGURES = Section(
     "Figures",
     "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
     "snakemake --cores 2",
-    figures=drawings(STUDY_FIGURES | RUN_FIGURES, {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | numbered(3)),
+    figures=drawings(STUDY_FIGURES | RUN_FIGURES, {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | INPUTS),
     always=True,
 )
 TRIGGER = Section(
     "Trigger",
-    "The amplitude of shaking at which the slope begins to fail, bracketed by a run that stands and one that fails.",
+    "The shaking at which the slope begins to fail, bracketed by a run that stands and one that fails.",
     "snakemake --cores 2 trigger",
     tables={
-        "*/trigger/trigger.csv": "Critical amplitudes",
+        "*/trigger/trigger.csv": "Critical intensities of the shaking",
         "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
     },
-    figures={"*/trigger/figures/trigger.png": Drawing("Trigger", "Critical amplitude of shaking against strength ratio.")},
+    figures={
+        "*/trigger/figures/trigger.png": Drawing("Trigger", "Critical intensity of the shaking against the first dimension of the search.")
+    },
 )
 MAPS = Section(
     "Maps",
-    "Displacement and class over strength ratio, rate of the loss of strength and amplitude.",
+    "Displacement and class over the dimensions of the search and the shaking.",
     "snakemake --cores 2 maps",
-    tables={"*/trigger/shares.csv": "Shares of strength ratio and rate that reach each class"},
+    tables={"*/trigger/shares.csv": "Shares of the values searched that reach each class"},
     figures={
-        "*/trigger/figures/shares.png": Drawing("Shares", "Shares of strength ratio and rate that reach each class."),
+        "*/trigger/figures/shares.png": Drawing("Shares", "Shares of the values searched that reach each class."),
         "*/trigger/figures/map-class.png": Drawing("Map of the class", MAP),
         **{f"*/trigger/figures/map-{name}.png": Drawing(f"Map of the {name}", MAP) for name in MAPPED},
     },
@@ -100,47 +105,27 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
             "*/sensitivity/figures/cross_validation.png": Drawing("Cross-validation", "Predicted and computed answers of runs left out."),
         },
     ),
-    Section(
-        "Speed and accuracy",
-        "Displacement and run-out depend on the particle spacing and do not converge with it: read the errors against the finest run as "
-        "the least that a fidelity leaves open. Measured for this release on the paper's slope.",
-        "snakemake --cores 2 trade",
-        measured={"presets": "The fidelities against the finest run", "trade": "Every variant"},
-    ),
-    Section(
-        "Validation",
-        "Problems with known answers, run with the same solver. Tolerances were written before the runs; what is missed stays in the "
-        "table. Measured for this release.",
-        "snakemake --cores 2 validation",
-        measured={"validation": "Every quantity beside its reference"},
-    ),
-    Section(
-        "Robustness",
-        "One key at a time at the ends of its range, in a slope that collapses and in one that moves by metres; fixed time steps around "
-        "the limit that theory gives. Measured for this release.",
-        "snakemake --cores 2 extremes",
-        measured={"extremes": "Every sweep, with the worst of its sound runs", "time_steps": "Time steps"},
-    ),
-    Section(
-        "Limits",
-        "The model is two-dimensional, has no pore pressure, no dilation and no length scale: soil that softens fails in bands as thin "
-        "as the kernel, so displacement and run-out depend on the resolution. The box is rigid and reflects waves; near the threshold its "
-        "fixed walls decide. The table says what one choice changed alone does to the answers (in brackets, against the scene as it is).",
-        "snakemake --cores 2 limits",
-        measured={"limits": "One choice changed at a time"},
-    ),
 )
+DOCS = {
+    "Speed and accuracy": "docs/evidence/cost-accuracy.md",
+    "Validation": "docs/evidence/validation.md",
+    "Robustness": "docs/evidence/robustness.md",
+    "Limits of the model": "docs/model/limits.md",
+}
+"""Pages of the documentation that say what the program is worth, whichever study it runs."""
 SECTIONS = (FIGURES, *OF_EVERY_STUDY)
 """The sections of a study of any dimensions, in their order on the page."""
+FIRST_SCREEN = (FINDINGS, SAFETY, CRITICAL)
+"""Files from which the page begins, where they exist."""
 
 
 def existing(folder: Path | str, sections: Iterable[Section]) -> list[str]:
-    """Files of all sections that exist, for the page of a folder ``results/<study>/<fidelity>``; sorted within each pattern."""
+    """Files of the first screen and of all sections that exist, for the page of a folder ``results/<study>/<fidelity>``; sorted within each
+    pattern."""
     folder = Path(folder)
     return [
         str(path)
-        for section in sections
-        for pattern in (*section.tables, *section.figures)
+        for pattern in dict.fromkeys(chain(FIRST_SCREEN, *((*section.tables, *section.figures) for section in sections)))
         for path in sorted(folder.parent.glob(pattern.format(fidelity=folder.name)))
         if not path.name.startswith(".")
     ]

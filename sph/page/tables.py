@@ -1,4 +1,4 @@
-"""Tables of the page: of the runs, of the scene, from CSV files, and those of the release."""
+"""Tables of the page: of the runs, of the scene and from CSV files."""
 
 from __future__ import annotations
 
@@ -11,20 +11,21 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
-from sph.command.reference import TABLES
 from sph.experiments.cost_accuracy.advice import percent
+from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
+from sph.scene.schema import Scene
+from sph.scene.soil import Soil
 from sph.storage.trajectory import Variable
-from sph.study.dimensions import Dimension
+from sph.study.dimensions import Dimension, readable, shown_unit
 
 MOST_ROWS = 500
 """Most rows that the page shows of a CSV file."""
-KEYS = (
-    "duration", "geometry.", "walls.", "soil.", "coupling.S_R", "coupling.gamma", "motion.",
-    "numerics.spacing", "numerics.smoothing_ratio", "numerics.time_step",
-)  # fmt: skip
-"""Beginnings of the scene keys that the page shows at once."""
-MOST_NUMBERS = 100
-"""Most numbers that the page shows of a list of them: those of a record are counted."""
+KEYS = ("duration", "geometry.", "walls.", "motion.", "damping.", "numerics.spacing", "numerics.smoothing_ratio", "numerics.time_step")
+"""Beginnings of the scene keys that the page shows at once, beside the table of layers."""
+MOST_NUMBERS = 12
+"""Most numbers that the page shows of a list of them: those of a line or a record are counted."""
+MOST_VALUES = 12
+"""Most values of a dimension that the page shows one by one."""
 NOTHING = "–"
 """Stands for NaN."""
 
@@ -46,12 +47,6 @@ class Table(NamedTuple):
     def wordy(self) -> bool:
         """Whether a cell holds a sentence: on a narrow screen every row then becomes a card."""
         return any(len(cell) > 70 for row in self.rows for cell in row)
-
-
-def reference_table(name: str, caption: str) -> Table:
-    """A table of the documentation, by its name there; without rows while nothing is measured."""
-    head, rows, note = TABLES[name]()
-    return Table(caption, head, [(Code(first), *cells) for first, *cells in rows], note)
 
 
 def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()) -> Table:
@@ -81,7 +76,9 @@ def short(cell: str) -> str:
 
 
 def metres(value: float) -> str:
-    """A length in m, to three digits or a millimetre."""
+    """A length in m, to three digits or a millimetre; that of a block which never stops has no end."""
+    if value == math.inf:
+        return "without end"
     digits = 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
     return NOTHING if math.isnan(value) else f"{value:.{digits}f}"
 
@@ -110,6 +107,7 @@ def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
         Column("status", _status),
         Column(f"displacement of {probe} (m)", lambda row: metres(row["displacement_magnitude"]), True),
         Column("run-out (m)", lambda row: metres(row["runout"]), True),
+        Column("Newmark block (m)", lambda row: metres(row["newmark_displacement"]), True),
         Column("expected error of displacement", lambda row: _share(row["expected_displacement_error"]), True),
         Column("expected error of run-out", lambda row: _share(row["expected_runout_error"]), True),
         Column("computing time (s)", lambda row: f"{row['wall_time']:.3g}"),
@@ -120,22 +118,75 @@ def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str
     """Rows (key, value, unit, meaning) of a scene or a part of it."""
     for name, field in type(section).model_fields.items():
         value, extra = getattr(section, name), field.json_schema_extra
-        if isinstance(value, BaseModel):
-            yield from key_rows(value, f"{path}{name}.")
-        else:
-            unit = str(extra.get("unit", "-")) if isinstance(extra, dict) else "-"
-            text = "null" if value is None else f"{value:g}" if isinstance(value, float) else str(value)
-            if isinstance(value, tuple) and len(value) > MOST_NUMBERS:
-                text = f"{len(value):,} numbers"
-            yield f"{path}{name}", text, unit, field.description or ""
+        unit = str(extra.get("unit", "-")) if isinstance(extra, dict) else "-"
+        for key, part in value.items() if isinstance(value, Mapping) else ((None, value),):
+            at = f"{path}{name}" if key is None else f"{path}{name}.{key}"
+            if isinstance(part, BaseModel):
+                yield from key_rows(part, f"{at}.")
+            else:
+                yield at, _value_words(part), unit, field.description or ""
+
+
+def _value_words(value: Any) -> str:
+    if isinstance(value, tuple):
+        return (
+            f"{len(value):,} values"
+            if len(value) > MOST_NUMBERS or any(isinstance(part, tuple) for part in value)
+            else ", ".join(map(_value_words, value))
+        )
+    return "none" if value is None else f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
 def scene_table(section: BaseModel, varied: Mapping[str, str]) -> Table:
     """Every key of a scene; ``varied`` says of keys which values the study gives them."""
     rows = [(Code(key), varied.get(key, value), unit, text) for key, value, unit, text in key_rows(section)]
-    return Table("Every key of the scene", ("key", "value", "unit", "meaning"), rows)
+    return Table("Every key of the scene, as a scene file names it", ("key", "value", "unit", "meaning"), rows)
 
 
 def chosen_keys(table: Table) -> Table:
-    """The rows of the table of a scene that describe the problem: ``KEYS``."""
-    return table._replace(caption="What is simulated", rows=[row for row in table.rows if row[0].startswith(KEYS)])
+    """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read."""
+    rows = [
+        (readable(key), value, shown_unit(unit), text) for key, value, unit, text in table.rows if key.startswith(KEYS) and value != "none"
+    ]
+    return Table("What is simulated", ("what", "value", "unit", "meaning"), rows)
+
+
+def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
+    """The scene's own soil and its layers with their properties, those that the study varies with all their values."""
+    fields = {name: str((field.json_schema_extra or {}).get("unit", "-")) for name, field in Soil.model_fields.items()}  # type: ignore[union-attr]
+    rows = []
+    for name, layer in (("soil", None), *scene.layers.items()):
+        path, soil = ("", scene.soil) if layer is None else (f"layers.{name}.", layer.soil)
+        ratio, rate = (
+            varied.get(f"{path}{key}", "" if own is None else f"{own:g}") or varied.get(f"coupling.{key}", f"{common:g}")
+            for key, own, common in (
+                ("S_R", layer and layer.S_R, scene.coupling.S_R),
+                ("gamma", layer and layer.gamma, scene.coupling.gamma),
+            )
+        )
+        values = (varied.get(f"{path}soil.{key}", f"{getattr(soil, key):.6g}") for key in fields)
+        rows.append(
+            (
+                name.replace("_", " "),
+                "elsewhere" if layer is None else region_words(layer.region),
+                *values,
+                f"{soil.s_wave_speed:.0f}",
+                ratio,
+                rate,
+            )
+        )
+    units = [f"{readable(name)} ({shown_unit(unit)})" if shown_unit(unit) else readable(name) for name, unit in fields.items()]
+    return Table("Layers, the later one counting where two overlap", ("layer", "where", *units, "V_s (m/s)", "S_R", "γ (1/s)"), rows)
+
+
+def region_words(region: DepthRegion | ElevationRegion | PolygonRegion) -> str:
+    """Where a layer lies, in words."""
+    if isinstance(region, PolygonRegion):
+        return f"inside a polygon of {len(region.points)} corners"
+    if isinstance(region, DepthRegion):
+        return f"from {region.top:g} m below the ground to {'the base' if region.bottom is None else f'{region.bottom:g} m'}"
+    low, high = (
+        ("the base" if region.bottom is None else f"{region.bottom:g} m"),
+        ("the ground" if region.top is None else f"{region.top:g} m"),
+    )
+    return f"from elevation {low} to {high}" if region.bottom is not None else f"from the base to elevation {high}"

@@ -27,21 +27,20 @@ def _histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str, fidel
     if len(panels) == 1:
         axes[0].legend(handles=lines, loc="center left", bbox_to_anchor=(1.01, 0.5), handlelength=3.2)
     axes[0].set_ylabel(f"vertical displacement of {probe} (m)")
-    if len(panels) > 1:
-        label_panels(axes, panels)
+    label_panels(axes, panels)
     add_note(figure, [scene_of(ds) for trajectories in panels.values() for ds in trajectories.values()], fidelity)
     return figure
 
 
 @styled
-def figure_strength_histories(trajectories: Mapping[str, xr.Dataset], probe: str = "A", fidelity: str = "") -> Figure:
+def figure_strength_histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str = "A", fidelity: str = "") -> Figure:
     """Vertical displacement of particle A at the original crest edge for several strength ratios, since the end of the gravity
     stage and relative to the box; the band is the interval of shaking.
 
-    ``trajectories`` by curve name, e.g. ``{"S_R = 0.10": ds, ...}`` (Fig. 6).  Raises ValueError without trajectories and for
-    an unknown probe.
+    ``panels`` by title, e.g. ``{"γ = 100 s⁻¹, 6.0 m/s²": {"S_R = 0.10": ds, ...}}`` (Fig. 6).  Raises ValueError for an empty
+    panel and an unknown probe.
     """
-    return _histories({"": trajectories}, probe, fidelity)
+    return _histories(panels, probe, fidelity)
 
 
 @styled

@@ -71,9 +71,10 @@ class PaperStudy(AnyStudy):
             pairs = [(S_R, gamma) for S_R in strengths for gamma in cases.compared_gammas]
         for wanted_S_R, wanted_gamma in pairs:
             S_R, gamma = self._label("S_R", wanted_S_R), self._label("gamma", wanted_gamma)
-            first, second = f"$S_R$ = {S_R}", f"γ = {gamma} s⁻¹"
-            titles = (first, second) if number == 7 else (f"{first}, {second}",)
-            yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": self._label("amplitude", str(self.claims.amplitude))}
+            amplitude = self._label("amplitude", str(self.claims.amplitude))
+            first, second, third = f"$S_R$ = {S_R}", f"γ = {gamma} s⁻¹", f"amplitude {amplitude} m/s²"
+            titles = {6: (f"{second}, {third}", first), 7: (f"{first}, {third}", second)}.get(number, (f"{first}, {second}, {third}",))
+            yield titles, {"S_R": S_R, "gamma": gamma, "amplitude": amplitude}
 
     def _label(self, name: str, value: str) -> str:
         """The grid's own writing of a number; ValueError if the grid lacks it."""

@@ -74,7 +74,7 @@ class Dimension(NamedTuple):
     @property
     def symbol(self) -> str:
         """Name for figures and pages."""
-        return {"gamma": "γ"}.get(self.name, self.name)
+        return readable(self.name)
 
     @property
     def label(self) -> str:
@@ -84,7 +84,7 @@ class Dimension(NamedTuple):
     @property
     def shown_unit(self) -> str:
         """Unit as it is printed; nothing for a number without one."""
-        return "" if self.unit == "-" else re.sub(r"(?<=[a-z])[23]", lambda power: "²³"[int(power[0]) - 2], self.unit)
+        return shown_unit(self.unit)
 
     def variable(self, listed: bool) -> Variable:
         """The coordinate of a study's table: a dimension of its own, or one along the cases of a list."""
@@ -92,6 +92,27 @@ class Dimension(NamedTuple):
         kind, unit = ("str" if self.words else "f8"), "1" if self.unit == "-" else self.unit
         found = known or Variable(self.name, (self.name,), "f8", unit, f"{scene_key(self.name)}: {self.text}")
         return found._replace(dims=(CASE,) if listed else found.dims, dtype=kind)
+
+
+def shown_unit(unit: str) -> str:
+    """A unit as it is printed; nothing for a number without one."""
+    return "" if unit == "-" else re.sub(r"(?<=[a-z])[23]", lambda power: "²³"[int(power[0]) - 2], unit)
+
+
+WORDS = {"S_R": "S_R", "gamma": "γ", "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio"}
+"""Last parts of keys that are not read as they are written."""
+UNNAMED = ("soil", "coupling", "numerics", "geometry", "region")
+"""Sections that the name of a key does without."""
+
+
+def readable(name: str) -> str:
+    """Name of a key of a scene, or of a dimension, as it is read: ``cohesion of clay`` for ``layers.clay.soil.cohesion``."""
+    *sections, last = name.split(".")
+    word = WORDS.get(last, last.replace("_", " "))
+    owners = [section for section in sections if section not in UNNAMED]
+    if not owners:
+        return word
+    return f"{word} of {'' if owners[0] == 'layers' else 'the '}{owners[-1].replace('_', ' ')}"
 
 
 def scene_key(name: str) -> str:

@@ -217,3 +217,14 @@ def test_what_is_not_understood_is_seen(line: str) -> None:
 def test_there_are_commands() -> None:
     programs = Counter(Path(words[0]).name for page in PAGES for words in commands(page))
     assert programs["sph"] > 15 and programs["snakemake"] > 15
+
+
+NUMERICAL = re.compile(
+    r"(stable|stability|unstable)( time)?[ -]steps?\b|\bsteps?\b[^.\n]{0,40}\b(stable|stability|unstable)\b", re.IGNORECASE
+)
+"""Words of numerical analysis that a slope engineer would read as the stability of a slope."""
+
+
+@pytest.mark.parametrize("page", [*PAGES, *sorted((ROOT / "config").rglob("*.yaml"))], ids=name_of)
+def test_stability_is_that_of_a_slope(page: Path) -> None:
+    assert not [found.group() for found in NUMERICAL.finditer(page.read_text(encoding="utf-8"))]

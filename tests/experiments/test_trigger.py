@@ -158,7 +158,7 @@ def test_a_search_over_any_dimensions_ends_in_tables_and_figures(tmp_path: Path)
     for row, limit in zip(table.to_dict("records"), (1.5, 3.0), strict=True):
         assert row["lower"] <= limit < row["upper"] <= row["lower"] + 0.5
     write_csv(table, tmp_path / "table.csv")
-    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv", searched), table)
+    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
     axes = figure_critical(table, searched).axes
     assert len(axes) == 1 and "kPa" in axes[0].get_xlabel() and "m/s²" in axes[0].get_ylabel()
     mapped = searched_points(plan, "maps", found)
@@ -418,7 +418,7 @@ def test_shares_bound_the_truth_and_close_in(tmp_path: Path) -> None:
     write_csv(cells, tmp_path / "cells.csv")
     write_csv(shares, tmp_path / "shares.csv")
     pd.testing.assert_frame_equal(read_csv(tmp_path / "cells.csv", cell_columns(SEARCHED), "cells"), cells, check_dtype=False)
-    pd.testing.assert_frame_equal(read_shares(tmp_path / "shares.csv", SEARCHED), shares)
+    pd.testing.assert_frame_equal(read_shares(tmp_path / "shares.csv"), shares)
 
 
 def test_a_diverged_point_leaves_its_cells_open(tmp_path: Path) -> None:
@@ -440,7 +440,7 @@ def test_figures(tmp_path: Path) -> None:
     assert len(figure_shares(shares, SEARCHED).axes) == 3
     table = papers(*CLEAR, line("collapse", S_R="0.05"), line("stable", S_R="0.9"), line("stable", "collapse", case="slip: sides"))
     write_csv(table, tmp_path / "table.csv")
-    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv", SEARCHED), table)
+    pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
     assert list(table.columns) == names(critical_columns(SEARCHED))
     axes = figure_critical(table, SEARCHED).axes
     assert len(axes) == 2 and {line.get_marker() for line in axes[0].lines} >= {"v", "^"}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 from typing import Any
 
@@ -13,24 +14,31 @@ import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
+from overprint import overprints
 from synthetic import step_ramp, synthetic, translation
 
+from sph.command.check import check
 from sph.figures import (
     RUN_FIGURES,
     STUDY_FIGURES,
     caption,
     figure_arrangement,
     figure_geometry,
+    figure_map,
     figure_motion,
     figure_profiles,
     figure_study,
     plot_trajectory,
     save,
 )
+from sph.figures.arrangement import layer_colours
 from sph.figures.profile import field_norm
+from sph.figures.scene import figure_scene
+from sph.figures.style import LINE_STYLES, curve_colours
 from sph.measures.fields import FIELDS, displacement
-from sph.measures.metrics import UNDETERMINED
-from sph.solver.particles import SOIL
+from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.solver.particles import SOIL, place_particles
+from sph.storage.trajectory import scene_of
 from sph.study.dimensions import Dimension
 
 BLOCK = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
@@ -90,7 +98,7 @@ def test_profiles_share_the_scale_and_are_lettered(slid: xr.Dataset, standing: x
     assert (norms[0].vmin, norms[0].vmax) == (norms[1].vmin, norms[1].vmax) == (0.0, 34.5)
     assert axes(figure).get_xlim() == axes(figure, 1).get_xlim() and axes(figure).get_ylim() == axes(figure, 1).get_ylim()
     shown = texts(figure)
-    assert "(a) first" in shown and "(b) second" in shown and "initial height (m)" in shown
+    assert "(a) first" in shown and "(b) second" in shown and "initial elevation (m)" in shown
     assert "fidelity draft · scene paper · spacing 1 m · kernel support 4.6 m · fixed side walls · 15 s" in shown
 
 
@@ -109,7 +117,7 @@ def test_arrangement_shows_the_first_frame(slid: xr.Dataset) -> None:
 
 def test_geometry_carries_dimensions_material_and_walls(slid: xr.Dataset) -> None:
     shown = texts(figure_geometry(slid))
-    for text in ("55.0 m", "14.4 m", "34.0 m", "H = 25 m", "10 m", "60°", "1964", "c = 150 kPa, φ = 20°", "fixed side wall", "A"):
+    for text in ("55.0 m", "14.4 m", "34.0 m", "H = 25 m", "10 m", "60°", "1964", "c = 150 kPa, φ = 20°", "fixed side wall", "A (crest)"):
         assert text in shown
     slip = synthetic(overrides={"walls": {"sides": "free_slip", "layers": 4}})
     assert "free-slip side wall" in texts(figure_geometry(slip))
@@ -233,24 +241,146 @@ def test_a_surveyed_slope_keeps_its_coordinates(turned: bool) -> None:
             ticks = {float(label.get_text()): place for label, place in zip(axis.get_ticklabels(), axis.get_ticklocs(), strict=True)}
             assert len(ticks) >= 3
             assert all(place == pytest.approx(direction * (value - origin)) for value, place in ticks.items())
-    assert {"toe", "crest", "H = 25 m"} <= set(texts(figure_geometry(run)).split("\n"))
+    assert {"toe", "A (crest)", "H = 25 m"} <= set(texts(figure_geometry(run)).split("\n"))
 
 
-def test_a_study_of_any_dimensions_at_a_glance(tmp_path: Path) -> None:
-    """Every run lies in every panel of a metric that it has; words stand side by side, wide ranges on a logarithmic axis."""
-    cohesion, kernel = Dimension("soil.cohesion", "kPa", "", False), Dimension("numerics.kernel", "-", "", True)
+COHESION = Dimension("layers.soft_clay.soil.cohesion", "kPa", "", False)
+KERNEL = Dimension("numerics.kernel", "-", "", True)
+AMPLITUDE = Dimension("amplitude", "m/s2", "", False)
+VALUES = {COHESION: ("3", "10", "30"), AMPLITUDE: ("1.0", "2.0", "4.0", "6.0"), KERNEL: ("wendland_c2", "cubic_spline")}
+
+
+def grid_of(*dimensions: Dimension) -> pd.DataFrame:
+    """Runs over a grid; the first diverged, and the displacement counts the others."""
+    rows = list(itertools.product(*(VALUES[found] for found in dimensions)))
+    table = pd.DataFrame(rows, columns=[found.name for found in dimensions])
+    moved = np.where(np.arange(len(rows)) == 0, np.nan, np.arange(len(rows)) / 10)
+    classes = [UNDETERMINED, *(CLASSES[number % 4] for number in range(1, len(rows)))]
+    return table.assign(collapse_class=classes, displacement_magnitude=moved, runout=0.5 * moved)
+
+
+def test_a_grid_is_drawn_as_curves_with_names_that_are_read() -> None:
+    """Against the shaking, a curve a value of the other dimension, whatever stands first; no dotted key."""
+    table = grid_of(COHESION, AMPLITUDE)
+    figure = figure_study(table, [COHESION, AMPLITUDE], note="study x")
+    displacement, runout = figure.axes
+    assert (displacement.get_ylabel(), runout.get_ylabel()) == ("displacement of A (m)", "run-out (m)")
+    assert runout.get_xlabel() == "amplitude (m/s²)"
+    curves = [line for line in displacement.lines if line.get_linestyle() != "None"]
+    assert [curve.get_xdata().tolist() for curve in curves] == [[1.0, 2.0, 4.0, 6.0]] * 3
+    np.testing.assert_array_equal(np.concatenate([curve.get_ydata() for curve in curves]), table["displacement_magnitude"])
+    legend = figure.legends[0]
+    assert legend.get_title().get_text() == "cohesion of soft clay (kPa)"
+    assert [text.get_text() for text in legend.get_texts()] == ["3", "10", "30"]
+    assert [text.get_text() for text in figure.legends[1].get_texts()] == [*CLASSES, "diverged"]
+    assert not {"^", "v"} & {line.get_marker() for line in displacement.lines} and "layers." not in texts(figure)
+
+
+def test_a_map_holds_every_run_in_a_cell_of_its_own() -> None:
+    table = grid_of(AMPLITUDE, COHESION, KERNEL)
+    figure = figure_map(table, [AMPLITUDE, COHESION, KERNEL], note="study x")
+    cells = [cell for ax in figure.axes for cell in ax.patches]
+    assert len(cells) == len(table) == len({(cell.axes, cell.get_xy()) for cell in cells})
+    numbers = [text.get_text() for ax in figure.axes for text in ax.texts]
+    assert sorted(numbers) == sorted(f"{value:.3g}" for value in table["displacement_magnitude"].dropna())
+    assert sum(line.get_marker() == "x" for ax in figure.axes for line in ax.lines) == 1
+    assert [ax.get_title(loc="left") for ax in figure.axes] == ["kernel wendland_c2", "kernel cubic_spline"]
+    assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("amplitude (m/s²)", "cohesion of soft clay (kPa)")
+
+
+@pytest.mark.parametrize("draw", [figure_study, figure_map])
+@pytest.mark.parametrize("dimensions", [(AMPLITUDE,), (KERNEL,), (COHESION, AMPLITUDE), (COHESION, AMPLITUDE, KERNEL)])
+def test_figures_of_all_runs_take_any_dimensions(tmp_path: Path, draw: Any, dimensions: tuple[Dimension, ...]) -> None:
+    table = grid_of(*dimensions)
+    for rows in (table, table.iloc[[0, 1, -1]].reset_index(drop=True), table.iloc[:1]):  # a grid, a list of cases, one run
+        figure = draw(rows, dimensions, note="fidelity draft · study x")
+        assert not overprints(figure)
+        save(figure, tmp_path / "figure.png")
+    with pytest.raises(ValueError, match="no run to draw"):
+        draw(table.iloc[:0], dimensions)
+
+
+def test_a_list_is_drawn_against_each_dimension() -> None:
+    """Words stand side by side, wide ranges on a logarithmic axis; a metric that no run has is left out."""
+    cohesion = Dimension("soil.cohesion", "kPa", "", False)
     rows = [(1.0, "b", "stable", 0.05, 0.0), (10.0, "a", "collapse", 9.0, 8.0), (100.0, "b", UNDETERMINED, np.nan, np.nan)]
     columns = ["soil.cohesion", "numerics.kernel", "collapse_class", "displacement_magnitude", "runout"]
     table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str})
-    figure = figure_study(table, [cohesion, kernel], note="study x")
+    figure = figure_study(table, [cohesion, KERNEL])
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear", "log", "linear"]
-    assert [ax.get_ylabel() for ax in figure.axes] == ["displacement of A (m)", "", "run-out (m)", ""]
     assert [label.get_text() for label in figure.axes[3].get_xticklabels()] == ["b", "a"]
-    assert figure.axes[2].get_xlabel() == "soil.cohesion (kPa)"
+    assert figure.axes[2].get_xlabel() == "cohesion (kPa)"
     assert [text.get_text() for text in figure.legends[0].get_texts()] == ["stable", "collapse", "diverged"]
     for ax, values in zip(figure.axes, ([0.05, 9.0], [0.05, 9.0], [0.0, 8.0], [0.0, 8.0]), strict=True):
         assert [float(line.get_ydata()[0]) for line in ax.lines[:-1]] == values and len(ax.lines) == 3
-    save(figure, tmp_path / "study.png")
     assert len(figure_study(table.assign(runout=np.nan), [cohesion]).axes) == 1, "no run has a run-out"
-    with pytest.raises(ValueError, match="no run to draw"):
-        figure_study(table.iloc[:0], [cohesion])
+
+
+LINE = [[120, 440], [175, 440], [190, 465], [224, 465]]
+LAYERED = {
+    "geometry": {"shape": "ground_line", "points": LINE, "base": 430},
+    "layers": {
+        "fill": {"region": {"kind": "depth", "bottom": 4.0}, "soil": {"cohesion": 7.0}},
+        "soft_clay": {"region": {"kind": "elevation", "bottom": 434.0, "top": 437.0}, "soil": {"cohesion": 18.0}, "S_R": 0.4},
+        "lens": {"region": {"kind": "polygon", "points": [[195, 445], [210, 445], [210, 450]]}, "soil": {"friction_angle": 31.0}},
+    },
+}
+
+
+def turned_round(scene: dict[str, Any]) -> dict[str, Any]:
+    """The same slope, falling to the right."""
+    ground = scene["geometry"] | {"points": [[300 - x, y] for x, y in LINE], "downhill": "right"}
+    lens = scene["layers"]["lens"] | {"region": {"kind": "polygon", "points": [[105, 445], [90, 445], [90, 450]]}}
+    return scene | {"geometry": ground, "layers": scene["layers"] | {"lens": lens}}
+
+
+@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED)], ids=["left", "right"])
+def test_the_section_shows_every_layer_where_its_particles_are(scene: dict[str, Any]) -> None:
+    run = synthetic(overrides=scene)
+    figure = figure_geometry(run)
+    built = scene_of(run)
+    particles, colours = place_particles(built), layer_colours(built)
+    soil = particles.kind == SOIL
+    places = np.column_stack([particles.x[soil] + 1e-3, particles.y[soil] + 1e-6])  # on a boundary: right of it, or above
+    painted = np.zeros(len(places), int)
+    for patch in axes(figure).patches:
+        if patch.get_visible() and patch.get_facecolor() in colours:
+            painted[patch.get_path().contains_points(places)] = colours.index(patch.get_facecolor())
+    assert (painted == particles.layer[soil]).mean() > 0.98, "all but particles that straddle a boundary"
+    legend = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert [line.partition(":")[0] for line in legend] == ["soil", "fill", "soft clay", "lens"]
+    assert "c = 7 kPa" in legend[1] and "c = 18 kPa" in legend[2] and "$S_R$ = 0.4" in legend[2] and "φ = 31°" in legend[3]
+
+
+@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
+def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
+    run = synthetic(translation(-3.0), overrides=scene)
+    checked = check(scene_of(run))
+    figures = {
+        "geometry": figure_geometry(run, "draft"),
+        "motion": figure_motion(run, "draft"),
+        "arrangement": figure_arrangement(run, "draft"),
+        "profiles": figure_profiles({"amplitude 4.0 m/s², cohesion of soft clay 30 kPa": run, "two": run}, "draft"),
+        "run": plot_trajectory(run),
+        "scene": figure_scene(checked.scene, checked.particles, checked.probes),
+    }
+    assert {name: found for name, figure in figures.items() if (found := overprints(figure))} == {}
+    for name, figure in figures.items():
+        sections = [ax for ax in figure.axes if ax.get_ylabel() in ("elevation (m)", "height (m)")]
+        assert sections or name == "motion"
+        assert all(ax.get_aspect() == 1.0 for ax in sections), name
+
+
+def test_a_slope_that_falls_to_the_right_is_drawn_so() -> None:
+    figure = figure_profiles({"": synthetic(translation(-3.0), overrides=turned_round(LAYERED))})
+    circle, bar = circles(figure)[1], figure.axes[-1]
+    assert axes(figure).xaxis_inverted() and bar.get_ylabel() == "initial elevation (m)"
+    assert circle.norm.vmin == 430.0 and circle.get_array().max() == pytest.approx(464.5)
+
+
+def test_curves_survive_print() -> None:
+    """In grey, too: every one stands out from the paper, and each is paler than the one before."""
+    colours = np.array([colour[:3] for colour in curve_colours(len(LINE_STYLES))])
+    linear = np.where(colours <= 0.03928, colours / 12.92, ((colours + 0.055) / 1.055) ** 2.4)  # WCAG 2.1, relative luminance
+    luminance = linear @ (0.2126, 0.7152, 0.0722)
+    assert (1.05 / (luminance + 0.05) >= 3.0).all() and (np.diff(luminance) > 0.01).all()

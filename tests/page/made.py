@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -36,15 +38,19 @@ def uneven(slip: float) -> Displacement:
     return field
 
 
-def run_of(S_R: str, amplitude: str) -> xr.Dataset:
+RIGHT = {"shape": "ground_line", "points": [[180, 440], [125, 440], [110, 465], [76, 465]], "base": 430, "downhill": "right"}
+"""A surveyed line of a slope that falls to the right."""
+
+
+def run_of(S_R: str, amplitude: str, geometry: Mapping[str, Any] | None = None) -> xr.Dataset:
     """A run of 400 particles; that of S_R 0.50 and 6.0 m/s2 is stopped after 9 s with a particle lost."""
-    scene = {
+    scene: dict[str, Any] = {
         "title": TITLE,
         "numerics": {"spacing": 2.5},
         "coupling": {"S_R": float(S_R)},
         "motion": {"kind": "tapered_sine", "amplitude": float(amplitude)},
     }
-    run = synthetic(uneven(SLIPS[S_R, amplitude]), overrides=scene)
+    run = synthetic(uneven(SLIPS[S_R, amplitude]), overrides=scene | ({} if geometry is None else {"geometry": geometry}))
     run.attrs["particle_steps"] = 6_000_000
     if (S_R, amplitude) == ("0.50", "6.0"):
         run = run.isel(frame=slice(0, 19), sample=slice(0, 181))
@@ -53,12 +59,12 @@ def run_of(S_R: str, amplitude: str) -> xr.Dataset:
     return run
 
 
-def made_study() -> StudyFiles:
-    """Write the study below the working folder."""
+def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
+    """Write the study, of the paper's slope or another one, below the working folder."""
     points = [{"S_R": S_R, "gamma": "100", "amplitude": amplitude} for S_R, amplitude in SLIPS]
     runs, rows = [], []
     for point in points:
-        run = run_of(point["S_R"], point["amplitude"])
+        run = run_of(point["S_R"], point["amplitude"], geometry)
         runs.append(f"{FOLDER}/runs/" + "_".join(f"{name}-{value}" for name, value in point.items()) + ".nc")
         trajectory.write(runs[-1], run)
         measured = {name: value for name, value in measure(run).items() if name in METRIC_BY_NAME}

@@ -11,8 +11,10 @@ from contextlib import chdir
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
-from made import FOLDER, listed_study, made_study
+from made import FOLDER, RIGHT, listed_study, made_study
+from PIL import Image
 
 from sph.page.build import StudyFiles, write_page
 from sph.page.tables import metres
@@ -230,3 +232,86 @@ def test_a_run_of_a_list_is_found_by_its_words(tmp_path: Path, size: tuple[int, 
             assert not [entry for entry in browser.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
         finally:
             browser.driver.quit()
+
+
+@pytest.mark.parametrize(("size", "within"), [(DESK, 900), (PHONE, 1100)], ids=["desk", "phone"])
+def test_the_answer_is_on_the_first_screen(browser: Browser, size: tuple[int, int], within: int) -> None:
+    """On a desk without scrolling; on a phone its facts, the table of levels after half a screen more."""
+    browser.open(*size)
+    box = browser.run("const { top, bottom } = document.getElementById('answer').getBoundingClientRect(); return [top, bottom]")
+    assert 0 < box[0] < size[1] / 2 and box[1] <= within
+    order = "return document.getElementById('answer').compareDocumentPosition(document.getElementById('explorer'))"
+    assert browser.run(order) == 4, "the answer stands before the runs"
+
+
+def test_an_address_names_a_run(browser: Browser, study: StudyFiles) -> None:
+    wanted = "S_R-0.50_gamma-100_amplitude-4.0"
+    browser.open(*DESK)
+    browser.run(f"location.hash = '#run={wanted}'")
+    browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0")
+    assert browser.run("return document.querySelector('input[name=S_R]:checked').value") == "0.50"
+    browser.choose("S_R", "0.10")
+    browser.shown("S_R 0.10, γ 100 1/s, amplitude 4.0")
+    assert browser.run("return location.hash") == "#run=S_R-0.10_gamma-100_amplitude-4.0"
+    browser.driver.get("about:blank")
+    browser.driver.get(f"{browser.url}#run={wanted}")
+    browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0")
+    links = browser.run("return [...document.querySelectorAll('#runs td a')].map((link) => link.hash)")
+    assert links == [f"#run={name}" for name in study.runs]
+    browser.run("document.querySelector(`#runs td a[href$='S_R-0.10_gamma-100_amplitude-6.0']`).click()")
+    browser.shown("S_R 0.10, γ 100 1/s, amplitude 6.0")
+    requests = [url.partition("#")[0] for url in browser.requests()]
+    assert set(requests) <= {browser.url, "about:blank"}
+    browser.driver.get(browser.url)
+
+
+def test_tables_and_pictures_can_be_kept(browser: Browser, study: StudyFiles, tmp_path: Path) -> None:
+    """The study's table with all metrics, the displacement of the run shown, a table as it is shown, the profile and a figure."""
+    browser.driver.execute_cdp_cmd("Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)})
+    browser.open(*DESK)
+
+    def kept(kind: str) -> Path:
+        before = set(tmp_path.iterdir())
+        browser.run("document.querySelector(`button[data-save='${arguments[0]}']`).click()", kind)
+
+        def done(_: Any) -> list[Path]:
+            return [path for path in tmp_path.iterdir() if path not in before and path.suffix in (".csv", ".png")]
+
+        return wait.WebDriverWait(browser.driver, 30, 0.1).until(done, kind)[0]  # type: ignore[no-any-return]
+
+    table = kept("study")
+    assert table.name == "study.csv" and table.read_text(encoding="utf-8") == Path(study.table).read_text(encoding="utf-8")
+    history = pd.read_csv(kept("history"))
+    assert list(history.columns) == ["time (s)", "horizontal (m)", "vertical (m)"] and history["time (s)"].iloc[-1] == 15.0
+    row = told(study, "0.10", "6.0")
+    assert history["horizontal (m)"].iloc[-1] == pytest.approx(row["displacement_horizontal"], rel=1e-5)
+    levels = pd.read_csv(kept("table"))
+    assert list(levels["shaking (m/s²)"]) == [4.0, 6.0]
+    for kind in ("profile", "picture"):
+        with Image.open(kept(kind)) as image:
+            assert image.format == "PNG"
+    browser.requests()  # those of what was kept
+    browser.driver.get(browser.url)
+
+
+def test_a_surveyed_slope_is_drawn_in_its_coordinates(tmp_path: Path) -> None:
+    """Numbers of the survey on both axes, increasing to the right also where the slope falls to the right."""
+    with chdir(tmp_path):
+        write_page(f"{FOLDER}/report.html", made_study(RIGHT))
+        browser = Browser(Path(FOLDER, "report.html"))
+        try:
+            browser.open(*DESK)
+            browser.run(
+                "window.written = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
+                "CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {"
+                " if (this.canvas.id === 'profile') window.written.push([text, x, y]); fill.call(this, text, x, y); };"
+                "document.getElementById('time').dispatchEvent(new Event('input'))"
+            )
+            written = browser.run("return window.written")
+        finally:
+            browser.driver.quit()
+    words = [text for text, _, _ in written]
+    assert "elevation (m)" in words and {"440", "450", "460", "100", "120"} <= set(words)
+    level = next(y for text, _, y in written if text == "100")
+    places = {float(text): x for text, x, y in written if y == level}
+    assert len(places) >= 4 and list(places) == sorted(places) and list(places.values()) == sorted(places.values())

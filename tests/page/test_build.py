@@ -11,20 +11,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import pytest
-from made import FOLDER, TITLE, listed_study
+from made import FOLDER, RIGHT, TITLE, listed_study, made_study
 
-from sph.command.reference import TABLES, markdown
+from sph.experiments.trigger.critical import critical_table
+from sph.experiments.trigger.design import Searched
 from sph.measures.fields import displacement
-from sph.measures.metrics import CLASSES
+from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.page.answer import FINDINGS, SAFETY, going, levels, searched
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
-from sph.page.sections import SECTIONS, existing
-from sph.page.tables import csv_table, metres, reference_table, short
+from sph.page.sections import DOCS, existing
+from sph.page.tables import chosen_keys, csv_table, layer_table, metres, scene_table, short
+from sph.scene.schema import load_scene
 from sph.solver.particles import SOIL
+from sph.stability.record import search_dataset
+from sph.stability.search import Search
 from sph.storage import trajectory
-from sph.study.tables import number_column, read_table
+from sph.study.dimensions import Dimension
+from sph.study.tables import number_column, read_table, write_csv
 
+SCENES = Path(__file__).parents[2] / "config" / "scenes"
 HOSTILE = "</script><img src=x onerror=alert(1)>"
 
 
@@ -103,8 +111,8 @@ def test_nothing_that_a_file_holds_becomes_markup(study: StudyFiles) -> None:
 def test_the_page_asks_for_nothing_outside(study: StudyFiles) -> None:
     words = Words(build_page(study))
     for tag, attrs in words.elements:
-        for name in ("src", "href"):
-            assert (attrs.get(name) or "#").startswith(("#", "data:")), (tag, attrs)
+        for name in ("src", "href"):  # the documentation lies beside the program; a link there is followed by a click only
+            assert (attrs.get(name) or "#").startswith(("#", "data:") if tag != "a" else ("#", "..")), (tag, attrs)
     policy = next(attrs["content"] for _, attrs in words.elements if attrs.get("http-equiv"))
     assert policy is not None and policy.startswith("default-src 'none'")
 
@@ -225,13 +233,94 @@ def test_a_damaged_file_is_named_and_the_earlier_page_stays(study: StudyFiles, n
     assert Path(FOLDER, "report.html").stat().st_size == size
 
 
-@pytest.mark.parametrize("name", [name for section in SECTIONS for name in section.measured])
-def test_tables_of_the_release_are_those_of_the_readme(name: str) -> None:
-    table, lines = reference_table(name, ""), markdown(TABLES[name]()).splitlines()
-    assert len(table.rows) == sum(line.startswith("|") for line in lines) - 2
-    assert all(len(row) == len(table.head) for row in table.rows)
-    assert all(cell in lines[number + 2].replace("\\", "") for number, row in enumerate(table.rows) for cell in row)
-    assert table.note == TABLES[name]().note
+def test_what_the_release_measured_is_a_link(study: StudyFiles) -> None:
+    """The page of a study says nothing of speed, validation and robustness itself, but where it is told."""
+    words = Words(build_page(study))
+    links = [attrs["href"] or "" for tag, attrs in words.elements if tag == "a" and (attrs["href"] or "").startswith("..")]
+    assert len(links) == len(DOCS) and all(Path(FOLDER, link).is_file() for link in links)
+    anchors = {attrs.get("id") for _, attrs in words.elements}
+    assert not anchors & {"validation", "robustness", "speed-and-accuracy", "limits"}
+
+
+def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
+    """Whether it stands, at which shaking it goes and how far, beside Newmark's block; then what limits the trust in it."""
+    table = read_table(study.table)
+    table["yield_acceleration"], table["newmark_displacement"] = 2.0, [0.1, 0.4, 0.1, 0.4]
+    write_csv(table, study.table)
+    first = Words(build_page(study)).text.partition("One run")[0]
+    for words in (
+        "Without shaking stands",
+        "Yield acceleration 2 m/s² (0.204 g)",
+        "Factor of safety not searched snakemake --cores 2 results/made/up/stages/factor_of_safety.nc",
+        "at most 4 m/s²",
+    ):
+        assert words in first
+    for amplitude, runs in table[table["diverged"] == 0].groupby("amplitude"):
+        classes, moved = (
+            " to ".join(dict.fromkeys(words))
+            for words in (sorted(runs["collapse_class"], key=CLASSES.index), map(metres, sorted(runs["displacement_magnitude"])))
+        )
+        assert f"{amplitude} {classes} {moved}" in first
+    assert "0.100" in first and "0.400" in first and "1 of 4 runs diverged" in first and "Expected error" in first
+
+
+def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
+    findings, safety = (Path(FOLDER).parent / pattern.format(fidelity="up") for pattern in (FINDINGS, SAFETY))
+    findings.write_text("what,measured\nthe layer clay is thin,2 particles across\n", encoding="utf-8")
+    run = trajectory.read(next(iter(study.runs.values())))
+    trajectory.write(safety, search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ())))
+    first = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text.partition("One run")[0]
+    assert "the layer clay is thin: 2 particles across" in first and "Factor of safety 1.35" in first
+
+
+def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
+    cohesion, shaking = Dimension("soil.cohesion", "kPa", "", False), Dimension("amplitude", "m/s2", "", False)
+    rows = [("5", "1", "stable"), ("5", "2", "minor"), ("50", "1", "stable"), ("50", "2", "stable")]
+    table = pd.DataFrame(rows, columns=["soil.cohesion", "amplitude", "collapse_class"])
+    assert going(table, [cohesion, shaking]) == "between 1 and 2 m/s² in the weakest case"
+    assert going(table.iloc[2:], [cohesion, shaking]).startswith("not up to 2 m/s²")
+    assert going(table.iloc[1:2], [cohesion, shaking]).startswith("at most 2 m/s²")
+    diverged = table.assign(collapse_class=["stable", "minor", UNDETERMINED, "stable"])
+    assert going(diverged, [cohesion, shaking]).startswith("at most 2 m/s²"), "a run that diverged is not known to stand"
+    assert going(table.drop(columns="amplitude"), [cohesion]) == "one shaking only"
+    many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
+    shown = levels(many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf), [shaking], "A")
+    assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")]
+
+
+def test_a_search_says_at_which_intensity_the_slope_goes(tmp_path: Path) -> None:
+    slope = load_scene(SCENES / "gentle_layered.yaml")
+    for name, unit, words in (
+        ("amplitude", "m/s2", "2.5 m/s² (searched; class collapse or worse)"),
+        ("motion.factor", "-", "factor of the motion 2.5"),
+    ):
+        over = Searched((Dimension(name, unit, "", False),), name)
+        points = pd.DataFrame({"case": "slope", name: ["2", "3"], "collapse_class": ["stable", "collapse"]})
+        points = points.assign(still_moving=0, failed_fraction=0.0, wall_time=1.0)
+        estimates = {"slope": {"collapse": {"yield_acceleration": 1.0, "newmark_intensity": 2.0}}}
+        write_csv(critical_table(points, ["collapse"], estimates, over), tmp_path / "trigger.csv")
+        assert searched(slope, [str(tmp_path / "trigger.csv")]).startswith(words)
+    assert searched(slope, []) == ""
+
+
+def test_the_scene_is_told_by_names_values_and_units() -> None:
+    scene = load_scene(SCENES / "gentle_layered.yaml")
+    varied = {"layers.clay.soil.cohesion": "3, 10"}
+    table = chosen_keys(scene_table(scene, varied))
+    rows = {what: (value, unit) for what, value, unit, _ in table.rows}
+    assert rows["base of the walls"] == ("no_slip", "") and rows["spacing"] == ("1", "m")
+    assert rows["points"][0] == f"{len(scene.geometry.points)} values"
+    assert not any("." in what for what in rows)
+    layers = layer_table(scene, varied)
+    clay = dict(zip(layers.head, layers.rows[1], strict=True))
+    assert clay["layer"] == "clay" and clay["where"] == "from 6 m below the ground to 10 m" and clay["cohesion (kPa)"] == "3, 10"
+    assert clay["density (kg/m³)"] == "1850" and clay["S_R"] == "0.25" and clay["γ (1/s)"] == "100"
+
+
+def test_the_page_counts_as_the_survey_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    data = Words(build_page(made_study(RIGHT))).runs
+    assert (data["origin"], data["direction"], data["upwards"]) == ([180.0, 430.0], -1, "elevation (m)")
 
 
 @pytest.mark.parametrize(

@@ -33,7 +33,7 @@ def test_every_figure_of_the_paper_has_a_function_and_a_caption() -> None:
 
 def test_histories_show_the_vertical_displacement_named_and_told_apart_without_colour() -> None:
     runs = {f"S_R = {depth}": synthetic(translation(-1.0, -depth), step_ramp(4.0, 8.0)) for depth in (5.0, 3.0, 1.0)}
-    figure = figure_strength_histories(runs)
+    figure = figure_strength_histories({"γ = 100": runs})
     ax = axes(figure)
     curves = ax.lines[:3]
     assert [curve.get_ydata()[-1] for curve in curves] == pytest.approx([-5.0, -3.0, -1.0])
@@ -46,7 +46,7 @@ def test_histories_show_the_vertical_displacement_named_and_told_apart_without_c
 
 
 def test_more_curves_than_line_styles_still_draw(slid: xr.Dataset) -> None:
-    figure = figure_strength_histories({str(number): slid for number in range(len(LINE_STYLES) + 2)})
+    figure = figure_strength_histories({"": {str(number): slid for number in range(len(LINE_STYLES) + 2)}})
     assert len(axes(figure).lines) == len(LINE_STYLES) + 3
 
 
@@ -65,7 +65,7 @@ def test_histories_without_data_or_with_an_unknown_probe_are_refused(slid: xr.Da
 
 def test_a_diverged_run_says_so_and_ends_in_a_cross() -> None:
     runs = {"sound": synthetic(translation(-1.0)), "broken": synthetic(translation(-2.0), status="diverged")}
-    figure, end = figure_strength_histories(runs), float(runs["broken"]["sample_time"][-1])
+    figure, end = figure_strength_histories({"γ = 100": runs}), float(runs["broken"]["sample_time"][-1])
     assert f"broken, diverged at {end:.3g} s" in texts(figure)
     crosses = [line for line in axes(figure).lines if line.get_marker() == "x"]
     assert len(crosses) == 1 and crosses[0].get_xdata()[0] == end

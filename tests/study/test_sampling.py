@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import make_scene
-from sph.study.dimensions import Dimension, check_names, dimension, in_order, scene_keys, title_of, value_of
+from sph.study.dimensions import Dimension, check_names, dimension, in_order, readable, scene_keys, title_of, value_of
 from sph.study.sampling import Sample, chosen_study, read_cases
 
 RANGES = {"soil.cohesion": {"bounds": [5.0, 50.0], "scale": "log"}, "S_R": [0.1, 0.5]}
@@ -49,7 +49,7 @@ def test_a_dimension_has_the_unit_and_meaning_of_its_key() -> None:
     scene = make_scene({"scheme": "paper", "name": "s", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}})
     cohesion, rate = dimension("soil.cohesion", ["20"], scene), dimension("gamma", ["1"], scene)
     assert cohesion == Dimension("soil.cohesion", "kPa", "cohesion of the solid state", False)
-    assert (rate.label, dimension("motion.amplitude", ["1"], scene).label) == ("γ (1/s)", "motion.amplitude (m/s²)")
+    assert (rate.label, dimension("motion.amplitude", ["1"], scene).label) == ("γ (1/s)", "amplitude of the motion (m/s²)")
     kernel = dimension("numerics.kernel", ["cubic_spline", "wendland_c2"], scene)
     assert kernel.words and kernel.variable(False).dtype == "str" and kernel.variable(False).units == "1"
     assert cohesion.variable(True).dims == ("case",) and cohesion.variable(False).dims == ("soil.cohesion",)
@@ -118,3 +118,21 @@ def test_a_study_of_another_scene_stands_alone() -> None:
     below = {"study": "paper", "scene": "paper.yaml", "grid": {"S_R": [1]}, "fidelities": {"draft": {}}, "claims": {"amplitude": 6.0}}
     given = {"study": "mine", "scene": "own.yaml", "grid": {"soil.cohesion": [20]}}
     assert chosen_study({**below, **given}, given) == given
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("S_R", "S_R"),
+        ("gamma", "γ"),
+        ("soil.youngs_modulus", "Young's modulus"),
+        ("layers.soft_clay.soil.cohesion", "cohesion of soft clay"),
+        ("layers.clay.S_R", "S_R of clay"),
+        ("layers.clay.region.top", "top of clay"),
+        ("motion.frequency", "frequency of the motion"),
+        ("coupling.initiation.slip", "slip of the initiation"),
+        ("numerics.kernel", "kernel"),
+    ],
+)
+def test_names_of_keys_are_read_without_dots(name: str, words: str) -> None:
+    assert readable(name) == words

@@ -82,7 +82,7 @@ def test_the_shipped_searches_are_planned() -> None:
 
 
 def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> None:
-    table, points = read_critical(searched / FOLDER / "trigger.csv", SEARCHED), read_points(searched / FOLDER / "points.csv")
+    table, points = read_critical(searched / FOLDER / "trigger.csv"), read_points(searched / FOLDER / "points.csv")
     assert table["case"].tolist() == list(TRIGGER["cases"]) and table["outcome"].tolist() == [BRACKETED] * 2
     assert (table["upper"] - table["lower"] == 4.0).all() and (table["runs"] == 4).all() and len(points) == 8
     assert set(points["round"]) == {0, 1} and set(points["amplitude"]) >= {"0", "8.0", "16"}, "8.0 as in the study's grid"
@@ -116,7 +116,7 @@ def test_the_ends_are_run_again_at_the_other_fidelity(searched: Path) -> None:
 
 
 def test_maps_hold_the_corners(searched: Path) -> None:
-    points, shares = read_points(searched / FOLDER / "maps.csv"), read_shares(searched / FOLDER / "shares.csv", SEARCHED)
+    points, shares = read_points(searched / FOLDER / "maps.csv"), read_shares(searched / FOLDER / "shares.csv")
     assert len(points) == 2 * 2 * 3 and set(points["gamma"]) == {"1", "100"}
     assert shares["collapse_class"].tolist() == ["minor"] * 2 + ["damaged"] * 2 + ["collapse"] * 2
 
@@ -152,7 +152,7 @@ def test_a_smaller_tolerance_runs_only_the_new_halves(searched: Path) -> None:
     before = runs(searched)
     result = snakemake(searched, "--cores", "2", *write(searched, tolerance=2.0), "trigger")
     assert result.returncode == 0, result.stderr
-    table = read_critical(searched / FOLDER / "trigger.csv", SEARCHED)
+    table = read_critical(searched / FOLDER / "trigger.csv")
     assert (table["upper"] - table["lower"] == 2.0).all() and (table["runs"] == 5).all()
     after = runs(searched)
     assert len(after) == len(before) + 4, "a trunk and a run for each of two brackets"

@@ -1,6 +1,6 @@
 # Purpose: one page for the browser that holds the whole study and needs no network.
 # Inputs:  study.csv, claims.csv, figures, all runs and stages; the tables and figures of other targets that exist
-#          (sph/page/sections.py and paper.py list them); the page's sources and the tables that the release holds.
+#          (sph/page/sections.py and paper.py list them); the page's sources.
 # Outputs: report.html
 from sph.page.sections import existing
 

@@ -1,6 +1,7 @@
 # Purpose: from runs to numbers.
 # Inputs:  runs/*.nc; the analysis' sources.
-# Outputs: stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv
+# Outputs: stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv; stages/factor_of_safety.nc where it
+#          is asked for, which the page then shows
 
 
 rule yield_acceleration:
@@ -19,6 +20,19 @@ rule yield_acceleration:
         by="yield_acceleration",
     script:
         "../scripts/simulate/simulate.py"
+
+
+use rule yield_acceleration as factor_of_safety with:
+    output:
+        "{folder}/stages/factor_of_safety.nc",
+    log:
+        "{folder}/logs/factor_of_safety.log",
+    benchmark:
+        "{folder}/benchmarks/factor_of_safety.tsv"
+    params:
+        sources=SEARCHING,
+        scene=lambda wildcards: planned(searched_scene(wildcards)),
+        by="factor_of_safety",
 
 
 rule measure:

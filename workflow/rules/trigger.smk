@@ -151,7 +151,8 @@ rule trigger_table:
 rule trigger_claim:
     """Decide the paper's claim on the critical amplitudes."""
     input:
-        critical="{folder}/trigger/trigger.csv",
+        critical=lambda wildcards: OF_PAPER("the claims")
+        and f"{wildcards.folder}/trigger/trigger.csv",
     output:
         report(
             "{folder}/trigger/claim.csv",
@@ -163,8 +164,6 @@ rule trigger_claim:
         "{folder}/trigger/logs/claim.log",
     params:
         sources=ANALYSIS + PAPER,
-        searched=lambda wildcards: OF_PAPER("the paper's claim")
-        and TRIGGER().dimensions,
     script:
         "../scripts/paper/decide_trigger.py"
 

@@ -16,13 +16,15 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.experiments.trigger.design import Searched, reached
-from sph.experiments.trigger.points import label_columns, names
+from sph.experiments.trigger.points import columns_in, label_columns, names
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
 from sph.storage.trajectory import Variable
-from sph.study.dimensions import value_of
+from sph.study.dimensions import Dimension, value_of
 from sph.study.tables import ROW, count_column, number_column, read_csv, text_column
 from sph.study.verdicts import FAILS, HOLDS
 
+ONE = Searched((Dimension("amplitude", "m/s2", "", False),), "amplitude")
+"""Stands for any dimensions where the names and kinds of the other columns are asked for."""
 BRACKETED, AT_LOWEST, NEVER, UNDECIDED = "bracketed", "reached at the lowest", "not reached at the highest", "all diverged"
 """Outcomes of a search."""
 
@@ -62,6 +64,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
     return (
         *label_columns(searched.others),
         text_column("collapse_class", "the class, or a worse one, whose critical intensity is searched"),
+        text_column("intensity", "the dimension that is searched"),
         *bracket_columns(units),
         number_column(
             "yield_acceleration",
@@ -132,6 +135,7 @@ def critical_table(
         {
             **dict(zip(at, values, strict=True)),
             "collapse_class": name,
+            "intensity": searched.intensity_name,
             **bracket(line, name, searched.intensity_name)._asdict(),
             **estimates[str(values[0])][name],
         }
@@ -141,9 +145,9 @@ def critical_table(
     return pd.DataFrame(rows, columns=names(critical_columns(searched)))
 
 
-def read_critical(path: Path | str, searched: Searched) -> pd.DataFrame:
+def read_critical(path: Path | str) -> pd.DataFrame:
     """Table from its CSV; ValueError names a file that is none."""
-    return read_csv(path, critical_columns(searched), "critical intensities")
+    return read_csv(path, columns_in(path, critical_columns(ONE)), "critical intensities")
 
 
 # ---------------------------------------------------------------- another fidelity
@@ -214,6 +218,6 @@ def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence
     return pd.DataFrame(rows, columns=names(confirm_columns(searched)))
 
 
-def read_ends(path: Path | str, searched: Searched) -> pd.DataFrame:
+def read_ends(path: Path | str) -> pd.DataFrame:
     """Table of ends to be run again, from its CSV; ValueError names a file that is none."""
-    return read_csv(path, end_columns(searched), "ends of brackets")
+    return read_csv(path, columns_in(path, end_columns(Searched((), ""))), "ends of brackets")

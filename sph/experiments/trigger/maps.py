@@ -18,7 +18,8 @@ from sph.experiments.trigger.points import CASE_COLUMN, classes_found, division,
 from sph.experiments.trigger.refinement import Cell, leaves
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.storage.trajectory import Variable
-from sph.study.tables import count_column, number_column, read_csv, text_column
+from sph.study.dimensions import Dimension
+from sph.study.tables import columns_of, count_column, number_column, read_csv, text_column
 
 ENDS = ("lower", "upper")
 
@@ -98,6 +99,7 @@ def class_shares(cells: pd.DataFrame, searched: Searched) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=names(share_columns(searched)))
 
 
-def read_shares(path: Path | str, searched: Searched) -> pd.DataFrame:
+def read_shares(path: Path | str) -> pd.DataFrame:
     """Table of shares from its CSV; ValueError names a file that is none."""
-    return read_csv(path, share_columns(searched), "shares of classes")
+    intensity = next((name.removesuffix("_lower") for name in columns_of(path)[2:3]), "")
+    return read_csv(path, share_columns(Searched((Dimension(intensity, "-", "", False),), intensity)), "shares of classes")

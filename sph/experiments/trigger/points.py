@@ -97,16 +97,16 @@ def measured_points(earlier: pd.DataFrame, wanted: pd.DataFrame, metrics: Sequen
 
 def read_points(path: Path | str) -> pd.DataFrame:
     """Table of points that were run, from its CSV; ValueError names a file that is none."""
-    return read_csv(path, _kinds(path, point_columns(())), "the points of a search")
+    return read_csv(path, columns_in(path, point_columns(())), "the points of a search")
 
 
 def read_wanted(path: Path | str) -> pd.DataFrame:
     """Table of points to be run, from its CSV; ValueError names a file that is none."""
-    return read_csv(path, _kinds(path, wanted_columns(())), "the points of a round")
+    return read_csv(path, columns_in(path, wanted_columns(())), "the points of a round")
 
 
-def _kinds(path: Path | str, others: Sequence[Variable]) -> tuple[Variable, ...]:
-    """The columns of a table, the dimensions that its own first line names after its case, and the others."""
+def columns_in(path: Path | str, others: Sequence[Variable]) -> tuple[Variable, ...]:
+    """The columns of a table of a search: the dimensions that its own first line names after its case, and ``others``."""
     first, *rest = others
     return (first, *(text_column(name, "") for name in names_in(columns_of(path))), *rest)
 

@@ -8,4 +8,4 @@ from sph.study.tables import write_csv
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]):
-        write_csv(decide_trigger(read_critical(snakemake.input.critical, snakemake.params.searched)), snakemake.output[0])
+        write_csv(decide_trigger(read_critical(snakemake.input.critical)), snakemake.output[0])

@@ -23,7 +23,7 @@ def confirm_trigger(
 ) -> None:
     """One row an end; paths and planned scenes in the ends' order."""
     metrics = [measure(scene.read(path), MetricSettings(**settings)) for path, scene in zip(paths_to_runs, scenes, strict=True)]
-    write_csv(confirm_table(read_ends(path_to_ends, searched), read_points(path_to_points), metrics, searched), path_to_csv)
+    write_csv(confirm_table(read_ends(path_to_ends), read_points(path_to_points), metrics, searched), path_to_csv)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,6 @@
 """Draw the critical amplitudes, or a map."""
 
-from collections.abc import Callable, Sequence
-
-import pandas as pd
+from collections.abc import Sequence
 
 from sph.experiments.trigger.critical import read_critical
 from sph.experiments.trigger.design import Searched
@@ -12,17 +10,13 @@ from sph.figures import save
 from sph.figures.trigger import FIGURES
 from sph.jobs.log import Job, job_log
 
-READERS: dict[str, Callable[[str, Searched], pd.DataFrame]] = {
-    "critical": read_critical,
-    "shares": read_shares,
-    "points": lambda path, searched: read_points(path),
-}
+READERS = {"critical": read_critical, "shares": read_shares, "points": read_points}
 
 
 def draw_trigger(figure: str, tables: dict[str, str], searched: Searched, note: str, paths_to_pictures: Sequence[str]) -> None:
     """Draw one of ``FIGURES``; ``tables`` are paths by the names of the tables."""
     table, draw = FIGURES[figure]
-    save(draw(READERS[table](tables[table], searched), searched, note), *paths_to_pictures)
+    save(draw(READERS[table](tables[table]), searched, note), *paths_to_pictures)
 
 
 if __name__ == "__main__":

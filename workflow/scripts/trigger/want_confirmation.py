@@ -15,7 +15,7 @@ def want_confirmation(
 ) -> None:
     """The ends that exist of the brackets of a class, for chosen cases and values."""
     chosen = (confirm["collapse_class"], confirm["cases"], confirm["at"], searched)
-    write_csv(bracket_ends(read_critical(path_to_critical, searched), read_points(path_to_points), *chosen), path_to_ends)
+    write_csv(bracket_ends(read_critical(path_to_critical), read_points(path_to_points), *chosen), path_to_ends)
 
 
 if __name__ == "__main__":
