@@ -36,7 +36,7 @@ The way through the house:
 1. `make_scene` and `load_scene` make a validated, immutable `Scene`, of a mapping or a YAML file.
 2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.
 3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.storage.trajectory.VARIABLES` has every variable with its unit.
-4. `measure` gives the numbers of a run; `sph.measures.metrics.METRICS` defines each.
+4. `measure` gives the numbers of a run; `sph.measures.metrics.METRICS` defines each.  `plot` draws it: profile, probes, energies.
 5. `load_study` is a grid of scenes as Snakemake runs it; `read_study` and `read_table` read what it has measured.
 6. `factor_of_safety`, `critical_strength_ratio`, `yield_acceleration` and `sliding_block` are the methods of practice to compare with.
 
@@ -60,6 +60,7 @@ _HOMES = {
         "sph.solver.checkpoint": "run_to_file",
         "sph.storage.trajectory": "read_run scene_of",
         "sph.measures.metrics": "measure MetricSettings",
+        "sph.figures.overview": "plot",
         "sph.paper.study": "load_study",
         "sph.study.plan": "Plan",
         "sph.study.tables": "read_study read_table",
@@ -73,6 +74,7 @@ _HOMES = {
 """Where the public names live.  They are imported when they are first used: ``sph --help`` needs none of them."""
 
 if TYPE_CHECKING:
+    from sph.figures.overview import plot as plot
     from sph.measures.metrics import MetricSettings as MetricSettings
     from sph.measures.metrics import measure as measure
     from sph.paper.study import load_study as load_study
@@ -109,3 +111,7 @@ else:
             raise AttributeError(f"module 'sph' has no attribute {name!r}")
         globals()[name] = getattr(import_module(_HOMES[name]), name)
         return globals()[name]
+
+    def __dir__() -> list[str]:
+        """What is public; the modules are there as well."""
+        return [*_HOMES, "__doc__", "__version__"]

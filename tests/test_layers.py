@@ -29,7 +29,7 @@ ORDER = (
     ("page",),
 )
 """The folders of the package from the lowest to the highest; those of one row do not know each other either."""
-KNOW_THE_PAPER = {"__init__.py", "command/reference.py", "command/status.py", "page/paper.py"}
+KNOW_THE_PAPER = {"__init__.py", "command/reference.py", "command/schema.py", "command/status.py", "page/paper.py"}
 """The modules outside ``sph/paper`` that import from it: where a study's file is read, its page and the tables of the release made."""
 
 

@@ -212,13 +212,11 @@ def plot(
 ) -> None:
     """Draw a trajectory: profile, probes and energies."""
     with refusals("reading the trajectory and drawing it"):
-        from sph.figures import plot_trajectory
-        from sph.figures.style import save
-        from sph.storage import trajectory
+        from sph.figures.overview import plot
 
         path = out or file.parent / f"{file.stem}.png"
         check_picture(path, [file])
-        save(plot_trajectory(trajectory.read_run(file), time=time, field=field), path)
+        plot(file, path, time, field)
     print(path)
 
 

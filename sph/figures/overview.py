@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from textwrap import fill
 
 import xarray as xr
@@ -10,9 +11,10 @@ from matplotlib.figure import Figure
 
 from sph.figures.history import shade_shaking
 from sph.figures.profile import draw_profile, field_norm, frame_limits, mark_probes
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, styled
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, save, styled
 from sph.measures.fields import FIELDS, check_field, last_at, probe_history
-from sph.storage.trajectory import scene_of
+from sph.solver.run import Result
+from sph.storage.trajectory import read_run, scene_of
 
 ENERGIES = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy", "shaking_work")
 
@@ -48,6 +50,20 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
         ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), handlelength=3.2)
     axes[2].set_xlabel("time (s)")
     add_note(figure, [scene], fidelity)
+    return figure
+
+
+def plot(
+    run: Result | xr.Dataset | Path | str, path: Path | str | None = None, time: float | None = None, field: str = "initial_height"
+) -> Figure:
+    """Draw a run, its result, trajectory or file, as ``plot_trajectory`` does, and write the picture (.png, .pdf, .svg) if a path is given.
+
+    ValueError as ``plot_trajectory``, and for a file that is no trajectory.
+    """
+    trajectory = run.trajectory if isinstance(run, Result) else run if isinstance(run, xr.Dataset) else read_run(run)
+    figure = plot_trajectory(trajectory, time=time, field=field)
+    if path is not None:
+        save(figure, Path(path))
     return figure
 
 

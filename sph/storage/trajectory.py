@@ -108,6 +108,10 @@ class Status(StrEnum):
 FACTS = ("scene", "status", "status_reason", "wall_time_s", "particle_steps", "particle_steps_per_second")
 """Attributes of every run."""
 
+FORMAT = 1
+"""Version of what the netCDF files hold, their attribute ``format``: to be raised where an earlier reader would take them for something
+else.  Files of version 0 lack it, and are read like those of version 1."""
+
 PACKAGES = ("numpy", "numba", "llvmlite", "xarray", "netCDF4", "pydantic")
 
 
@@ -160,10 +164,10 @@ def write(path: Path | str, ds: xr.Dataset, restart: xr.Dataset | None = None) -
 
 
 def write_compressed(ds: xr.Dataset, path: Path, **options: Any) -> None:
-    """netCDF-4 with every numeric variable compressed."""
+    """netCDF-4 with the version of the format and every numeric variable compressed."""
     options_each = {"zlib": True, "complevel": 4, "shuffle": True}
     encoding = {name: options_each for name, v in ds.variables.items() if v.dtype.kind in "fiu" and v.ndim}
-    ds.to_netcdf(path, engine="netcdf4", encoding=encoding, **options)
+    ds.assign_attrs(format=FORMAT).to_netcdf(path, engine="netcdf4", encoding=encoding, **options)
 
 
 def read(path: Path | str) -> xr.Dataset:
@@ -214,11 +218,20 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
     check_name(path)
     try:
         with xr.open_dataset(path, group=group, engine="netcdf4") as ds:
-            return ds.load()
+            loaded = ds.load()
     except FileNotFoundError as error:
         raise ValueError(f"{path}: cannot be read as {what}: there is no such file") from error
     except Exception as error:  # damaged data have raised RuntimeError, AttributeError and KeyError, too
         raise ValueError(f"{path}: cannot be read as {what}: {error}; if it was one, delete it and run again what wrote it") from error
+    check_format(loaded, path)
+    return loaded
+
+
+def check_format(ds: xr.Dataset, path: Path | str) -> None:
+    """Take the version of the format from the attributes; ValueError where it is newer than what is read here."""
+    found = ds.attrs.pop("format", 0)
+    if not isinstance(found, (int, np.integer)) or found > FORMAT:
+        raise ValueError(f"{path}: has format {found}, newer than {FORMAT}, the last that sph {__version__} reads; install a newer sph")
 
 
 def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:

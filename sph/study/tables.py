@@ -182,6 +182,7 @@ def read_study(path: Path | str) -> xr.Dataset:
             study = ds.load()
     except Exception as error:  # as in sph.storage.trajectory
         raise ValueError(f"{path}: cannot be read as a study: {error}; if it was one, delete it and run again what wrote it") from error
+    trajectory.check_format(study, path)
     missing = [row.name for row in VALUES if row.name not in study.variables]
     if missing:
         raise ValueError(f"{path}: not a study of this program, it lacks {missing}")

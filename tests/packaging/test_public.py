@@ -13,9 +13,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import xarray as xr
 from pydantic import BaseModel
 
 import sph
+from sph.solver.run import Result
+from sph.storage.trajectory import write
 
 HEAVY = {"numba", "numpy", "pandas", "pydantic", "xarray"}
 
@@ -76,3 +79,18 @@ def test_nothing_heavy_is_imported_before_it_is_needed(module: str) -> None:
     code = f"import sys, {module}; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     assert module in loaded and not HEAVY & set(loaded)
+
+
+def test_dir_shows_what_is_public_only() -> None:
+    code = "import sph, sph.command.cli, sph.scene.schema; print(*dir(sph))"
+    shown = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    assert {name for name in shown if not name.startswith("__")} == set(sph.__all__)
+
+
+def test_a_run_is_drawn_from_memory_and_from_its_file(tmp_path: Path, slid: xr.Dataset) -> None:
+    path, picture = tmp_path / "run.nc", tmp_path / "run.png"
+    write(path, slid.assign_attrs(particle_steps=1))
+    drawn = [sph.plot(run, picture) for run in (slid, path, str(path), Result(slid, xr.Dataset(), "complete"))]
+    assert picture.read_bytes().startswith(b"\x89PNG") and all(len(figure.axes) == 3 for figure in drawn)
+    with pytest.raises(ValueError, match="'colour' is not one of"):
+        sph.plot(slid, field="colour")

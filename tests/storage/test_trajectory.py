@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -12,6 +13,7 @@ import xarray as xr
 from sph.scene.schema import Scene
 from sph.solver.state import State
 from sph.storage import trajectory
+from sph.study.tables import read_study
 
 SIZES = {"frame": 3, "particle": 5, "sample": 4, "probe": 2}
 
@@ -156,3 +158,26 @@ def test_a_file_without_restart_is_refused_by_name(tmp_path: Path, stored: xr.Da
     trajectory.write(tmp_path / "plain.nc", stored)
     with pytest.raises(ValueError, match=r"plain\.nc.*restart"):
         trajectory.read_restart(tmp_path / "plain.nc")
+
+
+@pytest.mark.parametrize("group", [None, "restart"])
+def test_files_tell_their_format_and_newer_ones_are_refused(
+    tmp_path: Path, stored: xr.Dataset, restart: xr.Dataset, group: str | None
+) -> None:
+    path = tmp_path / "run.nc"
+    read = trajectory.read if group is None else trajectory.read_restart
+    trajectory.write(path, stored, restart)
+    own = read(path)
+    assert "format" not in own.attrs
+    with netCDF4.Dataset(path, "a") as ds:
+        place = ds if group is None else ds[group]
+        assert place.format == trajectory.FORMAT
+        del place.format
+    assert read(path).identical(own), "files of the version before had no format"
+    with netCDF4.Dataset(path, "a") as ds:
+        (ds if group is None else ds[group]).format = trajectory.FORMAT + 1
+    newer = rf"run\.nc: has format {trajectory.FORMAT + 1}, newer than {trajectory.FORMAT}, .*install a newer sph"
+    with pytest.raises(ValueError, match=newer):
+        read(path)
+    with pytest.raises(ValueError, match=newer):
+        read_study(path) if group is None else read(path)
