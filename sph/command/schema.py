@@ -30,7 +30,7 @@ def json_schema(name: str) -> dict[str, Any]:
     """The schema of a file; that of a study asks for no key, since a study may be laid over another."""
     schema = {"$schema": "https://json-schema.org/draft/2020-12/schema"} | MODELS[name].model_json_schema()
     if name == "study":
-        del schema["required"]
+        schema.pop("required", None)
     return schema
 
 
@@ -48,4 +48,4 @@ def schema_of(path: Path) -> str:
     """Name of the schema of one of the repository's files."""
     if "scenes" in path.parts:
         return "scene"
-    return path.stem if path.stem in MODELS else "study"
+    return next((name for name in MODELS if path.stem == name or path.stem.endswith(f"_{name}")), "study")

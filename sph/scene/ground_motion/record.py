@@ -59,7 +59,7 @@ class SpectralAcceleration(Section):
     """The spectral acceleration to which a record is scaled."""
 
     period: float = key("period of the oscillator", "s", gt=0, le=100)
-    value: float = key("pseudo-acceleration of the oscillator", "m/s2", ge=0, le=1e4)
+    value: Acceleration = key("pseudo-acceleration of the oscillator", "m/s2", ge=0, le=1e4)
     damping: float = key("its share of critical damping", gt=0, lt=1, default=0.05)
 
 
