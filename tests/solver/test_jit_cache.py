@@ -16,8 +16,9 @@ import numba
 import pytest
 
 import sph
+from sph.jobs.progress import compiling
 from sph.solver.compiled.inlined import InlinedLibrary
-from sph.solver.compiled.jit import COMPILED, OPTIONS, jit, mend, seal
+from sph.solver.compiled.jit import COMPILED, OPTIONS, before_compiling, jit, mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -424,3 +425,18 @@ def test_a_cache_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:
     )
     last = done.stderr.splitlines()[-1]
     assert str(tmp_path / "cache") in last and "set SPH_CACHE_DIR" in last
+
+
+def test_how_long_a_variant_took_to_compile_is_told_the_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("SPH_CACHE_DIR", str(tmp_path))
+    told: list[float | None] = []
+    for variant in ("walls", "walls", "walls, damping"):
+        function = numba.njit(lambda x: x + 1)
+        with before_compiling(function, variant, told.append):
+            assert function(1) == 2 and function(2) == 3
+    assert told[0] is None and told[1] is not None and told[1] >= 0 and told[2:] == [None]
+    assert "with walls, once on a machine (it took 12 s last time)" in compiling("walls", 12.3)
+    (tmp_path / "compiling.json").write_text("damaged")
+    damaged = numba.njit(lambda x: x)
+    with before_compiling(damaged, "walls", told.append):
+        assert damaged(1) == 1 and told[3:] == [None]
