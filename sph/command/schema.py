@@ -48,4 +48,4 @@ def schema_of(path: Path) -> str:
     """Name of the schema of one of the repository's files."""
     if "scenes" in path.parts:
         return "scene"
-    return next((name for name in MODELS if path.stem == name or path.stem.endswith(f"_{name}")), "study")
+    return path.stem if path.stem in MODELS else "study"
