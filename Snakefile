@@ -13,6 +13,7 @@ from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.paper.study import load_study
 from sph.study.planned import planned, sources
+from sph.study.preflight import MOST_SCENES
 from sph.study.sampling import chosen_study
 from sph.experiments.trigger.design import load_trigger, plan_of
 from sph.scene.configuration import check_files

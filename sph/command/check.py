@@ -1,50 +1,33 @@
-"""A scene before it is run (``sph check``): its summary and its diagnostics."""
+"""A scene before it is run (``sph check``): its summary and what is found of it."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from sph.jobs.diagnostics import (
-    Diagnostic,
-    Layer,
-    diagnostics,
-    highest_frequency,
-    in_both,
-    in_wave,
-    layers_of,
-    peak_accelerations,
-    strengths,
-)
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
-from sph.stability.extrapolation import extrapolated, two_spacings
-from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
-from sph.stability.standing import divided_strength, stand, static_scene, weakened
 from sph.study.cost import cost
+from sph.study.findings import Finding, Layer, findings, highest_frequency, in_wave, layers_of, peak_accelerations, strengths
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-STABILITY_TOLERANCE = 0.01
-"""Relative width of the brackets in which the checks of stability end; the extrapolation magnifies it."""
-
-
 class Check(NamedTuple):
-    """A scene's particles and diagnostics."""
+    """A scene's particles and findings."""
 
     scene: Scene
     particles: Particles
     probes: dict[str, int]
     layers: list[Layer]
-    diagnostics: list[Diagnostic]
+    findings: list[Finding]
 
 
 def check(scene: Scene) -> Check:
-    """Place the particles and run the diagnostics; ValueError for a probe away from the soil."""
+    """Place the particles and look at the scene; ValueError for a probe away from the soil."""
     particles = place_particles(scene)
-    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), diagnostics(scene, particles))
+    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), findings(scene, particles))
 
 
 def rows(found: Check) -> list[tuple[str, str]]:
@@ -77,40 +60,6 @@ def rows(found: Check) -> list[tuple[str, str]]:
         ("computing time", f"{expected.seconds:,.3g} s on one core, if the soil fails"),
         ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),
     ]
-
-
-def stability(scene: Scene) -> tuple[list[tuple[str, str]], list[Diagnostic]]:
-    """What static tests of the scene say: pairs of label and text, and a diagnostic if it does not stand unshaken.
-
-    Factor of safety and yield acceleration are extrapolated from the scene's spacing and twice that.  Some thirty runs, of seconds to
-    minutes each.  ValueError where the scene has no slope or is too coarse for the tests.
-    """
-    rule = DEFAULT_RULE
-    static = static_scene(scene, rule)
-    words = {True: "stands", False: "does not stand"}
-    peak = stand(divided_strength(static, 1.0), rule, 1.0).stands
-    residual = peak and stand(weakened(static, scene.coupling.S_R), rule, scene.coupling.S_R).stands
-    found = [("unshaken, at its peak strength", words[peak])]
-    if not peak:
-        fails = Diagnostic(
-            "the slope does not stand unshaken, so that its failure is not that of an earthquake",
-            "fails at its peak strength",
-            "to stand",
-            "soil.cohesion and soil.friction_angle, or the geometry",
-        )
-        return found, [fails]
-    meaning = "what fails comes to rest" if residual else "soil that fails runs down until the slope is flatter"
-    found.append(("unshaken, at its residual strength", f"{words[residual]}: {meaning}"))
-    for label, find, text in (
-        ("static factor of safety", factor_of_safety, "{:.2f}".format),
-        ("yield acceleration, pseudo-static", yield_acceleration, in_both),
-    ):
-        try:
-            limit = extrapolated(find, scene, two_spacings(scene, rule), STABILITY_TOLERANCE, rule)
-            found.append((label, f"{text(limit.value)}, give or take {text(limit.error)}"))
-        except ValueError as error:
-            found.append((label, f"not found: {error}"))
-    return found, []
 
 
 LAYER_COLUMNS = ("layer", "particles", "across", "V_s (m/s)", "λ (m)", "λ/spacing", "λ/h")

@@ -110,10 +110,10 @@ def run(
     """
     with refusals():
         from sph.command.repeat import check_of_scene, compare, earlier_run, read_given, stopped_at
-        from sph.jobs.diagnostics import of_motion
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
+        from sph.study.findings import codes, findings
 
         check_known("--until", [until], ("end", "gravity", "first_failure"))
         earlier = earlier_run(scene)
@@ -123,12 +123,25 @@ def run(
         if not overwrite:
             check_of_scene(path, loaded)
         repeats = earlier is not None and not set_ and until is None
-        for diagnostic in of_motion(loaded):
-            say(f"warning: {diagnostic.sentence()}")
+        found = findings(loaded)
+        for each in found:
+            if each.counts:
+                say(each.line())
         with reporter(loaded.name, loaded) as report:
             # What was allowed to run with a step above its limit may be repeated.
             stage = until or stopped_at(earlier)
-            result = run_to_file(loaded, path, stage, restart, report, threads, checkpoint, say, enforce_limit=not repeats)  # type: ignore[arg-type]
+            result = run_to_file(
+                loaded,
+                path,
+                stage,  # type: ignore[arg-type]
+                restart,
+                report,
+                threads,
+                checkpoint,
+                say,
+                enforce_limit=not repeats,
+                attrs={"findings": codes(found)},
+            )
     attrs = result.trajectory.attrs
     reason = f" ({attrs['status_reason']})" if attrs["status_reason"] else ""
     print(
@@ -168,13 +181,14 @@ def check(
         bool,
         typer.Option("--stability", help="also whether it stands unshaken, its factor of safety and yield acceleration; takes minutes"),
     ] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and warnings")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and findings")] = False,
 ) -> None:
-    """Show a scene before it is run, as a table and a drawing, with warnings of what may spoil its results."""
+    """Show a scene before it is run, as a table and a drawing, with what is found that may spoil its results."""
     with refusals("testing whether it stands, by trial runs" if static else "placing the particles"):
-        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows, stability
+        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
         from sph.command.check import check as look_at
         from sph.command.repeat import read_given
+        from sph.study.preflight import stability
 
         loaded, inputs = read_given(scene, parse_settings(set_))
         if plot is not None:
@@ -184,22 +198,19 @@ def check(
             from sph.figures.style import save
 
             save(draw(found), plot)
-        facts, told = rows(found), found.diagnostics
-        if static:
-            said, fails = stability(loaded)
-            facts, told = facts + said, fails + told
+        facts, told = rows(found), (stability(loaded) if static else []) + found.findings
     layers = layer_rows(found)
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        print(to_json({"rows": dict(facts), "layers": named, "warnings": [each._asdict() for each in told]}, indent=1))
+        print(to_json({"rows": dict(facts), "layers": named, "findings": [each._asdict() for each in told]}, indent=1))
         return
     width = max(len(label) for label, _ in facts)
     for label, text in facts:
         print(f"{label:<{width}}  {text}")
     show_table(LAYER_COLUMNS, layers)
-    for diagnostic in told:
-        print(f"warning: {diagnostic.sentence()}")
-    if not told:
+    for each in told:
+        print(each.line())
+    if not any(each.counts for each in told):
         print("no warnings")
 
 

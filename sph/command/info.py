@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from sph.experiments.cost_accuracy.advice import expected_sentence
-from sph.jobs.diagnostics import of_initiation, of_motion, peak_accelerations, strengths, thin_box
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import cost, needs
+from sph.study.findings import findings, peak_accelerations, strengths
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -65,7 +65,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
-    rows += [("warning", diagnostic.sentence()) for diagnostic in thin_box(scene) + of_initiation(scene) + of_motion(scene)]
+    rows += [(found.severity, f"{found.sentence()} [{found.code}]") for found in findings(scene, particles)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
         ("estimated cost", f"{expected.seconds:.3g} s on one core ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.repeat import read_given
-from sph.jobs.diagnostics import drifting, implausible, in_both, of_motion
 from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import read_even
 from sph.scene.ground_motion.units import Unit
+from sph.study.findings import drifting, implausible, in_both, of_motion
 
 
 class Shaking(NamedTuple):

@@ -8,12 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.jobs.diagnostics import cut_off, drift, drifting, implausible, in_both
 from sph.scene.ground_motion import SCENES, GroundMotion, motion_of, read_motion
 from sph.scene.ground_motion.record import Record
 from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import load_scene
 from sph.stability.newmark import sliding_block
+from sph.study.findings import cut_off, drifting, implausible, in_both, of_record
 
 
 class Answer(NamedTuple):
@@ -53,7 +53,7 @@ def _motion(path: Path, overrides: Mapping[str, Any]) -> tuple[GroundMotion, lis
     scene = load_scene(path, overrides)
     if isinstance(scene.motion, ConstantAcceleration):
         raise ValueError(f"{path}: motion.kind: constant is a load that stays, and a sliding block comes to rest after a motion that ends")
-    heed = [diagnostic.sentence() for diagnostic in cut_off(scene) + drift(scene)]
+    heed = [diagnostic.sentence() for diagnostic in cut_off(scene) + of_record(scene)]
     if isinstance(scene.motion, Record) and scene.motion.vertical is not None:
         heed.append("motion.vertical does not act on the sliding block, which the horizontal component alone drives")
     return motion_of(scene), heed

@@ -47,6 +47,8 @@ from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import SHORT_NAMES, dimension, named_sections, sections
+from sph.study.findings import CODES
+from sph.study.preflight import PREFLIGHT
 from sph.study.tables import VALUES
 from sph.study.verdicts import HOLDS, MISSES
 from sph.validation.suite import Validation
@@ -388,6 +390,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "limits": lambda: _limits_table(read_limits()),
     "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),
     "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_extremes()))),
+    "findings": lambda: Reference(("code", "severity", "meaning"), [(name, code.severity, code.text) for name, code in CODES.items()]),
+    "preflight_variables": lambda: _variables(PREFLIGHT),
     "trajectory": lambda: _variables(VARIABLES),
     "metrics": lambda: _variables(VALUES),
     "convergence": lambda: _variables(CONVERGENCE),

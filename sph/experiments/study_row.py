@@ -7,8 +7,10 @@ import xarray as xr
 from sph.experiments.cost_accuracy.advice import expected_metrics
 from sph.experiments.cost_accuracy.design import scheme, settings_text
 from sph.measures.metrics import MetricSettings, Value, measure
+from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import scene_of
 from sph.study.baseline import baseline_metrics
+from sph.study.tables import FINDINGS
 
 _known: dict[str, dict[str, float]] = {}
 """Errors to expect by how a scene is simulated, which the runs of a study often share."""
@@ -20,4 +22,5 @@ def run_values(run: xr.Dataset, settings: MetricSettings, yield_acceleration: fl
     numerics = settings_text(scheme(scene))
     if numerics not in _known:
         _known[numerics] = expected_metrics(scene)
-    return measure(run, settings) | _known[numerics] | baseline_metrics(scene, yield_acceleration)
+    found = " ".join(parse_json(run.attrs.get("findings", "[]")))
+    return measure(run, settings) | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}

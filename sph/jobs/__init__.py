@@ -4,6 +4,5 @@ No result depends on it: editing it runs nothing again.
 
 * ``log``: what a job is given, and its log
 * ``progress``: a bar on a terminal, lines in a log file
-* ``diagnostics``: what may spoil the results of a scene
 * ``exit_codes``: of jobs and of the command
 """

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, SECTIONS, TRIGGER, Section, drawings, numbered
+from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, TRIGGER, Section, drawings, numbered
 from sph.paper import figures
 from sph.paper.study import PaperStudy
 from sph.study.plan import Study
 
 PAPER_SECTIONS: tuple[Section, ...] = (
+    PREFLIGHT,
     Section(
         "The paper's claims",
         "Each claim is turned into a test on numbers; a claim that fails is shown as such.",

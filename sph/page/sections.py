@@ -56,6 +56,13 @@ def numbered(count: int) -> dict[str, str]:
 
 INPUTS = dict(zip(INPUT_FIGURES, ("Section", "Motion", "Initial particles"), strict=True))
 """Names of the figures of what goes in."""
+PREFLIGHT = Section(
+    "Before the runs",
+    "What was found of the scenes and of the slope's stability before anything was shaken: errors, warnings and notes.",
+    "snakemake --cores 2",
+    tables={"{fidelity}/preflight.csv": "Findings"},
+    always=True,
+)
 FIGURES = Section(
     "Figures",
     "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
@@ -113,7 +120,7 @@ DOCS = {
     "Limits of the model": "docs/model/limits.md",
 }
 """Pages of the documentation that say what the program is worth, whichever study it runs."""
-SECTIONS = (FIGURES, *OF_EVERY_STUDY)
+SECTIONS = (PREFLIGHT, FIGURES, *OF_EVERY_STUDY)
 """The sections of a study of any dimensions, in their order on the page."""
 FIRST_SCREEN = (FINDINGS, SAFETY, CRITICAL)
 """Files from which the page begins, where they exist."""

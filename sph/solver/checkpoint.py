@@ -40,12 +40,13 @@ def run_to_file(
     seconds: float | None = None,
     say: Say = print,
     enforce_limit: bool = True,
+    attrs: Mapping[str, Any] | None = None,
 ) -> Result:
     """Simulate a scene (see ``sph.solver.run.run``) and write its trajectory, going on from the checkpoint of the same run if there is one.
 
     ``seconds`` of wall time lie between checkpoints (0: there are none; by default see ``checkpoint_seconds``); ``say`` is told in a
-    line what becomes of them; Ctrl-C leaves one, too.  Waits for another process at work on the file; what that has finished, or one
-    that was killed, is taken over.
+    line what becomes of them; Ctrl-C leaves one, too.  ``attrs`` go into the file beside those of the run and decide nothing of it.  Waits
+    for another process at work on the file; what that has finished, or one that was killed, is taken over.
     """
     path = Path(path)
     trajectory.check_name(path)
@@ -65,7 +66,7 @@ def run_to_file(
                 started.resume(restart)
         with checkpoint.on_interrupt():
             result = started.go(until, report, checkpoint.offer)
-        result.trajectory.attrs |= {"run_digest": digest, "solver_digest": solver}
+        result.trajectory.attrs |= {**(attrs or {}), "run_digest": digest, "solver_digest": solver}
         trajectory.write(path, result.trajectory, result.restart)
         checkpoint.discard()
     return result

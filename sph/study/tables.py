@@ -75,7 +75,8 @@ BASELINE: tuple[Variable, ...] = (
     ),
 )
 """The sliding block beside the run; see ``sph.study.baseline``."""
-VALUES = METRICS + EXPECTED + BASELINE
+FINDINGS = Variable("findings", GRID, "str", "1", "codes of what was found of the run's scene before it was run, with blanks between them")
+VALUES = (*METRICS, *EXPECTED, *BASELINE, FINDINGS)
 
 
 class Layout(NamedTuple):

@@ -8,11 +8,11 @@ from typing import Any
 import pytest
 import xarray as xr
 
-from sph.jobs.diagnostics import of_initiation, strengths
 from sph.scene.configuration import dotted, flat, merge
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.storage.trajectory import scene_of
+from sph.study.findings import of_initiation, strengths
 
 OWN: dict[str, Any] = {
     "name": "own",
@@ -105,6 +105,8 @@ def test_a_strength_is_told_at_its_peak_and_as_failed_soil_keeps_it() -> None:
 
 
 def test_failure_without_a_length_is_warned_of_but_for_the_papers() -> None:
-    assert [diagnostic.key for diagnostic in of_initiation(make_scene(OWN))] == ["coupling.initiation"]
-    assert of_initiation(make_scene(merge(OWN, {"scheme": "paper"}))) == []
+    (found,) = of_initiation(make_scene(OWN))
+    assert (found.code, found.severity, found.key) == ("no-process-zone", "warning", "coupling.initiation")
+    (noted,) = of_initiation(make_scene(merge(OWN, {"scheme": "paper"})))
+    assert (noted.code, noted.severity) == ("no-process-zone", "note")
     assert of_initiation(make_scene(merge(OWN, {"coupling": {"initiation": {"slip": 1e-3, "length": 2.0}}}))) == []

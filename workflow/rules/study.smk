@@ -1,7 +1,35 @@
-# Purpose: from runs to numbers.
-# Inputs:  runs/*.nc; the analysis' sources.
-# Outputs: stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv; stages/factor_of_safety.nc where it
-#          is asked for, which the page then shows
+# Purpose: what is found before any run; from runs to numbers.
+# Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
+# Outputs: preflight.csv, stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv;
+#          stages/factor_of_safety.nc where it is asked for, which the page then shows
+
+
+rule preflight:
+    """Look at the scenes and test the slope unshaken: the first job of a study. Its yield acceleration has a rule of its own below."""
+    output:
+        report(
+            f"{RESULTS}/preflight.csv",
+            caption="../report/preflight.rst",
+            category="Tables",
+            labels={"shows": "findings before the runs"},
+        ),
+    log:
+        f"{RESULTS}/logs/preflight.log",
+    benchmark:
+        f"{RESULTS}/benchmarks/preflight.tsv"
+    priority: 100
+    resources:
+        **asked(lambda wildcards: PLAN.slope, lambda wildcards: "factor_of_safety"),
+    params:
+        sources=SEARCHING + ANALYSIS,
+        scenes=lambda wildcards: {
+            run: planned(PLAN.run_scene(run))
+            for run in PLAN.study.shown_runs(MOST_SCENES)
+        },
+        size=len(PLAN.study.runs),
+        searched=PLAN.one_slope,
+    script:
+        "../scripts/study/preflight.py"
 
 
 rule yield_acceleration:

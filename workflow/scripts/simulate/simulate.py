@@ -2,12 +2,12 @@
 
 from typing import TextIO
 
-from sph.jobs.diagnostics import of_motion
 from sph.jobs.log import Job, job_log
 from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Until
 from sph.stability.record import search_to_file
+from sph.study.findings import codes, findings
 from sph.study.planned import Planned
 
 
@@ -26,10 +26,21 @@ def simulate(
         print(line, file=log)
 
     built = planned.build()
+    found = findings(built)
     with reporter(path_to_trajectory, built, log) as report:
-        for diagnostic in of_motion(built):
-            say(f"warning: {diagnostic.sentence()}")
-        result = run_to_file(built, path_to_trajectory, until, path_to_restart, report, threads, say=say, enforce_limit=enforce_limit)
+        for each in found:
+            say(each.line())
+        result = run_to_file(
+            built,
+            path_to_trajectory,
+            until,
+            path_to_restart,
+            report,
+            threads,
+            say=say,
+            enforce_limit=enforce_limit,
+            attrs={"findings": codes(found)},
+        )
     print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
 

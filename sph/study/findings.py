@@ -1,0 +1,446 @@
+"""Findings of a scene before it is run: what may spoil its results, with the measured and the wanted value and the key to change.
+
+``CODES`` lists all that can be found.  What takes runs of the scene, its stability, is in ``sph.study.preflight``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from enum import StrEnum
+from typing import NamedTuple
+
+import numpy as np
+from scipy.integrate import cumulative_trapezoid  # type: ignore[import-untyped]
+
+from sph.scene.geometry import Slope
+from sph.scene.gravity import GRAVITY
+from sph.scene.ground_line import GroundLine, largest_climb
+from sph.scene.ground_motion import GroundMotion, loading_of
+from sph.scene.ground_motion.record import Record, processed
+from sph.scene.motion import ConstantAcceleration, NoMotion
+from sph.scene.schema import Scene
+from sph.scene.soil import Soil
+from sph.scene.strict_json import to_json
+from sph.solver.particles import Particles, place_particles
+from sph.solver.time_step import limits, wave_speed_ratio
+from sph.stability.newmark import sliding_block
+
+FEWEST_IN_HEIGHT = 12
+"""Fewest particles across the height of a slope in the cost-accuracy study (README): its classes are right, its run-outs 60 % off."""
+FEWEST_IN_LAYER = 4
+"""Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
+FEWEST_IN_LENGTH = 3
+"""Spacings in the length over which plastic strain is averaged before soil fails."""
+FEWEST_IN_WAVE = 8
+"""Smoothing lengths (or spacings, where they are longer) in the shortest wavelength: one eighth is the largest element that Kuhlemeyer
+and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
+ENERGY = 0.95
+"""Part of the motion's energy (Arias intensity) below its highest significant frequency."""
+SAMPLES_IN_PERIOD = 8
+"""Samples in the shortest period of a motion from which its spectrum is made."""
+FEWEST_IN_SERIES = 10
+"""Samples of the series in a period of the highest significant frequency, of which straight lines miss the peak by at most 5 %."""
+WEAKEST, STRONGEST = 0.01, 2.0
+"""Peak accelerations of the ground that are plausible, g: below a hundredth of g no slope that stands is moved, and of all records a
+handful exceed 2 g (2.7 g horizontally at MYG004, Tohoku 2011; 3.9 g vertically at IWTH25, Iwate-Miyagi 2008).  Beyond them units are
+mistaken more often than not."""
+LARGEST_DRIFT = 0.1
+"""Velocity of the ground at the end of a record over its largest."""
+LARGEST_OFFSET = 0.01
+"""Mean acceleration of a record that drifts over its peak: beyond it the drift is an offset of the recorder."""
+LARGEST_DISPLACEMENT = 2.0
+"""Peak displacement of the ground that is plausible, m: more than that is found beside faults that broke the surface."""
+LASTING, SHORTEST_LASTING = 0.5, 0.1
+"""Displacement of the ground at the end of a record over its largest, and in m, from which on it is told."""
+POLARITY_RATIO, POLARITY = 0.5, 1.2
+"""Yield over peak acceleration of a sliding block, and its displacement under the record turned round over that under the record as it
+is, from which on the direction of a record matters."""
+ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
+"""Soil behind the crest and before the toe, over the slope's height; the paper's slope runs out 1.3 heights with S_R 0.10."""
+SHARE_OF_LIMIT = 0.8
+"""Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.solver.time_step``)."""
+
+
+class Severity(StrEnum):
+    """How much a finding matters."""
+
+    ERROR = "error"
+    """the result will not be what is asked for"""
+    WARNING = "warning"
+    """the result may be spoilt"""
+    NOTE = "note"
+    """to know; nothing need be changed"""
+
+
+class Code(NamedTuple):
+    """A kind of finding."""
+
+    severity: Severity
+    text: str
+
+
+ERROR, WARNING, NOTE = Severity
+CODES: dict[str, Code] = {
+    "fails-unshaken": Code(ERROR, "the slope fails at its peak strength without shaking"),
+    "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
+    "fails-at-residual": Code(NOTE, "without shaking the slope fails at the strength that failed soil keeps: soil that fails runs down"),
+    "stands-at-residual": Code(NOTE, "without shaking the slope stands at the strength that failed soil keeps: what fails comes to rest"),
+    "factor-of-safety": Code(NOTE, "static factor of safety"),
+    "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
+    "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
+    "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
+    "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
+    "record-displacement": Code(WARNING, "the ground moves implausibly far"),
+    "record-lasting": Code(NOTE, "the ground ends far from where it began"),
+    "record-polarity": Code(NOTE, "turned round the record drives a sliding block further"),
+    "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: a mistaken unit"),
+    "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
+    "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
+    "short-waves": Code(WARNING, "the particles do not carry the highest frequencies of the motion"),
+    "sparse-series": Code(WARNING, "the series hold few samples of the shaking"),
+    "few-particles": Code(WARNING, "few particles across the slope's height"),
+    "thin-layer": Code(WARNING, "few particles across a layer"),
+    "thin-box": Code(WARNING, "the box's particles do not fill the kernel's support"),
+    "no-process-zone": Code(WARNING, "soil fails over no length; a note in the paper's scheme, which has none"),
+    "short-process-zone": Code(WARNING, "the length over which soil fails is shorter than three spacings"),
+    "back-wall": Code(WARNING, "the back wall is near the crest"),
+    "little-room": Code(WARNING, "little room for the debris before the front wall"),
+    "other-slope": Code(WARNING, "the ground falls further to the other side"),
+    "time-step": Code(WARNING, "the time step is near its limit or above"),
+}
+"""All that can be found, by its code, which stays."""
+
+
+class Finding(NamedTuple):
+    """Something that a user of the scene should know before its results; the names are those of ``sph check --json``."""
+
+    code: str  # of ``CODES``
+    severity: str  # of ``Severity``
+    what: str
+    measured: str
+    wanted: str = ""
+    key: str = ""  # to change
+
+    def sentence(self) -> str:
+        """The finding in one sentence."""
+        wanted = f", wanted {self.wanted}" if self.wanted else ""
+        return f"{self.what}: {self.measured}{wanted}" + (f"; change {self.key}" if self.key else "")
+
+    def line(self) -> str:
+        """The sentence with severity and code."""
+        return f"{self.severity}: {self.sentence()} [{self.code}]"
+
+    @property
+    def counts(self) -> bool:
+        """Whether it is more than a note."""
+        return self.severity != NOTE
+
+
+def finding(code: str, what: str, measured: str, wanted: str = "", key: str = "", severity: Severity | None = None) -> Finding:
+    """A finding, by default of the severity of its code; KeyError for an unknown code."""
+    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key)
+
+
+def codes(found: Iterable[Finding]) -> str:
+    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``CODES``."""
+    there = {each.code for each in found}
+    return to_json([code for code in CODES if code in there])
+
+
+def strengths(scene: Scene) -> list[tuple[str, str]]:
+    """Name and strength of the scene's own soil and of every layer: at the peak and what failed soil keeps, with S_R and gamma."""
+    found = []
+    layers = [("soil", scene.soil, None, None), *((name, its.soil, its.S_R, its.gamma) for name, its in scene.layers.items())]
+    for name, soil, own_ratio, own_rate in layers:
+        ratio = scene.coupling.S_R if own_ratio is None else own_ratio
+        rate = scene.coupling.gamma if own_rate is None else own_rate
+        peak, residual = (f"c = {k * soil.cohesion:.4g} kPa, phi = {k * soil.friction_angle:.4g} degree" for k in (1.0, ratio))
+        found.append((name, f"peak {peak}; residual {residual} (S_R = {ratio:g}, gamma = {rate:g} 1/s)"))
+    return found
+
+
+class Layer(NamedTuple):
+    """The soil particles of one material."""
+
+    name: str
+    soil: Soil
+    particles: int
+    thickness: float  # that three quarters of its columns exceed, particles
+
+
+def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
+    """The materials with their particles."""
+    x, index = particles.x[: particles.n_soil], particles.layer[: particles.n_soil]
+    found = []
+    for number, (name, soil) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
+        columns = np.unique(np.round(x[index == number] / scene.numerics.spacing - 0.5), return_counts=True)[1]
+        found.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
+    return found
+
+
+def highest_frequency(scene: Scene) -> float:
+    """Frequency (Hz) below which ``ENERGY`` of the motion's energy lies; 0 without shaking, and for a load that stays."""
+    motion = scene.motion
+    if isinstance(motion, (NoMotion, ConstantAcceleration)):
+        return 0.0
+    # At samples of its own, whatever the time step: fewer would show high frequencies as low ones.
+    interval = float(processed(motion).time[1]) if isinstance(motion, Record) else motion.shortest_period / SAMPLES_IN_PERIOD
+    acceleration = motion.acceleration(np.arange(motion.start, min(motion.end, scene.duration), interval))
+    size = max(acceleration.size, 2**14)  # zeros after a short motion, so that its frequencies lie close
+    power = np.abs(np.fft.rfft(acceleration, size)) ** 2 if acceleration.size else np.zeros(1)
+    if not power.any():
+        return 0.0
+    return float(np.fft.rfftfreq(size, interval)[np.searchsorted(np.cumsum(power), ENERGY * power.sum())])
+
+
+def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
+    """Smoothing lengths, or spacings where they are longer, in a shear wave's length at a frequency (Hz)."""
+    return soil.s_wave_speed / frequency / max(scene.numerics.smoothing_length, scene.numerics.spacing) if frequency else np.inf
+
+
+def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
+    """All that is found of a scene and its particles without a run; takes some 0.03 s."""
+    particles = particles or place_particles(scene)
+    return (
+        [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
+        + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
+        + thin_box(scene)
+        + of_initiation(scene)
+        + of_motion(scene)
+        + _series(scene)
+        + _step(scene)
+    )
+
+
+def _layer(scene: Scene, layer: Layer) -> list[Finding]:
+    found = []
+    frequency = highest_frequency(scene)
+    lengths = in_wave(scene, layer.soil, frequency)
+    if layer.thickness < FEWEST_IN_LAYER:
+        wanted = f"at least {FEWEST_IN_LAYER}"
+        found.append(
+            finding(
+                "thin-layer", f"{layer.name} is thin", f"{layer.thickness:g} particles across", wanted, "numerics.spacing, or the layer"
+            )
+        )
+    if lengths < FEWEST_IN_WAVE:
+        ratio = wave_speed_ratio(scene, layer.soil.s_wave_speed / frequency)
+        found.append(
+            finding(
+                "short-waves",
+                f"shear waves of {frequency:.3g} Hz are short in {layer.name}",
+                f"{lengths:.2g} smoothing lengths in {layer.soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
+                f"at least {FEWEST_IN_WAVE} (Kuhlemeyer and Lysmer 1973)",
+                "numerics.spacing or numerics.smoothing_ratio",
+            )
+        )
+    return found
+
+
+def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
+    found = []
+    height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
+    if height < FEWEST_IN_HEIGHT * scene.numerics.spacing * (1 - 1e-9):
+        across = f"{height / scene.numerics.spacing:.1f} particles in {height:g} m"
+        found.append(
+            finding("few-particles", "few particles across the slope's height", across, f"at least {FEWEST_IN_HEIGHT}", "numerics.spacing")
+        )
+    behind = geometry.width - crest_x
+    if behind < ROOM_BEHIND * height:
+        key = "geometry.crest_length" if isinstance(geometry, Slope) else "geometry.window or the line"
+        found.append(
+            finding("back-wall", "the back wall is near the crest", f"{behind:.3g} m", f"at least H = {ROOM_BEHIND * height:.3g} m", key)
+        )
+    if toe_x < ROOM_AHEAD * height:
+        key = "geometry.apron_length" if isinstance(geometry, Slope) else "geometry.window or the line"
+        found.append(
+            finding(
+                "little-room",
+                "little room for the run-out before the front wall",
+                f"{toe_x:.3g} m",
+                f"2 H = {ROOM_AHEAD * height:.3g} m",
+                key,
+            )
+        )
+    if isinstance(geometry, GroundLine):
+        x, y = (np.array(side) for side in geometry.surface)
+        (_, low), (_, high) = largest_climb(np.column_stack([-x, y])[::-1], 0.0)
+        if high - low > height:
+            other = "right" if geometry.downhill == "left" else "left"
+            found.append(
+                finding(
+                    "other-slope",
+                    f"the ground falls further to the {other} than to the {geometry.downhill}",
+                    f"{high - low:.3g} m and {height:.3g} m",
+                    "the slope that may fail",
+                    f"geometry.downhill={other}, or a narrower geometry.window",
+                )
+            )
+    return found
+
+
+def thin_box(scene: Scene) -> list[Finding]:
+    """A warning if the box has fewer layers of particles than fill the kernel's support."""
+    walls, needed = scene.walls, scene.layers_filling_support
+    if any(kind.stands for kind in walls.kinds) and walls.layers < needed:
+        return [
+            finding(
+                "thin-box",
+                "the box's particles do not fill the kernel's support, so that stresses beside it alternate from row to row",
+                f"{walls.layers} layers",
+                f"{needed}",
+                f"walls.layers={needed}, or a smaller numerics.smoothing_ratio",
+            )
+        ]
+    return []
+
+
+def of_initiation(scene: Scene) -> list[Finding]:
+    """A finding if failure begins over no length, as in the paper's scheme, or over one that is shorter than particles can average."""
+    initiation, dx = scene.coupling.initiation, scene.numerics.spacing
+    if initiation is None:
+        return [
+            finding(
+                "no-process-zone",
+                "soil fails as soon as its stress reaches its strength, so that the spacing decides at which shaking the slope goes",
+                "no length",
+                "a slip and a length of a shear test",
+                "coupling.initiation",
+                NOTE if scene.scheme == "paper" else None,
+            )
+        ]
+    if initiation.length >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
+        return []
+    return [
+        finding(
+            "short-process-zone",
+            "the length of initiation is short, so that the spacing decides when soil fails",
+            f"{initiation.length / dx:.2g} spacings in {initiation.length:g} m",
+            f"at least {FEWEST_IN_LENGTH}",
+            "numerics.spacing, or coupling.initiation.length",
+        )
+    ]
+
+
+def cut_off(scene: Scene) -> list[Finding]:
+    """A warning if the run ends before the motion does."""
+    if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
+        return []
+    end = f"{scene.motion.end:.4g} s"
+    return [
+        finding(
+            "motion-cut-off", "the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}"
+        )
+    ]
+
+
+def of_motion(scene: Scene) -> list[Finding]:
+    """All findings of the shaking of a scene."""
+    loading = loading_of(scene)
+    components = {"horizontal": loading.ground, "vertical": loading.vertical}
+    return cut_off(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
+
+
+def peak_accelerations(scene: Scene) -> str:
+    """Peak accelerations of the ground in a run, of the motion as processed and scaled."""
+    loading = loading_of(scene)
+    peaks = {"horizontal": np.abs(loading.ground).max(), "vertical": np.abs(loading.vertical).max()}
+    return ", ".join(f"{name} {in_both(float(peak))}" for name, peak in peaks.items() if peak or name == "horizontal")
+
+
+def of_record(scene: Scene) -> list[Finding]:
+    """What is found of the record of a scene after its processing: offset, drift, displacement, polarity."""
+    if not isinstance(scene.motion, Record):
+        return []
+    made = processed(scene.motion)
+    motion = GroundMotion(made.time, made.horizontal)
+    return drifting(motion, "motion.baseline={}") + _one_sided(motion, f"motion.factor={-scene.motion.factor:g}")
+
+
+def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]:
+    """A warning for each peak of accelerations (n,) in m/s2, by direction, the horizontal first, that is not plausible; 0 is."""
+    wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
+    peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
+    return [
+        finding("pga-implausible", f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
+        for name, peak in peaks.items()
+        if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
+    ]
+
+
+def drifting(motion: GroundMotion, key: str) -> list[Finding]:
+    """Findings of a record whose ground does not come to rest, moves too far or ends elsewhere; ``key`` removes the drift.
+
+    An offset of the recorder moves a sliding block like shaking, whatever drift it leaves.
+    """
+    time, acceleration = motion
+    velocity = cumulative_trapezoid(acceleration, time, initial=0.0)
+    displacement = cumulative_trapezoid(velocity, time, initial=0.0)
+    largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
+    furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
+    found = []
+    if last > LARGEST_DRIFT * largest:
+        offset, bound = last / float(time[-1] - time[0]), LARGEST_OFFSET * motion.peak
+        at_end, wanted = f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s"
+        if offset > bound:
+            measured = f"a mean of {in_both(offset)}, {at_end}"
+            found.append(finding("record-offset", "the record has an offset, and its ground drifts", measured, wanted, key))
+        else:
+            found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key))
+    if furthest > LARGEST_DISPLACEMENT:
+        wanted = f"at most {LARGEST_DISPLACEMENT:g} m, except beside a fault that broke the surface"
+        found.append(finding("record-displacement", "the peak displacement of the ground is implausible", f"{furthest:.3g} m", wanted, key))
+    elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
+        measured = f"{lasting:.2g} m of {furthest:.2g} m"
+        found.append(finding("record-lasting", "the ground of the record ends away from where it began", measured, "near 0", key))
+    return found
+
+
+def _one_sided(motion: GroundMotion, key: str) -> list[Finding]:
+    """A note if the record turned round drives a sliding block further."""
+    strength = POLARITY_RATIO * motion.peak
+    if not strength > 0:
+        return []
+    as_it_is, turned = (sliding_block(motion.time, sign * motion.acceleration, strength).permanent for sign in (1.0, -1.0))
+    if turned <= POLARITY * as_it_is:
+        return []
+    measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
+    return [finding("record-polarity", "turned round the record drives the slope further", measured, "runs of both directions", key)]
+
+
+def in_both(acceleration: float) -> str:
+    """An acceleration (m/s2) in m/s2 and g."""
+    return f"{acceleration:.4g} m/s2 ({acceleration / GRAVITY:.3g} g)"
+
+
+def _series(scene: Scene) -> list[Finding]:
+    samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
+    if samples >= FEWEST_IN_SERIES:
+        return []
+    measured = f"{samples:.2g} in a period of {frequency:.3g} Hz"
+    return [
+        finding(
+            "sparse-series",
+            "the series hold few samples of the shaking",
+            measured,
+            f"at least {FEWEST_IN_SERIES}",
+            "outputs.series_interval",
+        )
+    ]
+
+
+def _step(scene: Scene) -> list[Finding]:
+    smallest = min(limits(scene), key=lambda limit: limit.seconds)
+    step = scene.numerics.time_step
+    if scene.numerics.adaptive_step is not None or step <= SHARE_OF_LIMIT * smallest.seconds:
+        return []
+    wanted = f"at most {SHARE_OF_LIMIT * smallest.seconds:.2g} s, {SHARE_OF_LIMIT:g} of the limit ({smallest.name})"
+    return [
+        finding(
+            "time-step",
+            "the time step is near its limit or above",
+            f"{step:.3g} s",
+            wanted,
+            "numerics.time_step, or numerics.adaptive_step={}",
+        )
+    ]
