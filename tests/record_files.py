@@ -49,3 +49,21 @@ Max. Acc. (gal)   4.383
 Last Correction   2000/01/01 00:00:00
 Memo.
 """ + lines_of(counts.tolist(), "{:9d}", 8)  # fmt: skip
+
+
+def cosmos(acceleration: np.ndarray, interval: float, unit: str = "cm/sec2(04)", form: str = "8F10.5", further: bool = True) -> str:
+    """COSMOS 1.20, one channel: cm/s2; with ``further`` a history of velocity behind the acceleration, as in files of CESMD."""
+    each, width = int(form.split("F")[0]), int(form.split("F")[1].split(".")[0])
+    texts = ["Corrected acceleration    (Format v01.20 with 13 text lines) Src: made", *[f"line {n} 1 2 3" for n in range(2, 14)]]
+    reals = [-999.0] * 100
+    reals[33], reals[61] = 5.0, 1000.0 * interval
+    head = "\n".join(texts) + "\n 100 Integer-header values follow on  10 lines, Format=  (10I8)\n" + lines_of([-999] * 100, "{:8d}", 10)
+    head += " 100 Real-header values follow on  17 lines, Format=  (6F13.6)\n" + lines_of(reals, "{:13.6f}", 6)
+    head += '   1 Comment line(s) follow, each starting with a "|":\n| a comment\n'
+    n, seconds = acceleration.size, acceleration.size * interval
+    block = f"{n:8d} acceleration pts, approx {seconds:4.0f} secs, units={unit},Format=({form})\n"
+    block += lines_of((100.0 * acceleration).tolist(), f"{{:{width}.5f}}", each)
+    if further:
+        block += f"{n:8d} velocity     pts, approx {seconds:4.0f} secs, units=cm/sec(05),Format=(8F10.5)\n"
+        block += lines_of([0.0] * n, "{:10.5f}", 8)
+    return head + block + "End-of-data for Chan  1 acceleration\n"

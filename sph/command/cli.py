@@ -20,6 +20,8 @@ import typer
 
 from sph.command.options import (
     AsJson,
+    BandPassOption,
+    BaselineOption,
     Commands,
     Rule,
     SceneFile,
@@ -29,6 +31,7 @@ from sph.command.options import (
     Tolerance,
     Trajectory,
     Trials,
+    UnitOption,
     check_apart,
     check_picture,
     check_writable,
@@ -36,6 +39,7 @@ from sph.command.options import (
     parse_error,
     parse_settings,
     parse_spacings,
+    parse_treatment,
     refusals,
     say,
     show_table,
@@ -445,26 +449,34 @@ def advise(
 
 
 @app.command(
-    epilog="Examples:  sph newmark config/scenes/paper.yaml --ay 0.25g  |  sph newmark record.csv --ay 2.5 --scale-to 0.6g --upslope 8"
+    epilog="Examples:  sph newmark config/scenes/paper.yaml --ay 0.25g  |  sph newmark record.csv --ay '2.5 m/s2' --scale-to 0.6g  |  "
+    "sph newmark AKT0130001010000.EW --ay 0.05g --baseline 0 --direction both"
 )
 def newmark(
-    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (.AT2, .EW .NS ..., .smc, .csv)")],
-    ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration, 2.5 (m/s2) or 0.25g")],
+    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (.AT2, .EW .NS ..., .smc, .V2, .csv)")],
+    ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration with its unit, 0.25g or '2.5 m/s2'")],
     upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
     set_: Settings = None,
+    unit: UnitOption = None,
+    baseline: BaselineOption = None,
+    band_pass: BandPassOption = None,
+    direction: Annotated[str, typer.Option(help="of the motion: recorded, turned, or both for the larger displacement")] = "recorded",
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Slide Newmark's rigid block on a ground motion; positive accelerations drive it downslope, as in a scene."""
     with refusals("reading the motion and sliding the block"):
-        from sph.command.newmark import lines, slide
+        from sph.command.newmark import DIRECTIONS, lines, slide
 
+        if direction not in DIRECTIONS:
+            raise ValueError(f"--direction {direction!r}: must be {', '.join(DIRECTIONS)}")
+        treatment = parse_treatment(unit, baseline, band_pass)
         down = parse_acceleration(ay, "--ay")
         up = None if upslope is None else parse_acceleration(upslope, "--upslope")
         peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
-        answer, heed = slide(motion, parse_settings(set_), down, up, peak)
-    for warning in heed:
-        say(f"warning: {warning}")
+        answer, heed = slide(motion, parse_settings(set_), down, up, peak, treatment, direction)
+    for each in heed:
+        say(each.line())
     print(to_json(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
@@ -500,22 +512,26 @@ def cost(
 )
 def motion(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS .UD ..., .smc, .csv), scene (YAML) or trajectory (netCDF)")
+        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS .UD ..., .smc, .V2, .csv), scene (YAML) or trajectory (netCDF)")
     ],
     set_: Settings = None,
-    unit: Annotated[str | None, typer.Option(help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")] = None,
+    unit: UnitOption = None,
+    baseline: BaselineOption = None,
+    band_pass: BandPassOption = None,
+    direction: Annotated[str, typer.Option(help="of the motion: recorded or turned")] = "recorded",
     out: Annotated[
         Path | None,
         typer.Option("--plot", metavar="PICTURE", help="picture of histories and response spectrum (.png, .pdf, .svg)"),
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
-    """Measure a ground motion, a record as it is or as a scene has processed it: peaks, Arias intensity, durations, spectrum."""
+    """Measure a ground motion, a record as it is or processed, or that of a scene: peaks, Arias intensity, durations, spectrum."""
     with refusals("reading the motion and measuring it"):
         from sph.command.motion import measures, read_shaking, rows
 
-        check_known("--unit", [unit], ("m/s2", "cm/s2", "gal", "g"))
-        shaking = read_shaking(file, parse_settings(set_), unit)  # type: ignore[arg-type]
+        if direction not in ("recorded", "turned"):
+            raise ValueError(f"--direction {direction!r}: must be recorded or turned; the measures of both are the same")
+        shaking = read_shaking(file, parse_settings(set_), parse_treatment(unit, baseline, band_pass), direction == "turned")
         if out is not None:
             check_picture(out, shaking.files, "--plot")
         found = measures(shaking)
@@ -524,8 +540,8 @@ def motion(
             from sph.figures.style import save
 
             save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
-    for warning in shaking.warnings:
-        say(f"warning: {warning}")
+    for each in shaking.findings:
+        say(each.line())
     if as_json:
         print(to_json({name: values._asdict() for name, values in found.items()}, indent=1))
         return

@@ -1,4 +1,4 @@
-"""What ``sph motion`` computes and prints: the measures of a ground motion, as recorded or as processed by a scene."""
+"""What ``sph motion`` computes and prints: the measures of a ground motion, as recorded, as processed, or as a scene has it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.repeat import read_given
-from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of
+from sph.scene.configuration import merge, validated
+from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of, read_components
 from sph.scene.ground_motion.measures import Measures, measure
-from sph.scene.ground_motion.record import read_even
-from sph.scene.ground_motion.units import Unit
-from sph.study.findings import drifting, implausible, in_both, of_motion
+from sph.scene.ground_motion.record import Record, processed, read_even
+from sph.study.findings import Finding, drifting, implausible, in_both, of_motion, one_sided
+
+CURE = "--baseline 1, or motion.baseline of a scene with it"
 
 
 class Shaking(NamedTuple):
@@ -24,30 +26,59 @@ class Shaking(NamedTuple):
     files: list[str]  # that were read
     interval: float  # s
     components: dict[str, np.ndarray]  # each (n,) m/s2
-    warnings: tuple[str, ...] = ()  # what a user of the scene should know
+    findings: tuple[Finding, ...] = ()  # what a user of the motion should know
 
 
-def read_shaking(path: Path, overrides: Mapping[str, Any], unit: Unit | None) -> Shaking:
-    """The shaking in a record as it is, or in a scene (YAML or trajectory) over its duration, processed and scaled, by the ending.
+def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Times (n,) in s and components (n,) in m/s2, the horizontal first, of a record, read and processed as by a scene.
+
+    ``treatment`` has the keys ``unit``, ``baseline`` and ``band_pass`` of a scene's ``motion``, or some of them.  A record that is not
+    processed may be unevenly sampled.  ValueError as from the readers, and for processing that the record does not bear.
+    """
+    time, *columns = read_components(path, treatment.get("unit"))
+    if not set(treatment) - {"unit"}:
+        return time, columns
+    section = {"kind": "record", "file": str(path), "start": 0.0, "vertical": {} if len(columns) > 1 else None, **treatment}
+    made = processed(validated(Record, section, str(path)))
+    return made.time, [made.horizontal, made.vertical][: len(columns)]
+
+
+def laid_over(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, Any]) -> dict[str, Any]:
+    """The overrides of a scene with the treatment of its record; ValueError for a unit, which is for records."""
+    if treatment.get("unit") is not None:
+        unit = treatment["unit"]
+        raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
+    return merge(overrides, {"motion": dict(treatment)}) if treatment else dict(overrides)
+
+
+def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, Any], turned: bool = False) -> Shaking:
+    """The shaking in a record, or in a scene (YAML or trajectory) over its duration, by the ending; processed and scaled as asked for.
 
     ValueError for a file that is neither, for overrides of a record and a unit of a scene.
     """
     if path.suffix.lower() in RECORDS:
         if overrides:
             raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
-        interval, _, columns = read_even(str(path), unit)
+        if set(treatment) - {"unit"}:
+            time, columns = read_treated(path, treatment)
+            interval = float(time[1])
+        else:
+            interval, _, columns = read_even(str(path), treatment.get("unit"))
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
-        found = implausible(components, "the unit of the record") + drifting(motion, "the record, or motion.baseline of a scene with it")
-        name = os.fsencode(path.name).decode("utf-8", "replace")
-        return Shaking(name, [str(path)], interval, components, tuple(diagnostic.sentence() for diagnostic in found))
-    if unit is not None:
-        raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
-    scene, files = read_given(path, overrides)
-    loading = loading_of(scene)
-    components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
-    heed = tuple(diagnostic.sentence() for diagnostic in of_motion(scene))
-    return Shaking(scene.name, files, float(loading.time[1]), components, heed)
+        found = implausible(components, "the unit of the record") + drifting(motion, CURE)
+        name, files = os.fsencode(path.name).decode("utf-8", "replace"), [str(path)]
+    else:
+        scene, files = read_given(path, laid_over(path, overrides, treatment))
+        loading = loading_of(scene)
+        components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
+        name, interval, found = scene.name, float(loading.time[1]), of_motion(scene)
+    found = [each for each in found if each.code != "record-polarity"]
+    if turned:
+        components["horizontal"] = -components["horizontal"]
+    horizontal = components["horizontal"]
+    found += one_sided(GroundMotion(interval * np.arange(horizontal.size), horizontal), "--direction, or motion.factor of a scene")
+    return Shaking(name, files, interval, components, tuple(found))
 
 
 def measures(shaking: Shaking) -> dict[str, Measures]:

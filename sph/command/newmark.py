@@ -1,4 +1,4 @@
-"""What ``sph newmark`` computes and prints: the sliding block under one ground motion."""
+"""What ``sph newmark`` computes and prints: the sliding block under one ground motion, in either direction."""
 
 from __future__ import annotations
 
@@ -8,12 +8,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.scene.ground_motion import SCENES, GroundMotion, motion_of, read_motion
+from sph.command.motion import CURE, laid_over, read_treated
+from sph.scene.ground_motion import SCENES, GroundMotion, check_record, motion_of
 from sph.scene.ground_motion.record import Record
 from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import load_scene
-from sph.stability.newmark import sliding_block
-from sph.study.findings import cut_off, drifting, implausible, in_both, of_record
+from sph.stability.newmark import SlidingBlock, sliding_block
+from sph.study.findings import Finding, Severity, cut_off, drifting, finding, implausible, in_both
+
+RECORDED, TURNED, BOTH = "recorded", "turned", "both"
+DIRECTIONS = (RECORDED, TURNED, BOTH)
+"""In which direction the motion acts: as it is, turned round, or the one of the two that drives the block further."""
+MATTERS = 0.05
+"""Relative difference of two displacements from which on it is told what makes it."""
 
 
 class Answer(NamedTuple):
@@ -25,38 +32,95 @@ class Answer(NamedTuple):
     ratio: float  # yield acceleration over the absolute peak
     permanent_displacement: float  # m, positive downslope
     sliding_time: float  # s
+    direction: str  # of the motion: recorded or turned
+    other_displacement: float | None  # permanent, in the other direction, where both were asked for, m
 
 
-def slide(path: Path, overrides: Mapping[str, Any], down: float, up: float | None, peak: float | None) -> tuple[Answer, list[str]]:
+def slide(
+    path: Path,
+    overrides: Mapping[str, Any],
+    down: float,
+    up: float | None,
+    peak: float | None,
+    treatment: Mapping[str, Any] | None = None,
+    direction: str = RECORDED,
+) -> tuple[Answer, list[Finding]]:
     """Slide a block with the yield accelerations ``down`` and ``up`` (m/s2) on the motion in a file, scaled to a peak (m/s2).
 
-    Also returns the diagnostics of the motion, a sentence each.  Raises ValueError for a file that is no motion, for a load that stays,
-    and where the ground stands still.
+    ``treatment`` is that of ``sph.command.motion.read_treated``, ``direction`` one of ``DIRECTIONS``.  Also returns what is found of the
+    motion: an offset and a direction are told where the displacement rests on them.  Raises ValueError for a file that is no motion,
+    for a load that stays, and where the ground stands still.
     """
-    motion, heed = _motion(path, overrides)
+    motion, heed, recorded = _motion(path, overrides, treatment or {})
     if motion.peak == 0:
         raise ValueError(f"{path}: the ground stands still, and a sliding block needs a motion")
     if peak is not None:
         motion = motion.scaled(peak)
-    heed += [
-        diagnostic.sentence() for diagnostic in implausible({"horizontal": motion.acceleration}, "--scale-to, or the unit of the record")
-    ]
-    block = sliding_block(motion.time, motion.acceleration, down, up)
-    extreme = float(motion.acceleration[np.abs(motion.acceleration).argmax()])
-    return Answer(extreme, down, up, down / abs(extreme), block.permanent, block.sliding_time), heed
+
+    def block(sign: float, offset: float = 0.0) -> SlidingBlock:
+        return sliding_block(motion.time, sign * (motion.acceleration - offset), down, up)
+
+    blocks = {RECORDED: block(1.0), TURNED: block(-1.0)}
+    chosen = max(blocks, key=lambda name: abs(blocks[name].permanent)) if direction == BOTH else direction
+    other = next(name for name in blocks if name != chosen)
+    found, sign = blocks[chosen], 1.0 if chosen == RECORDED else -1.0
+    if recorded:
+        mean = float(np.trapezoid(motion.acceleration, motion.time)) / float(motion.time[-1] - motion.time[0])
+        without = block(sign, mean).permanent
+        if _differ(found.permanent, without):
+            heed = [each for each in heed if each.code not in ("record-offset", "record-drift")]
+            heed.append(
+                finding(
+                    "record-offset",
+                    "the ground of the record drifts, and the displacement rests on its mean acceleration",
+                    f"{found.permanent:.3g} m, and {without:.3g} m without the mean of {in_both(mean)}",
+                    f"a difference of less than {MATTERS:.0%}",
+                    CURE,
+                )
+            )
+        if direction != BOTH and abs(blocks[other].permanent) > abs(found.permanent) and _differ(found.permanent, blocks[other].permanent):
+            heed.append(
+                finding(
+                    "record-polarity",
+                    "in the other direction the motion drives the block further",
+                    f"{blocks[other].permanent:.3g} m instead of {found.permanent:.3g} m",
+                    "the larger of both",
+                    "--direction both",
+                    Severity.WARNING,
+                )
+            )
+    heed += implausible({"horizontal": motion.acceleration}, "--scale-to, or the unit of the record")
+    extreme = sign * float(motion.acceleration[np.abs(motion.acceleration).argmax()])
+    beside = blocks[other].permanent if direction == BOTH else None
+    return Answer(extreme, down, up, down / abs(extreme), found.permanent, found.sliding_time, chosen, beside), heed
 
 
-def _motion(path: Path, overrides: Mapping[str, Any]) -> tuple[GroundMotion, list[str]]:
+def _differ(one: float, other: float) -> bool:
+    return abs(one - other) > MATTERS * max(abs(one), abs(other))
+
+
+def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, Any]) -> tuple[GroundMotion, list[Finding], bool]:
+    """The motion in a file, what is found of it, and whether it was recorded."""
     if path.suffix.lower() not in SCENES:
-        motion = read_motion(path, overrides)
-        return motion, [diagnostic.sentence() for diagnostic in drifting(motion, "the record, or motion.baseline of a scene with it")]
-    scene = load_scene(path, overrides)
-    if isinstance(scene.motion, ConstantAcceleration):
-        raise ValueError(f"{path}: motion.kind: constant is a load that stays, and a sliding block comes to rest after a motion that ends")
-    heed = [diagnostic.sentence() for diagnostic in cut_off(scene) + of_record(scene)]
-    if isinstance(scene.motion, Record) and scene.motion.vertical is not None:
-        heed.append("motion.vertical does not act on the sliding block, which the horizontal component alone drives")
-    return motion_of(scene), heed
+        check_record(path, SCENES)
+        if overrides:
+            raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
+        time, columns = read_treated(path, treatment)
+        motion, heed, recorded, vertical = GroundMotion(time, columns[0]), list[Finding](), True, len(columns) > 1
+    else:
+        scene = load_scene(path, laid_over(path, overrides, treatment))
+        if isinstance(scene.motion, ConstantAcceleration):
+            raise ValueError(
+                f"{path}: motion.kind: constant is a load that stays, and a sliding block comes to rest after a motion that ends"
+            )
+        motion, heed, recorded = motion_of(scene), cut_off(scene), isinstance(scene.motion, Record)
+        vertical = isinstance(scene.motion, Record) and scene.motion.vertical is not None
+    if recorded:
+        heed += drifting(motion, CURE)
+    if vertical:
+        alone = "motion.vertical does not act on the sliding block, which the horizontal component alone drives"
+        heed.append(finding("vertical-unused", "the vertical component of the motion", alone))
+    return motion, heed, recorded
 
 
 def lines(answer: Answer) -> list[str]:
@@ -69,5 +133,8 @@ def lines(answer: Answer) -> list[str]:
         ("permanent displacement", f"{answer.permanent_displacement:.4g} m"),
         ("time in sliding", f"{answer.sliding_time:.4g} s"),
     ]
+    if answer.direction == TURNED or answer.other_displacement is not None:
+        beside = "" if answer.other_displacement is None else f", the larger; {answer.other_displacement:.4g} m in the other direction"
+        rows.append(("direction", ("as recorded" if answer.direction == RECORDED else "turned round") + beside))
     width = max(len(label) for label, _ in rows)
     return [f"{label:<{width}}  {text}" for label, text in rows]

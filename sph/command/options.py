@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import tempfile
 import threading
@@ -166,11 +167,14 @@ def parse_spacings(text: str | None) -> tuple[float, ...] | None:
 
 
 def parse_acceleration(text: str, option: str) -> float:
-    """``"2.5"`` (m/s2), ``"2.5 m/s2"`` or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, and unless positive and
-    finite."""
+    """``"2.5 m/s2"`` or ``"0.25g"`` in m/s2; ValueError naming the option for anything else, a bare number among it, and unless positive
+    and finite."""
     from sph.scene.ground_motion import LARGEST_ACCELERATION
     from sph.scene.units import acceleration
 
+    bare = text.strip()
+    if re.fullmatch(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?", bare):
+        raise ValueError(f"{option} {text!r}: has no unit; write {bare}g or {bare} m/s2, whichever is meant")
     try:
         value = float(acceleration(text))
     except ValueError as error:
@@ -178,3 +182,31 @@ def parse_acceleration(text: str, option: str) -> float:
     if not SMALLEST_ACCELERATION <= value <= LARGEST_ACCELERATION:
         raise ValueError(f"{option} {text!r}: must be positive and finite, from {SMALLEST_ACCELERATION:g} to {LARGEST_ACCELERATION:g} m/s2")
     return value
+
+
+def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | None) -> dict[str, Any]:
+    """The options that treat a record as the keys of a scene's ``motion``, those that were given; ValueError names the option."""
+    from sph.scene.units import SIZES
+
+    if unit not in (None, *SIZES):
+        raise ValueError(f"--unit {unit!r}: must be {', '.join(SIZES)}")
+    found: dict[str, Any] = {} if unit is None else {"unit": unit}
+    if baseline is not None:
+        found["baseline"] = {"degree": baseline}
+    if band_pass is not None:
+        try:
+            low, high = (float(corner) if corner.strip() else None for corner in band_pass.split(","))
+        except ValueError as error:
+            raise ValueError(f"--band-pass {band_pass!r}: write two corners in Hz, 0.1,25, or one of them, 0.1, or ,25") from error
+        found["band_pass"] = {"low": low, "high": high}
+    return found
+
+
+UnitOption = Annotated[str | None, typer.Option("--unit", help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")]
+BaselineOption = Annotated[
+    int | None,
+    typer.Option("--baseline", metavar="DEGREE", help="take drift out, as motion.baseline of a scene: 0 an offset, 1 a straight line"),
+]
+BandPassOption = Annotated[
+    str | None, typer.Option("--band-pass", metavar="LOW,HIGH", help="filter, as motion.band_pass of a scene: corners in Hz, e.g. 0.1,25")
+]

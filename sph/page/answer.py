@@ -10,12 +10,12 @@ import pandas as pd
 
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
-from sph.jobs.diagnostics import in_both
 from sph.measures.metrics import CLASSES, STABLE
 from sph.page.tables import MOST_VALUES, NOTHING, Table, csv_table, metres
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import Dimension, dimension
+from sph.study.findings import in_both
 from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"

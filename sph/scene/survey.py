@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from sph.scene.cells import cells
 from sph.scene.configuration import DEEPEST, one_line, read_text
 from sph.scene.strict_json import parse_json
 from sph.scene.units import Units, named, unit_of
@@ -36,9 +37,7 @@ def _table(text: str) -> list[tuple[float, float]]:
     points: list[tuple[float, float]] = []
     names_allowed = True
     for number, line in enumerate(text.splitlines(), start=1):
-        separator = next((mark for mark in (";", "\t", ",") if mark in line), None)
-        decimal = line.replace(",", ".") if separator in (";", "\t") else line
-        words = [word.strip(' "') for word in decimal.strip().strip(separator or " ").split(separator)]
+        words = cells(line)
         if line.lstrip().startswith("#"):
             if not points and any(size is None and not beside_number for size, beside_number in named(line, METRES)):
                 _check_metres(number, [line])

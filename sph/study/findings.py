@@ -354,7 +354,7 @@ def of_record(scene: Scene) -> list[Finding]:
         return []
     made = processed(scene.motion)
     motion = GroundMotion(made.time, made.horizontal)
-    return drifting(motion, "motion.baseline={}") + _one_sided(motion, f"motion.factor={-scene.motion.factor:g}")
+    return drifting(motion, "motion.baseline={}") + one_sided(motion, f"motion.factor={-scene.motion.factor:g}")
 
 
 def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]:
@@ -384,7 +384,7 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
         at_end, wanted = f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s"
         if offset > bound:
             measured = f"a mean of {in_both(offset)}, {at_end}"
-            found.append(finding("record-offset", "the record has an offset, and its ground drifts", measured, wanted, key))
+            found.append(finding("record-offset", "the ground of the record drifts by an offset of its recorder", measured, wanted, key))
         else:
             found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key))
     if furthest > LARGEST_DISPLACEMENT:
@@ -396,7 +396,7 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
     return found
 
 
-def _one_sided(motion: GroundMotion, key: str) -> list[Finding]:
+def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
     """A note if the record turned round drives a sliding block further."""
     strength = POLARITY_RATIO * motion.peak
     if not strength > 0:

@@ -128,11 +128,11 @@ def test_the_peak_acceleration_is_shown_and_told_where_it_is_implausible(tmp_pat
     file = tmp_path / "own.yaml"
     file.write_text(yaml.safe_dump(SOUND | {"motion": motion}))
     for command, *shown in (("check", "PGA "), ("info", "PGA "), ("motion", "(PGA)"), ("newmark", "peak ground acceleration")):
-        result = call(command, file, *(["--ay", "1"] if command == "newmark" else []))
+        result = call(command, file, *(["--ay", "1 m/s2"] if command == "newmark" else []))
         assert all(word in result.output for word in (*shown, "m/s2 (36 g)", "warning", "is implausible", "wanted 0.01 to 2 g")), (
             result.output
         )
-    for command in (("motion",), ("newmark", "--ay", "1")):
+    for command in (("motion",), ("newmark", "--ay", "1m/s2")):
         assert "is implausible" in call(command[0], tmp_path / "a.csv", *command[1:]).stderr
     assert "PGA" in call("check", file, "--set", "motion.amplitude=3").stdout
     assert "is implausible" not in call("check", file, "--set", "motion.amplitude=3").stdout

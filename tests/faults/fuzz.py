@@ -311,7 +311,7 @@ def record(example: tuple[str, str], folder: Path) -> str:
     path.write_text(text, encoding="utf-8", errors="surrogateescape")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        shown = call("newmark", path, "--ay", "0.1", "--upslope", "0.3", "--json") + call("motion", path, "--json")
+        shown = call("newmark", path, "--ay", "0.1 m/s2", "--upslope", "0.3 m/s2", "--json") + call("motion", path, "--json")
     assert "NaN" not in shown and "Infinity" not in shown, shown
     return "accepted"
 
@@ -329,7 +329,7 @@ def survey(text: str, folder: Path) -> str:
 def line(arguments: list[str], folder: Path) -> str:
     """A command line; searches are answered without simulating."""
     tiny = write(folder / "tiny.yaml", SCENES[1])
-    (folder / "record.csv").write_text("0,5.886\n0.2,5.886\n")
+    (folder / "record.csv").write_text("t,a\n0,5.886\n0.2,5.886\n")
     places = {"SCENE": str(tiny), "RECORD": str(folder / "record.csv"), "FOLDER": str(folder)}
 
     def stand(_scene: Scene, _rule: FailureRule, value: float) -> Trial:

@@ -186,10 +186,10 @@ a_rule = st.one_of(st.tuples(st.sampled_from(list(FailureRule.model_fields)), a_
 a_file = st.sampled_from(["SCENE", "RECORD", "FOLDER", "/dev/null", "absent", "n" * 300, "/dev/zero/x", "-", ""])
 lines = st.one_of(
     st.tuples(st.just("info"), st.just("SCENE"), st.just("--set"), a_setting),
-    st.tuples(st.just("newmark"), st.just("SCENE"), st.just("--ay=1"), st.just("--set"), a_setting),
-    st.tuples(st.just("newmark"), st.just("RECORD"), a_number.map("--ay={}".format), a_number.map("--scale-to={}".format)),
+    st.tuples(st.just("newmark"), st.just("SCENE"), st.just("--ay=1m/s2"), st.just("--set"), a_setting),
+    st.tuples(st.just("newmark"), st.just("RECORD"), a_number.map("--ay={}g".format), a_number.map("--scale-to={}g".format)),
     st.tuples(
-        st.just("newmark"), st.just("RECORD"), a_number.map("--ay={}".format), a_number.map("--upslope={}".format), st.just("--json")
+        st.just("newmark"), st.just("RECORD"), a_number.map("--ay={}g".format), a_number.map("--upslope={}g".format), st.just("--json")
     ),
     st.tuples(st.just("fos"), st.just("SCENE"), st.just("--rule"), a_rule, a_number.map("--tolerance={}".format)),
     st.tuples(st.just("fos"), st.just("SCENE"), any_text.map("--reduce={}".format), st.just("--rule=displacement=0.5")),
@@ -198,7 +198,7 @@ lines = st.one_of(
     st.tuples(st.just("advise"), a_number.map("--error={}".format), any_text.map("--of={}".format)),
     st.tuples(st.just("advise"), st.just("--error=0.2"), a_file.map("--table={}".format)),
     st.tuples(st.sampled_from(["plot", "metrics", "info"]), a_file),
-    st.tuples(st.just("newmark"), a_file, st.just("--ay=1")),
+    st.tuples(st.just("newmark"), a_file, st.just("--ay=1m/s2")),
     st.tuples(st.just("run"), st.just("SCENE"), a_file.map("--restart={}".format)),
     st.tuples(st.just("run"), st.just("SCENE"), any_text.map("--until={}".format)),
     st.tuples(

@@ -127,7 +127,7 @@ def test_what_cannot_be_written_is_refused_before_the_work(
 @pytest.mark.parametrize("command", ["info", "newmark", "fos"])
 @pytest.mark.parametrize("path", ["/", "/dev/null", "absent.yaml", "n" * 300, "a\nb.yaml"])
 def test_a_scene_that_is_none_is_refused(command: str, path: str) -> None:
-    refused(command, path, *(["--ay=1"] if command == "newmark" else []))
+    refused(command, path, *(["--ay=1m/s2"] if command == "newmark" else []))
 
 
 @pytest.mark.parametrize("content", [b"", b"\xff\xfe", b"name,value\n1,2\n", b"\n\n", bytes(range(256)), b'"'])
@@ -150,7 +150,7 @@ def test_a_table_that_is_none_is_refused(tmp_path: Path, content: bytes) -> None
 def test_a_record_beyond_all_measure_is_refused(tmp_path: Path, content: str, wanted: str) -> None:
     path = tmp_path / "record.csv"
     path.write_text(content)
-    message = refused("newmark", path, "--ay", "1")
+    message = refused("newmark", path, "--ay", "1 m/s2")
     assert wanted in message and len(message) < 1000
 
 
@@ -164,8 +164,8 @@ def test_a_record_without_end_is_not_read(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "wanted"),
     [
-        (("newmark", "slope.yaml", "--ay", "1e-300"), "--ay '1e-300': must be positive and finite, from 1e-06 to 1e+06 m/s2"),
-        (("newmark", "slope.yaml", "--ay", "1", "--scale-to", "1e300"), "--scale-to '1e300'"),
+        (("newmark", "slope.yaml", "--ay", "1e-300g"), "--ay '1e-300g': must be positive and finite, from 1e-06 to 1e+06 m/s2"),
+        (("newmark", "slope.yaml", "--ay", "1 gal", "--scale-to", "1e300g"), "--scale-to '1e300g': must be positive"),
         (("fos", "slope.yaml", "--tolerance", "1e-300"), "tolerance: 1e-300 must be positive, 1e-06 at least"),
         (("fos", "slope.yaml", "--tolerance", "nan"), "--tolerance"),
         (("run", "slope.yaml", "--threads", "100000"), "--threads"),

@@ -32,7 +32,7 @@ from sph.command.cli import app
 
 record, scene = sys.argv[1:]
 commands = {
-    "help": ["--help"], "motion": ["motion", record], "newmark": ["newmark", scene, "--ay", "1"], "check": ["check", scene],
+    "help": ["--help"], "motion": ["motion", record], "newmark": ["newmark", scene, "--ay", "1m/s2"], "check": ["check", scene],
     "info": ["info", scene], "run": ["run", scene], "fos": ["fos", scene, "--single"],
     "yield-acceleration": ["yield-acceleration", scene, "--single"],
 }

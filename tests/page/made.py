@@ -19,6 +19,8 @@ from sph.paper.claims import write_claims
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import CASE, Dimension
+from sph.study.findings import Finding
+from sph.study.preflight import Row, write_preflight
 from sph.study.tables import Layout, join_study, read_study, read_table, study_rows, write_csv
 
 FOLDER = "results/made/up"
@@ -81,6 +83,10 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
         if path.endswith(".png"):
             Path(path).parent.mkdir(exist_ok=True)
             Image.linear_gradient("L").save(path)
+    weak = Finding(
+        "fails-unshaken", "error", "the slope does not stand unshaken", "fails at its peak strength", "to stand", "soil.cohesion"
+    )
+    write_preflight(f"{FOLDER}/preflight.csv", [Row(weak, 4, next(iter(runs)))])
     stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}
     return StudyFiles(

@@ -17,7 +17,10 @@ from sph.scene.schema import Scene
 @pytest.mark.parametrize(
     "text",
     [
-        "0,0\n0.5,-2e0\n2,1\n",
+        "t,a\n0,0\n0.5,-2e0\n2,1\n",
+        "t\ta\n0\t0\n0,5\t-2,0\n2\t1\n",
+        "time (s)  acc (m/s2)\n0 0\n0.5   -2\n 2 1\n",
+        "t;a (m/s2)\n0;0\n0,5;-2,0\n2;1\n",
         "time (s),acceleration (m/s2)\n0,0\n0.5,-2\n2,1",
         "\ufefft;a\n 0 , 0\r\n0.50, -2.0\r\n\r\n2, 1\r\n\r\n",
     ],
@@ -35,14 +38,16 @@ def test_a_record_with_and_without_names(tmp_path: Path, text: str) -> None:
     [
         ("t,a\n0,0\n1\n", ("line 3", "2 columns", "has 1", "'1'")),
         ("0,0,0\n1,0,0\n", ("line 1", "2 columns", "has 3")),
-        ("0;0\n1;0\n2;0\n", ("line 2", "2 columns", "has 1")),
+        ("0,0\n1,0\n", ("line 1 (no names of columns): does not say its unit", "--unit of a command")),
+        ("t,a\n0,0\n1,1_0\n", ("line 3", "two finite numbers", "1_0")),
+        ("t a\n0 0\n1,5 2,5\n", ("line 3", "2 columns", "has 3")),
         ("t,a\n0,0\n1,nan\n", ("line 3", "two finite numbers", "'1,nan'")),
-        ("nan,0\n1,0\n", ("line 1", "two finite numbers")),
-        ("0,0\ninf,0\n", ("line 2", "two finite numbers")),
+        ("t,a\nnan,0\n1,0\n", ("line 2", "two finite numbers")),
+        ("t,a\n0,0\ninf,0\n", ("line 3", "two finite numbers")),
         ("0,zero\n1,0\n", ("line 1", "two finite numbers", "'0,zero'")),
         ("t,a\ns,m/s2\n0,0\n", ("line 2", "two finite numbers")),
-        ("0,0\n1,\n", ("line 2", "two finite numbers")),
-        ("0,0\n1,0\n\n1,5\n", ("line 4", "time 1.0 s must be greater than 1.0 s")),
+        ("t,a\n0,0\n1,\n", ("line 3", "2 columns", "has 1")),
+        ("t,a\n0,0\n1,0\n\n1,5\n", ("line 5", "time 1.0 s must be greater than 1.0 s")),
         ("t,a\n0,0\n", ("at least two samples", "found 1")),
         ("", ("at least two samples", "found 0")),
     ],
@@ -67,7 +72,7 @@ def test_files_that_hold_no_motion_are_refused(tmp_path: Path) -> None:
 
 def test_a_record_has_no_keys(tmp_path: Path) -> None:
     path = tmp_path / "record.CSV"
-    path.write_text("0,0\n1,2\n")
+    path.write_text("t,a\n0,0\n1,2\n")
     assert read_motion(path).peak == 2
     with pytest.raises(ValueError, match=r"record\.CSV: is a record .*motion"):
         read_motion(path, {"motion": {"amplitude": 3.0}})

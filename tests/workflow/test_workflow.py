@@ -179,6 +179,7 @@ def test_a_new_grid_value_runs_only_what_is_new(finished: Path) -> None:
     grid = STUDY["grid"] | {"S_R": ["0.10", "0.30", "0.50"]}
     assert planned_jobs(finished, *write_config(finished, grid=grid)) == {
         "all": 1,
+        "preflight": 1,
         "simulate": 4,
         "measure": 1,
         "study": 1,

@@ -1,7 +1,7 @@
 """Ground motions as samples: records in files, their processing and measures, and the motion of a scene.
 
 ``text``, ``units``                               what all formats share
-``comma_separated``, ``peer``, ``knet``, ``smc``  a format each
+``comma_separated``, ``peer``, ``knet``, ``smc``, ``cosmos``  a format each
 ``record``                                        a record in a scene: the section ``motion`` of kind ``record``
 ``processing``                                    baseline, band-pass, trim, resampling
 ``measures``, ``spectrum``                        peaks, Arias intensity, durations; response spectrum
@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from sph.scene.ground_motion.comma_separated import read_csv
+from sph.scene.ground_motion.cosmos import read_cosmos
 from sph.scene.ground_motion.knet import read_knet
 from sph.scene.ground_motion.peer import read_at2
 from sph.scene.ground_motion.smc import read_smc
@@ -32,7 +33,8 @@ if TYPE_CHECKING:
 
 SCENES = (".yaml", ".yml")
 KNET = tuple(f".{direction}{number}" for direction in ("ew", "ns", "ud") for number in ("", "1", "2")) + (".knet",)
-READERS = {".csv": read_csv, ".at2": read_at2, ".smc": read_smc} | dict.fromkeys(KNET, read_knet)
+COSMOS = (".v1", ".v2", ".v1c", ".v2c")
+READERS = {".csv": read_csv, ".at2": read_at2, ".smc": read_smc} | dict.fromkeys(KNET, read_knet) | dict.fromkeys(COSMOS, read_cosmos)
 RECORDS = tuple(READERS)
 """Endings of the files that hold a ground motion."""
 LONGEST_INTERVAL = 1e-3

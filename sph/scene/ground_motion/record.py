@@ -68,13 +68,13 @@ class Record(Section):
 
     kind: Literal["record"] = key("recorded motion")
     file: str | None = key(
-        "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, .csv), relative to the scene's folder or the working "
-        "folder; with data the name of where they came from",
+        "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS .V2, .csv), relative to the scene's folder or "
+        "the working folder; with data the name of where they came from",
         default=None,
         min_length=1,
         max_length=1000,
     )
-    unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs; null: they say it, or are CSV in m/s2", default=None)
+    unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs, such as CSV without names", default=None)
     vertical: Vertical | None = key("vertical component; null: none", default=None)
     start: float = key("time at which the record, as processed, begins", "s", ge=0, le=1e4)
     amplitude: Acceleration | None = key(

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from sph.scene.ground_motion.text import check_head, number, read_lines, samples
+from sph.scene.ground_motion.text import check_head, fields, read_lines, samples
 from sph.scene.ground_motion.units import Unit, size_of
 from sph.scene.units import SIZES
 
@@ -29,8 +29,8 @@ def read_smc(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ..
     head = TEXTS + INTEGERS + REALS
     if len(lines) < head:
         raise ValueError(f"{path}: must begin with {head} lines of headers, has {len(lines)} lines")
-    integers = _fields(path, lines, TEXTS, INTEGERS, 10)
-    reals = _fields(path, lines, TEXTS + INTEGERS, REALS, 15)
+    integers = fields(path, lines, TEXTS, INTEGERS, 10)
+    reals = fields(path, lines, TEXTS + INTEGERS, REALS, 15)
     if len(integers) < 17 or len(reals) < 2:
         raise ValueError(f"{path}, lines {TEXTS + 1}-{head}: must be 48 integers and 50 reals (found {len(integers)} and {len(reals)})")
     comments, count, rate = integers[15], integers[16], reals[1]
@@ -39,17 +39,3 @@ def read_smc(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ..
     check_head(path, count, 1.0 / rate if rate > 0 else np.inf)
     scale = size_of(path, SIZES["cm/s2"], unit)
     return np.arange(int(count)) / rate, samples(path, lines, head + int(comments), WIDTH, scale, int(count))
-
-
-def _fields(path: Path | str, lines: list[str], first: int, count: int, width: int) -> list[float]:
-    """The numbers in some lines of headers, in columns of a width."""
-    values = []
-    for index in range(first, first + count):
-        line = lines[index].rstrip()
-        words = [line[at : at + width] for at in range(0, len(line), width)]
-        for word in words:
-            value = number(word)
-            if value is None or not np.isfinite(value):
-                raise ValueError(f"{path}, line {index + 1}: must be numbers in columns of {width} (found {line[:80]!r})")
-            values.append(value)
-    return values

@@ -40,11 +40,27 @@ def _decoded(data: bytes) -> str:
 
 
 def number(text: str) -> float | None:
-    """A number, also with the exponent D of Fortran; None for anything else."""
+    """A number, also with the exponent D of Fortran; None for anything else, 1_0 among it."""
+    if "_" in text:
+        return None
     try:
         return float(text.replace("D", "E").replace("d", "e"))
     except ValueError:
         return None
+
+
+def fields(path: Path | str, lines: list[str], first: int, count: int, width: int) -> list[float]:
+    """The numbers in some lines of headers, in columns of a width."""
+    values = []
+    for index in range(first, first + count):
+        line = lines[index].rstrip()
+        words = [line[at : at + width] for at in range(0, len(line), width)]
+        for word in words:
+            value = number(word)
+            if value is None or not np.isfinite(value):
+                raise ValueError(f"{path}, line {index + 1}: must be numbers in columns of {width} (found {line[:80]!r})")
+            values.append(value)
+    return values
 
 
 def samples(path: Path | str, lines: list[str], first: int, width: int, scale: float, announced: int) -> np.ndarray:

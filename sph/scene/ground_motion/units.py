@@ -35,7 +35,9 @@ def size_of(path: Path | str, stated: float | None, unit: Unit | None) -> float:
     """The unit (m/s2) of a record that states one or not; ``unit`` is the user's word where it does not, and must agree where it does."""
     if stated is None:
         if unit is None:
-            raise ValueError(f"{path}: does not say its unit; state it by unit: {', '.join(SIZES)}")
+            raise ValueError(
+                f"{path}: does not say its unit; state it by unit: {', '.join(SIZES)} (motion.unit in a scene, --unit of a command)"
+            )
         return SIZES[unit]
     if unit is not None and stated != SIZES[unit]:
         name = next(name for name, value in SIZES.items() if value == stated)

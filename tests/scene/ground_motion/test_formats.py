@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from record_files import at2, knet, smc
+from record_files import at2, cosmos, knet, smc
 
 from sph.scene.ground_motion import read_components, read_record
 
@@ -18,6 +18,9 @@ TEXTS = {
     "old.at2": at2(SINE, INTERVAL, "{n:6d} {dt:8.5f} NPTS, DT"),
     "a.smc": smc(SINE, INTERVAL),
     "none.SMC": smc(SINE, INTERVAL, comments=0),
+    "a.V2": cosmos(SINE, INTERVAL),
+    "bare.v2c": cosmos(SINE, INTERVAL, "cm/s^2 (4)", "1F15.6", further=False),
+    "touching.V1": cosmos(SINE, INTERVAL, "cm/sec/sec", "8F10.5"),
     "a.csv": "time (s), ax (cm/s2)\n" + "\n".join(f"{t:.2f},{100 * float(a)!r}" for t, a in zip(TIME, SINE, strict=True)),
     "g.csv": "t [s],g\n" + "\n".join(f"{t:.2f},{float(a) / 9.81!r}" for t, a in zip(TIME, SINE, strict=True)),
 }
@@ -166,6 +169,12 @@ BAD = [
     (*replaced("a.smc", f"{100.0:15.7E}", f"{0.0:15.7E}"), ("interval", "every inf s")),
     ("short.smc", "\n".join(TEXTS["a.smc"].split("\n")[:20]), ("27 lines of headers", "has 20")),
     ("empty.smc", "", ("line 1", "CORRECTED")),
+    (*replaced("a.V2", "Corrected", "Response"), ("line 1", "'Corrected acceleration'")),
+    (*replaced("a.V2", "Real-header", "Rare-header"), ("not in COSMOS format",)),
+    (*replaced("a.V2", "cm/sec2(04)", "counts (50)"), ("line 45", "'counts'", "no unit of acceleration")),
+    (*replaced("a.V2", "    1000 acceleration", "    1001 acceleration"), ("line 171", "finite numbers")),
+    (*replaced("a.V2", "velocity     pts", "acceleration pts"), ("holds 2 components", "lines 45, 171")),
+    ("unknown.V2", TEXTS["a.V2"].replace("     5.000000", "  -999.000000").replace("    10.000000", "  -999.000000"), ("lines 26-42",)),
     (*replaced("a.csv", "cm/s2", "furlong"), ("line 1", "'ax (furlong)'", "m/s2, cm/s2, gal, g")),
     (*replaced("a.csv", "time (s)", "time (min)"), ("line 1", "'time (min)'", "must be s or ms")),
     (*replaced("a.csv", "ax (cm/s2)", "velocity"), ("line 1", "'velocity' is no acceleration")),
@@ -201,7 +210,7 @@ def test_a_unit_is_the_users_only_where_the_file_says_none(tmp_path: Path) -> No
     path.write_text(TEXTS["new.AT2"].replace(" IN UNITS OF G", ""))
     np.testing.assert_allclose(read_record(path, "g").acceleration, SINE, atol=ROUNDING)
     np.testing.assert_allclose(read_record(path, "gal").acceleration, SINE / 981, atol=ROUNDING)
-    for name in ("new.AT2", "a.smc", "a.csv"):
+    for name in ("new.AT2", "a.smc", "a.csv", "a.V2"):
         path = tmp_path / name
         path.write_text(TEXTS[name])
         with pytest.raises(ValueError, match="by its own words, unit: m/s2 contradicts it"):

@@ -196,9 +196,9 @@ def test_bad_sections_are_named(records: Path, motion: dict[str, Any], words: li
     monkeypatch.chdir(records)
     (records / "slow.AT2").write_text(at2(BURST, 0.02))
     (records / "short.AT2").write_text(at2(BURST[:200], INTERVAL))
-    (records / "late.csv").write_text("\n".join(f"{t + 2.0:.3f},1" for t in TIME))
-    (records / "still.csv").write_text("\n".join(f"{t:.3f},0" for t in TIME))
-    (records / "uneven.csv").write_text("0,1\n0.1,1\n0.12,1\n0.3,1\n")
+    (records / "late.csv").write_text("t,a\n" + "\n".join(f"{t + 2.0:.3f},1" for t in TIME))
+    (records / "still.csv").write_text("t,a\n" + "\n".join(f"{t:.3f},0" for t in TIME))
+    (records / "uneven.csv").write_text("t,a\n0,1\n0.1,1\n0.12,1\n0.3,1\n")
     with pytest.raises(ValueError) as raised:
         make_scene(shaken(**motion), "some.yaml")
     message = str(raised.value)
@@ -228,16 +228,16 @@ def test_a_record_that_drifts_is_told(records: Path) -> None:
     for arguments, drifts in ((("--set", "motion.baseline={}"), False), ((), True)):
         scene = records / "slope.yaml"
         scene.write_text(yaml.safe_dump(shaken(file="k.EW")))
-        for command in (("check",), ("info",), ("motion",), ("newmark", "--ay", "1")):
+        for command in (("check",), ("info",), ("motion",), ("newmark", "--ay", "1m/s2")):
             result = CliRunner().invoke(app, [command[0], str(scene), *command[1:], *arguments])
             assert ("the ground of the record drifts" in result.output) == drifts, result.output
     assert "drifts" in motion(records / "k.EW").stderr
-    assert "drifts" in CliRunner().invoke(app, ["newmark", str(records / "k.EW"), "--ay", "1"]).stderr
+    assert "drifts" in CliRunner().invoke(app, ["newmark", str(records / "k.EW"), "--ay", "1m/s2"]).stderr
 
 
 def test_the_sliding_block_says_that_it_feels_no_vertical_component(records: Path) -> None:
     for vertical in (None, VERTICAL):
-        result = CliRunner().invoke(app, ["newmark", str(written(records, vertical=vertical)), "--ay", "1"])
+        result = CliRunner().invoke(app, ["newmark", str(written(records, vertical=vertical)), "--ay", "1m/s2"])
         assert result.exit_code == 0 and ("motion.vertical does not act" in result.stderr) == (vertical is not None)
 
 
@@ -301,7 +301,7 @@ def test_what_the_command_refuses(records: Path) -> None:
     plain = records / "plain.at2"
     plain.write_text(at2(BURST, INTERVAL).replace(" IN UNITS OF G", ""))
     still = records / "still.csv"
-    still.write_text("0,0\n1,0\n")
+    still.write_text("t,a\n0,0\n1,0\n")
     scene = written(records)
     for arguments, word in (
         ((plain,), "does not say its unit"),
