@@ -18,7 +18,7 @@ RECORDS = [ROOT / "config" / "motions" / "synthetic.csv", *sorted(SHARED.glob("*
 BLOCK_TOLERANCE = 0.03
 """At ratios of yield to peak up to a half."""
 PARTS = 4
-"""Parts of a record's interval at which pySLAMMER is given it: it begins and ends to slide at a sample, which costs up to 3.6 % as recorded."""
+"""Parts of an interval of the record in which pySLAMMER steps: at a whole one, as recorded, it was off by up to 3.6 %."""
 SMALLEST_SLIP = 1e-3
 """Displacement (m) that no slope engineer would tell from none, in which both may differ."""
 SPECTRUM_TOLERANCE = 0.02

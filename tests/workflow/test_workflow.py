@@ -25,8 +25,10 @@ from sph.command.cli import app
 from sph.experiments.registry import EXPERIMENTS
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene
+from sph.scene.strict_json import parse_json
 from sph.stability.newmark import sliding_block
 from sph.storage import trajectory
+from sph.study.preflight import read_preflight
 from sph.study.tables import read_study, read_table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -132,6 +134,21 @@ def test_the_sliding_block_beside_every_run(finished: Path) -> None:
     assert (slip.sel(amplitude=0.1) == 0).all() and (slip == slip.isel(S_R=0, gamma=0)).all()
     motion = motion_of(trajectory.scene_of(trajectory.read(finished / RUN)))
     assert slip.sel(amplitude=8.0).values[0, 0] == sliding_block(motion.time, motion.acceleration, found[0, 0, 0]).permanent
+
+
+def test_what_is_found_before_the_runs_is_in_the_table_the_runs_and_the_page(finished: Path) -> None:
+    folder = finished / "results" / "small" / "draft"
+    rows = {row.finding.code: row for row in read_preflight(folder / "preflight.csv")}
+    # Of the eight runs four are shaken by a hundredth of g, and all have the paper's scheme and one slope.
+    assert {"stands-unshaken", "factor-of-safety", "no-process-zone", "few-particles"} <= rows.keys()
+    assert rows["stands-unshaken"].runs == rows["no-process-zone"].runs == 8 and rows["few-particles"].finding.severity == "warning"
+    assert float(rows["factor-of-safety"].finding.measured.split(",")[0]) > 1.0
+    assert "yield-acceleration" not in rows, "the study searches it at its own spacing"
+    found = set(parse_json(trajectory.read(finished / RUN).attrs["findings"]))
+    row = next(row for _, row in read_table(folder / "study.csv").iterrows() if row["S_R"] == "0.10" and row["amplitude"] == "8.0")
+    assert set(row["findings"].split()) == found >= {"no-process-zone", "few-particles"}
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "Before the runs" in page and "stands-unshaken" in page
 
 
 def test_an_amplitude_that_fails_nothing_needs_no_branches(finished: Path) -> None:
@@ -326,7 +343,7 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     reason = f"{stage.relative_to(copied)}: cannot be read as a trajectory"
     assert reason in result.stderr + result.stdout
     log = (folder / "logs" / "S_R-0.10_gamma-1_amplitude-8.0.log").read_text()
-    first, said, last = log.splitlines()
+    first, *_, said, last = log.splitlines()
     assert json.loads(first)["record"] == "process" and reason in said and "delete it and run again" in said
     assert reason in json.loads(last)["reason"] and json.loads(last)["record"] == "failed"
     assert before and all(path.read_bytes() == data for path, data in before.items())

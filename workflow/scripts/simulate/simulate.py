@@ -29,7 +29,8 @@ def simulate(
     found = findings(built)
     with reporter(path_to_trajectory, built, log) as report:
         for each in found:
-            say(each.line())
+            if each.counts:
+                say(each.line())
         result = run_to_file(
             built,
             path_to_trajectory,
