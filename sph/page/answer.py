@@ -11,15 +11,16 @@ import pandas as pd
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.measures.metrics import CLASSES, STABLE
-from sph.page.tables import MOST_VALUES, NOTHING, Table, csv_table, metres
+from sph.page.tables import MOST_VALUES, NOTHING, Table, metres
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import Dimension, dimension
 from sph.study.findings import in_both
+from sph.study.preflight import read_preflight
 from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"
-"""What was found in the scene before its runs, a row a finding: its cells become a warning."""
+"""What was found in the scenes before their runs: errors and warnings are told."""
 SAFETY = "{fidelity}/stages/factor_of_safety.nc"
 """The search for the factor of safety, where it was made."""
 CRITICAL = "*/trigger/trigger.csv"
@@ -133,6 +134,6 @@ def _warnings(table: pd.DataFrame, scene: Scene, files: Sequence[str]) -> list[s
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no numbers.")
     say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
     for file in files:
-        found += [": ".join(filter(None, row)) for row in csv_table(file, "").rows]
+        found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in read_preflight(file) if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
     return [*found, f"Expected error: {expected_sentence(scene) if same else 'differs, see all runs'}."]

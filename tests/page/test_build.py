@@ -30,6 +30,8 @@ from sph.stability.record import search_dataset
 from sph.stability.search import Search
 from sph.storage import trajectory
 from sph.study.dimensions import Dimension
+from sph.study.findings import Finding
+from sph.study.preflight import Row, write_preflight
 from sph.study.tables import number_column, read_table, write_csv
 
 SCENES = Path(__file__).parents[2] / "config" / "scenes"
@@ -266,11 +268,17 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
     findings, safety = (Path(FOLDER).parent / pattern.format(fidelity="up") for pattern in (FINDINGS, SAFETY))
-    findings.write_text("what,measured\nthe layer clay is thin,2 particles across\n", encoding="utf-8")
+    thin = Finding("thin-layer", "warning", "the layer clay is thin", "2 particles across", "at least 4", "numerics.spacing")
+    note = Finding("factor-of-safety", "note", "static factor of safety", "1.41")
+    write_preflight(findings, [Row(thin, 3, "one"), Row(note, 1, "one")])
     run = trajectory.read(next(iter(study.runs.values())))
     trajectory.write(safety, search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ())))
     first = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text.partition("One run")[0]
-    assert "the layer clay is thin: 2 particles across" in first and "Factor of safety 1.35" in first
+    assert (
+        "3 of 4 runs: the layer clay is thin: 2 particles across, wanted at least 4" in first
+        and "1.41" not in first
+        and "Factor of safety 1.35" in first
+    )
 
 
 def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
