@@ -123,7 +123,9 @@ class Record(Section):
             raise ValueError("file: is required where there are no data")
         if self.vertical is not None and self.data.y is None:
             raise ValueError("vertical: there is neither a second file nor a third column; name one in vertical.file")
-        scaled = [name for name in SCALES if getattr(self, name) is not None]
+        spectral = self.spectral_acceleration and self.spectral_acceleration.value
+        asked = zip(SCALES.items(), (self.amplitude, self.peak_velocity, self.arias_intensity, spectral), strict=True)
+        scaled = [f"{name}: {value:g} {unit}" for (name, unit), value in asked if value is not None]
         if len(scaled) > 1:
             raise ValueError(f"{scaled[1]}: the record is scaled to {scaled[0]} already; leave one of them out")
         if scaled and abs(self.factor) != 1.0:
@@ -161,8 +163,8 @@ class Processed(NamedTuple):
     vertical: np.ndarray  # (n,) m/s2, zeros without one
 
 
-SCALES = ("amplitude", "peak_velocity", "arias_intensity", "spectral_acceleration")
-"""Keys to one of which a record is scaled."""
+SCALES = {"amplitude": "m/s2", "peak_velocity": "m/s", "arias_intensity": "m/s", "spectral_acceleration.value": "m/s2"}
+"""Keys to one of which a record is scaled, and their units."""
 
 
 def _scale(record: Record, acceleration: np.ndarray, interval: float) -> float:
@@ -180,7 +182,7 @@ def _scale(record: Record, acceleration: np.ndarray, interval: float) -> float:
 
 def _ratio(name: str, wanted: float, own: float) -> float:
     if wanted > 0.0 and not own > 0.0:
-        raise ValueError(f"{name}: {wanted:g} cannot be reached, the record stands still")
+        raise ValueError(f"{name}: {wanted:g} {SCALES[name]} cannot be reached, the record stands still")
     return wanted / own if own > 0.0 else 0.0
 
 
