@@ -468,8 +468,7 @@ def newmark(
     with refusals("reading the motion and sliding the block"):
         from sph.command.newmark import DIRECTIONS, lines, slide
 
-        if direction not in DIRECTIONS:
-            raise ValueError(f"--direction {direction!r}: must be {', '.join(DIRECTIONS)}")
+        check_known("--direction", [direction], DIRECTIONS)
         treatment = parse_treatment(unit, baseline, band_pass)
         down = parse_acceleration(ay, "--ay")
         up = None if upslope is None else parse_acceleration(upslope, "--upslope")

@@ -186,10 +186,10 @@ def parse_acceleration(text: str, option: str) -> float:
 
 def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | None) -> dict[str, Any]:
     """The options that treat a record as the keys of a scene's ``motion``, those that were given; ValueError names the option."""
+    from sph.scene.names import check_known
     from sph.scene.units import SIZES
 
-    if unit not in (None, *SIZES):
-        raise ValueError(f"--unit {unit!r}: must be {', '.join(SIZES)}")
+    check_known("--unit", [unit], tuple(SIZES))
     found: dict[str, Any] = {} if unit is None else {"unit": unit}
     if baseline is not None:
         found["baseline"] = {"degree": baseline}
