@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from sph.experiments.sensitivity.design import Sensitivity
 from sph.experiments.trigger.design import Trigger
 from sph.paper.study import AnyStudy
 from sph.scene.schema import Scene
+from sph.scene.strict_json import to_json
 from sph.validation.suite import Validation
 
 MODELS: dict[str, type[BaseModel]] = {
@@ -36,7 +36,7 @@ def json_schema(name: str) -> dict[str, Any]:
 
 def schema_text(name: str) -> str:
     """The schema as JSON."""
-    return json.dumps(json_schema(name)) + "\n"
+    return to_json(json_schema(name)) + "\n"
 
 
 def schema_file(name: str) -> Path:

@@ -14,8 +14,9 @@ from sph.experiments.assumptions import load_limits
 from sph.experiments.cost_accuracy.design import load_trade
 from sph.experiments.sensitivity.design import load_sensitivity
 from sph.experiments.trigger.design import load_trigger
+from sph.paper.study import load_study
 from sph.scene.configuration import read_yaml
-from sph.study.plan import Plan, load_study
+from sph.study.plan import Plan
 from sph.validation.suite import load_suite
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -29,10 +29,10 @@ from sph.experiments.sensitivity.tables import (
 )
 from sph.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
 from sph.measures.metrics import MetricSettings
+from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.schema import make_scene
 from sph.solver.particles import locate_probes, place_particles
-from sph.study.plan import load_study
 from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -98,7 +98,7 @@ def test_metrics_hardly_change(stopped: Result, whole: Result) -> None:
 def test_figures_can_be_drawn(stopped: Result, whole: Result) -> None:
     both = {"stopped": stopped.trajectory, "whole": whole.trajectory}
     figures = [figure_geometry(both["stopped"]), figure_motion(both["stopped"]), plot_trajectory(both["stopped"])]
-    figures += [figure_profiles(both), figure_strength_histories(both)]
+    figures += [figure_profiles(both), figure_strength_histories({"both": both})]
     for figure in figures:
         figure.canvas.draw()
     assert "until at rest, 8 s at most" in figures[0].get_supxlabel()

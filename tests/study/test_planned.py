@@ -92,8 +92,8 @@ def test_a_file_of_the_planned_scene_is_read_wherever_its_ground_lay(place: Path
         ({"motion": {"kind": "none"}}, r"motion\.amplitude: None in the file, 8\.0 planned"),
         ({"damping": None}, r"damping\.ratio: None in the file, 0\.02 planned"),
         (
-            {"layers": {"file": {"region": {"kind": "depth", "bottom": 2.0}}}},
-            r"layers\.file\.region\.kind: 'depth' in the file, None planned",
+            {"layers": {"fill": {"region": {"kind": "depth", "bottom": 2.0}}}},
+            r"layers\.fill\.region\.kind: 'depth' in the file, None planned",
         ),
     ],
 )

@@ -54,7 +54,7 @@ def test_a_dimension_has_the_unit_and_meaning_of_its_key() -> None:
     assert kernel.words and kernel.variable(False).dtype == "str" and kernel.variable(False).units == "1"
     assert cohesion.variable(True).dims == ("case",) and cohesion.variable(False).dims == ("soil.cohesion",)
     assert title_of([cohesion, rate, kernel], {"soil.cohesion": "20", "gamma": "1", "numerics.kernel": "a"}) == (
-        "soil.cohesion 20 kPa, γ 1 1/s, numerics.kernel a"
+        "cohesion 20 kPa, γ 1 1/s, kernel a"
     )
     assert in_order(["soil.cohesion", "amplitude", "S_R"]) == ["S_R", "amplitude", "soil.cohesion"]
 

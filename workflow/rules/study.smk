@@ -23,8 +23,8 @@ rule preflight:
     params:
         sources=SEARCHING + ANALYSIS,
         scenes=lambda wildcards: {
-            run: planned(PLAN.run_scene(run))
-            for run in PLAN.study.shown_runs(MOST_SCENES)
+            name: planned(PLAN.run_scene(name))
+            for name in PLAN.study.shown_runs(MOST_SCENES)
         },
         size=len(PLAN.study.runs),
         searched=PLAN.one_slope,

@@ -308,7 +308,7 @@ def test_what_the_command_refuses(records: Path) -> None:
     scene = written(records)
     for arguments, word in (
         ((plain,), "does not say its unit"),
-        ((plain, "--unit", "feet"), "--unit 'feet'"),
+        ((plain, "--unit", "feet"), "--unit: 'feet'"),
         ((plain, "--set", "motion.amplitude=2"), "is a record and has no keys"),
         ((scene, "--unit", "g"), "--unit g"),
         ((still, "--plot", records / "s.png"), "stands still"),
