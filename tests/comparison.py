@@ -40,16 +40,16 @@ def same_variables(one: xr.Dataset, other: xr.Dataset) -> None:
             assert left.tobytes() == right.tobytes(), f"{name} differs by up to {np.nanmax(np.abs(left - right))}"
 
 
-TIMES = {"wall_time_s", "particle_steps_per_second"}
-"""Attributes that tell how long a run took."""
+BESIDE = {"wall_time_s", "particle_steps_per_second", "findings"}
+"""Attributes that tell how long a run took, and what the command found of its scene before it."""
 
 
 def same_files(one: Path, other: Path) -> None:
-    """Assert that two trajectories are the same to the last bit, attributes and restart state included, but for the time they took."""
+    """Assert that two trajectories are the same to the last bit, with attributes and restart state, but for what stands beside a run."""
     for group in (read, read_restart):
         left, right = group(one), group(other)
         same_variables(left, right)
-        left_attrs, right_attrs = ({k: v for k, v in ds.attrs.items() if k not in TIMES} for ds in (left, right))
+        left_attrs, right_attrs = ({k: v for k, v in ds.attrs.items() if k not in BESIDE} for ds in (left, right))
         assert left_attrs == right_attrs
 
 
