@@ -107,14 +107,13 @@ SEARCH: dict[str, Any] = {
     "intensity": {"lowest": 0.5, "highest": 16.5, "cells": 2},
     "tolerance": 8.0,
     "at": {"soil.cohesion": ["20", "150"]},
-    "maps": {"over": {"soil.cohesion": {"lowest": 20.0, "highest": 150.0, "cells": 1}}, "levels": 0},
 }
 
 
 def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     (finished / "search.yaml").write_text(yaml.safe_dump(SEARCH, sort_keys=False))
     config = configured(finished, GRID | {"experiments": {"trigger": "search.yaml"}})
-    result = snakemake(finished, "--cores", "2", *config, "--", "trigger", "maps")
+    result = snakemake(finished, "--cores", "2", *config, "--", "trigger")
     assert result.returncode == 0, result.stderr
     folder = of(finished, "grid") / "trigger"
     table, points = pd.read_csv(folder / "trigger.csv"), pd.read_csv(folder / "points.csv")
@@ -125,8 +124,8 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     assert (scene.motion.amplitude, scene.soil.cohesion) == (8.5, 20.0)
     row = points[(points["amplitude"] == 8.5) & (points["soil.cohesion"] == 20)].iloc[0]
     assert row["displacement_magnitude"] == measure(run)["displacement_magnitude"]
-    assert not (folder / "claim.csv").exists() and (folder / "figures" / "map-class.png").exists()
-    assert planned_jobs(finished, *config, "--", "trigger", "maps") == {}
+    assert not (folder / "claim.csv").exists() and (folder / "figures" / "trigger.png").exists()
+    assert planned_jobs(finished, *config, "--", "trigger") == {}
     sph("explain", folder / "points.csv", "--configfile", config[1])
 
 
