@@ -56,20 +56,24 @@ def answer(
         yield_words = in_both(yields[0]).replace("m/s2", "m/s²"), "pseudo-static, at the spacing of the runs"
     facts = [
         ("Without shaking", "stands" if not unshaken else f"does not stand in {unshaken} of {runs} runs", ""),
-        ("Factor of safety", *safety(found(SAFETY), len(yields) == 1, safety_target)),
+        ("Factor of safety", *safety(found(SAFETY), found(FINDINGS), len(yields) == 1, safety_target)),
         ("Yield acceleration", *yield_words),
         ("Shaking at which it goes", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
     ]
     return Answer(facts, levels(table, dimensions, probe), _warnings(table, scene, found(FINDINGS)))
 
 
-def safety(files: Sequence[str], one_slope: bool, target: str) -> tuple[str, str]:
+def safety(files: Sequence[str], findings: Sequence[str], one_slope: bool, target: str) -> tuple[str, str]:
     """The factor of safety of the study's slope, or how to have it."""
     for file in files:
         facts = trajectory.read(file).attrs
         if facts["reason"]:
             return "not found", str(facts["reason"])
         return f"{float(facts['value']):.2f}", "static, by reduced strength, at the spacing of the runs"
+    for finding in (row.finding for file in findings for row in read_preflight(file)):
+        if finding.code == "factor-of-safety" and one_slope:
+            value, _, how = finding.measured.partition(", ")
+            return value, f"static, a quick search before the runs, {how}; more closely: snakemake --cores 2 {target}"
     return "not searched", f"snakemake --cores 2 {target}" if one_slope else "sph fos, for each slope of the study"
 
 

@@ -20,6 +20,7 @@ from sph.experiments.trigger.design import Searched
 from sph.measures.fields import displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.page.answer import FINDINGS, SAFETY, going, levels, searched
+from sph.page.answer import safety as factor
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
 from sph.page.sections import DOCS, existing
@@ -271,6 +272,8 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     thin = Finding("thin-layer", "warning", "the layer clay is thin", "2 particles across", "at least 4", "numerics.spacing")
     note = Finding("factor-of-safety", "note", "static factor of safety", "1.41")
     write_preflight(findings, [Row(thin, 3, "one"), Row(note, 1, "one")])
+    assert factor([], [str(findings)], True, "it.nc")[0] == "1.41" and "it.nc" in factor([], [str(findings)], True, "it.nc")[1]
+    assert factor([], [str(findings)], False, "it.nc")[0] == factor([], [], True, "it.nc")[0] == "not searched"
     run = trajectory.read(next(iter(study.runs.values())))
     trajectory.write(safety, search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ())))
     first = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text.partition("One run")[0]
