@@ -13,10 +13,10 @@ import typing
 import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar, TypeVar
+from typing import Annotated, Any, ClassVar, TypeVar
 
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, GetJsonSchemaHandler, ValidationError, model_validator
 
 from sph.scene.names import nearest
 
@@ -93,6 +93,17 @@ VARIANT_KEYS = ("shape", "law", "kind")
 """Keys that choose between the variants of a section."""
 RESERVED = ("file", *CONTENT_KEYS, *VARIANT_KEYS)
 """Keys that mean the same in every section that has them, so that nothing may have their names."""
+
+
+def _free(name: str) -> str:
+    if name in RESERVED:
+        raise ValueError(f"{', '.join(RESERVED)} are keys of other sections; choose another name")
+    return name
+
+
+OwnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$"), AfterValidator(_free)]
+"""Name of a layer, a probe or an uncertain variable."""
+
 
 LARGEST_FILE = 2_000_000
 """Largest YAML file, bytes."""

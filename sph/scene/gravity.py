@@ -13,6 +13,9 @@ from sph.scene.places import Coordinate
 from sph.scene.units import GRAVITY as GRAVITY
 from sph.scene.units import Acceleration
 
+FAILED_AREA = 0.01
+"""Part of H^2, H the height of the slope, that failed soil covers where the slope has failed: in a run soil that yields under gravity
+alone, in a static test displaced soil."""
 Velocity = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 

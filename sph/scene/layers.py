@@ -73,4 +73,5 @@ class Layer(Section):
     region: Annotated[DepthRegion | ElevationRegion | PolygonRegion, Field(discriminator="kind")] = key("where it lies")
     soil: Soil = key("its material: only the keys that differ from the scene's soil need be given", default=Soil())
     S_R: float | None = key("its strength ratio; null: that of the coupling", ge=0, le=1, default=None)
+    r_u: float | None = key("its ratio of pore pressure to overburden; null: that of the water", ge=0, lt=1, default=None)
     gamma: float | None = key("its rate of the loss of strength; null: that of the coupling", "1/s", ge=0, le=1e6, default=None)

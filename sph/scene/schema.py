@@ -18,11 +18,11 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AfterValidator, Field, ModelWrapValidatorHandler, field_validator, model_validator
+from pydantic import Field, ModelWrapValidatorHandler, field_validator, model_validator
 
-from sph.scene.configuration import RESERVED, Section, key, merge, read_scene, validated
+from sph.scene.configuration import OwnName, Section, key, merge, read_scene, validated
 from sph.scene.geometry import Geometry
-from sph.scene.gravity import GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.scene.gravity import FAILED_AREA, GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.layers import Layer
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
@@ -30,7 +30,9 @@ from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
 from sph.scene.scheme import filled, missing
 from sph.scene.soil import Coupling, Soil
+from sph.scene.uncertain import Uncertain, Variable, drawn, told
 from sph.scene.walls import Walls
+from sph.scene.water import Water, standing_water
 
 MOST_PARTICLES = 5_000_000
 """Most particles of a scene: lattice points of the box and its walls."""
@@ -110,16 +112,6 @@ class Outputs(Section):
 Place = Literal["crest_edge", "toe"] | Point
 
 
-def _free(name: str) -> str:
-    if name in RESERVED:
-        raise ValueError(f"{', '.join(RESERVED)} are keys of other sections; choose another name")
-    return name
-
-
-OwnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$"), AfterValidator(_free)]
-"""Name of a layer or probe."""
-
-
 class Scene(Section):
     """One simulation."""
 
@@ -137,6 +129,8 @@ class Scene(Section):
     layers: dict[OwnName, Layer] = key(
         "regions of other soil, by name; of two that overlap the later one counts", default={}, max_length=100
     )
+    water: Water | None = key("water in the pores; null: none", default=None)
+    uncertain: Uncertain | None = key("keys of this scene that are drawn at random; null: none", default=None)
     coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
     motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
     gravity: GravityStage = key("gravity stage", default=GravityStage())
@@ -218,6 +212,8 @@ class Scene(Section):
                 "ends the kernel within 1.2 spacings, where it holds too few neighbours"
             )
         self._check_walls()
+        self._check_water()
+        self._check_varying()
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
         return self
@@ -333,6 +329,71 @@ class Scene(Section):
         if sides.absorbs and self.coupling.initial_state == "fluid":
             raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
 
+    def _check_water(self) -> None:
+        """Refuse water that the shape, the walls or the loads of the scene do not go with."""
+        water, geometry = self.water, self.geometry
+        for name, layer in self.layers.items():
+            if layer.r_u is not None and (water is None or water.r_u is None):
+                raise ValueError(f"layers.{name}.r_u: {layer.r_u} needs water.r_u, the ratio of the other soil (0 where that is dry)")
+        if water is None:
+            return
+        if self.gravity.acceleration == 0:
+            raise ValueError("gravity.acceleration: 0 m/s2 with water, whose pressure gravity makes; set water: null")
+        if self.prescribed_velocity_gradient is not None:
+            raise ValueError("prescribed_velocity_gradient: moves the soil instead of forces, those of water among them; set water: null")
+        if self.gravity.inclination != 0 and (water.r_u is None or geometry.shape != "block"):
+            raise ValueError(
+                f"gravity.inclination: {self.gravity.inclination} degree with water needs water.r_u and geometry.shape: block, "
+                "since depths count along the vertical"
+            )
+        if water.pressure == "carried" and any(soil.dilation_angle > 0 for soil in self.soils):
+            raise ValueError(
+                "soil.dilation_angle: above 0 with water.pressure: carried, that of soil that keeps its volume; set it to 0 in all layers"
+            )
+        if water.pressure == "carried" and self.walls.friction is not None:
+            raise ValueError("walls.friction: with water.pressure: carried it would count the pressure of the water; choose contact walls")
+        if water.points is not None:
+            ends = sorted(float(geometry.in_survey(x, 0.0)[0]) for x in (0.0, geometry.width))
+            near = 1e-6 * geometry.width
+            if not (water.line[0, 0] <= ends[0] + near and ends[1] - near <= water.line[-1, 0]):
+                raise ValueError(
+                    f"water.points: reach from x = {water.line[0, 0]:.10g} to {water.line[-1, 0]:.10g} m and not from side to side of the "
+                    f"model, {ends[0]:.10g} to {ends[1]:.10g} m; add points"
+                )
+            if self.walls.kinds.sides.periodic and np.ptp(water.line[:, 1]) > 0:
+                raise ValueError("water.points: a line that is not level does not go on over walls.sides: periodic; write water.level")
+        standing = standing_water(water, geometry)
+        if standing is None:
+            return
+        depth, level = standing
+        if not level:
+            raise ValueError(
+                f"water.points: the line lies up to {depth:.3g} m above the ground and is not level there, as standing water is; "
+                "lead it along the ground or below, and level where water stands"
+            )
+        if water.pressure == "carried":
+            raise ValueError(
+                f"water.pressure: carried with water that stands up to {depth:.3g} m above the ground, whose load on the ground "
+                "is known for by_place only; lower the water to the ground or write pressure: by_place"
+            )
+
+    def _check_varying(self) -> None:
+        """Refuse strength that varies in space where the scene has no room for it."""
+        for variable in self.varying:
+            if self.walls.kinds.sides.periodic:
+                raise ValueError(f"walls.sides: periodic, and the random field of {variable.of} is not; choose other sides")
+            soil = self.soil if variable.layer is None else self.layers[variable.layer].soil
+            if variable.quantity == "friction_angle" and soil.dilation_angle > (variable.lower or 0.0):
+                raise ValueError(
+                    f"uncertain: the random field of {variable.of} goes below the dilation angle, {soil.dilation_angle:g} degrees; "
+                    "write lower, at least as large"
+                )
+
+    @property
+    def varying(self) -> list[Variable]:
+        """Variables that vary in space."""
+        return [] if self.uncertain is None else self.uncertain.varying
+
     def stored(self) -> str:
         """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
 
@@ -363,6 +424,11 @@ class Scene(Section):
         """Layers of boundary particles that fill the kernel's support but for one spacing, where the gradient fades."""
         return math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
 
+    def fails_unshaken(self, failed: int) -> bool:
+        """Whether so many soil particles, failed under gravity alone, are a slope that has failed: more than ``FAILED_AREA`` H^2."""
+        height = self.geometry.crest[1] - self.geometry.toe[1]
+        return failed * self.numerics.spacing**2 > FAILED_AREA * height**2
+
     def steps(self, time: float) -> int:
         """Number of time steps to a time (s)."""
         return round(time / self.numerics.time_step)
@@ -375,12 +441,16 @@ def _whole_multiple(value: float, unit: float, name: str, unit_name: str, of: st
 
 
 def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
-    """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed."""
+    """Validate a mapping; raises ValueError with one line per bad key: where, value, what is allowed.
+
+    Keys that ``uncertain`` draws take the values of its seed.
+    """
+    data = drawn(data, origin)
     needed = missing(data, origin)
     try:
         made = validated(Scene, filled(data), origin)
     except ValueError as error:
-        raise ValueError("\n".join([str(error), *needed])) from error
+        raise ValueError("\n".join([str(error), *needed, *told(data, origin, str(error))])) from error
     if needed:
         raise ValueError("\n".join(needed))
     return made

@@ -52,7 +52,9 @@ def missing(data: Mapping[str, Any], origin: str) -> list[str]:
     if not _is_resolved(data):
         return []
     lines = [
-        f"{origin}: {name}: must be written, since it decides the answer: {text}" for name, text in NEEDED.items() if not _has(data, name)
+        f"{origin}: {name}: must be written, since it decides the answer: {text}"
+        for name, text in NEEDED.items()
+        if not has_key(data, name)
     ]
     return lines and [*lines, f"{origin}: scheme: paper would take what is not written from the paper's scene"]
 
@@ -61,7 +63,7 @@ def _is_resolved(data: Mapping[str, Any]) -> bool:
     return isinstance(data, Mapping) and data.get("scheme", "resolved") == "resolved"
 
 
-def _has(data: Mapping[str, Any], name: str) -> bool:
+def has_key(data: Mapping[str, Any], name: str) -> bool:
     """Whether a dotted key is there; one whose section is no mapping is refused elsewhere."""
     value: Any = data
     for part in name.split("."):

@@ -36,6 +36,21 @@ def acceleration(value: Any) -> Any:
     raise ValueError("must be an acceleration: a number in m/s2, or one with its unit, as 0.4g, 3.9 m/s2 or 390 gal")
 
 
+def in_both(value: float, error: float | None = None) -> str:
+    """An acceleration (m/s2) in m/s2 and g, as every command, table and page says one; with its error where that is given."""
+    if error is None:
+        return f"{value:.4g} m/s2 ({value / GRAVITY:.3g} g)"
+    return f"{value:.3g} ± {error:.2g} m/s2 ({value / GRAVITY:.3g} ± {error / GRAVITY:.2g} g)"
+
+
+def beside_g(value: str, unit: str = "m/s2") -> str:
+    """A number as written below a head that says its unit: of an acceleration in m/s2 with the same in g in brackets."""
+    try:
+        return f"{value} ({float(value) / GRAVITY:.3g} g)" if unit == "m/s2" else value
+    except ValueError:
+        return value
+
+
 Acceleration = Annotated[float, BeforeValidator(acceleration, json_schema_input_type=float | str)]
 """Type of a key that holds an acceleration: a number in m/s2 or a text with a unit, kept in m/s2."""
 LONGEST = 3

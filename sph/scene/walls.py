@@ -54,6 +54,11 @@ KINDS = {
 }
 
 
+def wall_words(kind: str) -> str:
+    """Name of a kind of wall as it is read: ``free-slip``."""
+    return kind.replace("_", "-")
+
+
 class Kinds(NamedTuple):
     """The kinds of a box's walls."""
 

@@ -2,7 +2,9 @@
 
 Geostatic stress of soil at rest, elastic in plane strain and compressed vertically only, at the depth d below the ground:
 
-    sigma_yy = -rho g d,   sigma_xx = sigma_zz = nu / (1 - nu) sigma_yy,   sigma_xy = 0.
+    sigma_yy = -rho g d,   sigma_xx = sigma_zz = nu / (1 - nu) sigma_yy,   sigma_xy = 0;
+
+with water these are effective stresses, and sigma_yy = -(rho g d - u) with the pore pressure u.
 
 It is in equilibrium under level ground.  Under a slope it is not (sigma_xx changes along x), and its strains do not fit together:
 the gravity stage relaxes it to another stress than bringing gravity on does.
@@ -10,19 +12,15 @@ the gravity stage relaxes it to another stress than bringing gravity on does.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 from sph.scene.gravity import UniformStress
 from sph.scene.loading import Loading
-from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
-from sph.solver.particles import Particles, layer_index
+from sph.solver.particles import Particles, overburden
+from sph.solver.physics.pore_pressure import pore_pressure
 from sph.solver.state import State
 
-PARTS = 4
-"""Parts of a spacing in which the weight of layers is summed."""
 NO_LOADING = Loading(*(np.zeros(1) for _ in Loading._fields))
 """Loads of a step in which nothing moves."""
 
@@ -38,19 +36,6 @@ def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: 
         _impose_geostatic_stress(state, scene, particles, n_stressed)
 
 
-def overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Mass of soil (n,) above places (n,), kg/m2; through layers it is summed over parts no longer than a quarter of the spacing."""
-    depth = np.maximum(scene.geometry.ground(x + (RIGHT + scene.numerics.lattice_shift) * scene.numerics.spacing) - y, 0.0)
-    if not scene.layers:
-        return scene.soil.density * depth
-    parts = PARTS * max(1, math.ceil(depth.max(initial=0.0) / scene.numerics.spacing))
-    density = np.array([soil.density for soil in scene.soils])
-    total = np.zeros(x.size)
-    for part in range(parts):
-        total += density[layer_index(scene, x, y + depth * (part + 0.5) / parts)]
-    return total * depth / parts
-
-
 def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
     """Density and deviator of geostatic stress, in the fluid state as well where the scene starts with it.
 
@@ -58,7 +43,10 @@ def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n
     the ground at the box's edge, and those above the ground have no stress.
     """
     layer = particles.layer[:n_stressed]
-    vertical = scene.gravity.acceleration * overburden(scene, particles.x[:n_stressed], particles.y[:n_stressed])
+    places = particles.x[:n_stressed], particles.y[:n_stressed]
+    vertical = scene.gravity.acceleration * overburden(scene, *places)
+    if scene.water is not None:
+        vertical = np.maximum(vertical - pore_pressure(scene, *places), 0.0)
     ratio = np.array([soil.poisson_ratio / (1.0 - soil.poisson_ratio) for soil in scene.soils])[layer]
     mean = vertical * (1.0 + 2.0 * ratio) / 3.0
     state.density[:n_stressed] = scene.soil.density * (1.0 + mean / np.array([soil.bulk_modulus_si for soil in scene.soils])[layer])

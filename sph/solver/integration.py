@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from sph.scene.loading import Loading
 from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
 from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
@@ -28,10 +30,14 @@ from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.physics.residual_viscosity import keep_strain_rate
+from sph.solver.physics.seepage import with_seepage
 from sph.solver.state import FAILED, FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State
 from sph.solver.terms import active_terms, add_forces
 
 by_reference(Loading)
+
+PAIRS_MOVE, CANDIDATES_MOVE = np.int64(0), np.int64(1)
+"""Rows of ``Team.move``.  As numbers of numpy, since numba compiles a function once more for each plain number that it is given."""
 
 
 @jit
@@ -53,16 +59,16 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
     dt = terms.dt
     alpha = mass_damping(terms.rayleigh_damping)
     shaking = falling = damped = viscous = rubbed = 0.0
-    gravity_x, gravity_y = gravity * terms.down_x, gravity * terms.down_y
-    fall_y = gravity_y - vertical
+    weight_x, weight_y = gravity * terms.down_x, gravity * terms.down_y
     for i in rows(first, min(last, terms.n_soil)):
+        gravity_x, gravity_y = with_seepage(terms.seepage, state.x[i], state.y[i], mass[i], gravity, weight_x, weight_y)
         rate = alpha * state.beta[i] + extra_damping
         keep = 1.0 - 0.5 * rate * dt
         lose = 1.0 / (1.0 + 0.5 * rate * dt)
         vx_old = state.vx[i]
         vy_old = state.vy[i]
         free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
-        free_y = (vy_old * keep + (state.ay[i] + fall_y) * dt) * lose
+        free_y = (vy_old * keep + (state.ay[i] + (gravity_y - vertical)) * dt) * lose
         held_x, held_y = rub(terms.wall_friction, state, i, free_x, free_y, dt)
         vx, vy = drive(terms.prescribed_motion, state.x[i], state.y[i], held_x, held_y)
         state.vx[i] = vx
@@ -143,7 +149,7 @@ def make_lists(state: State, terms: Any) -> tuple[Candidates, Pairs]:
 @entry
 def fill_pairs(state, candidates, pairs, terms):  # type: ignore[no-untyped-def]
     """All pairs at the places at which the state's were made."""
-    update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, 0, state.x.size)
+    update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, np.int64(0), state.x.size)
 
 
 @jit
@@ -213,13 +219,13 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 sums[block, GRAVITY] += held
                 sums[block, VISCOUS] += viscous
                 sums[block, WALLS] += taken
-            _note_moves(team, 0, state.x, state.y, state.x_pairs, state.y_pairs, n_moving)
+            _note_moves(team, PAIRS_MOVE, state.x, state.y, state.x_pairs, state.y_pairs, n_moving)
             wait(team)
-            renew = not _moved(team, 0) <= terms.pairs_tolerance**2
+            renew = not _moved(team, PAIRS_MOVE) <= terms.pairs_tolerance**2
             if renew:
-                _note_moves(team, 1, state.x, state.y, state.x_candidates, state.y_candidates, n_moving)
+                _note_moves(team, CANDIDATES_MOVE, state.x, state.y, state.x_candidates, state.y_candidates, n_moving)
                 wait(team)
-                move = _moved(team, 1)
+                move = _moved(team, CANDIDATES_MOVE)
                 spent = terms.candidates_tolerance**2 < move <= (terms.candidates_tolerance + terms.reach) ** 2
                 if not move <= terms.candidates_tolerance**2:
                     break

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from sph.scene.geometry import Bodies
-from sph.scene.places import ABOVE, shifted
+from sph.scene.places import ABOVE, RIGHT, shifted
 from sph.scene.schema import Scene
+from sph.scene.uncertain import Variable
 from sph.scene.walls import Kind
 
 SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
+QUANTITIES = ("cohesion", "friction_angle")
+"""What ``peak_strength`` has, in order."""
+PARTS = 4
+"""Parts of a spacing in which the weight of layers is summed."""
 
 
 class Particles(NamedTuple):
@@ -83,15 +89,52 @@ def place_particles(scene: Scene) -> Particles:
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Layer (n,) at places (n,): 0 is the scene's own soil, k its k-th layer.  Walls go on as the soil beside them."""
-    half = 0.5 * scene.numerics.spacing
-    x, y = shifted(np.clip(x, half, scene.geometry.width - half), np.maximum(y, half), *_lattice(scene))
-    ground = scene.geometry.ground(x)
-    y = np.minimum(y, np.maximum(ground - ABOVE * scene.numerics.spacing, half))
+    x, y, ground = _in_soil(scene, x, y)
     places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
     index = np.zeros(np.shape(x), int)
     for number, layer in enumerate(scene.layers.values(), 1):
         index[layer.region.contains(*places, ground)] = number
     return index
+
+
+def _in_soil(scene: Scene, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Places (n,) in the soil, for those of walls beside them, and heights (n,) of the ground there, m."""
+    half = 0.5 * scene.numerics.spacing
+    x, y = shifted(np.clip(x, half, scene.geometry.width - half), np.maximum(y, half), *_lattice(scene))
+    ground = scene.geometry.ground(x)
+    return x, np.minimum(y, np.maximum(ground - ABOVE * scene.numerics.spacing, half)), ground
+
+
+def peak_strength(scene: Scene, particles: Particles) -> np.ndarray:
+    """Cohesion (Pa) and friction angle (rad) of each particle's solid state (2, n), random fields included."""
+    strength = np.array([[soil.cohesion_si, soil.friction_angle_si] for soil in scene.soils]).T[:, particles.layer]
+    if scene.uncertain is not None and scene.varying:
+        x, y, _ = _in_soil(scene, particles.x, particles.y)
+        soil = slice(0, particles.n_soil)  # not held off the sides, by a distance that depends on the spacing
+        x[soil], y[soil] = shifted(particles.x[soil], particles.y[soil], *_lattice(scene))
+        ratios = scene.uncertain.ratios(*scene.geometry.in_survey(x, y))
+        for variable in scene.varying:
+            there = particles.layer == varying_layer(scene, variable)
+            strength[QUANTITIES.index(variable.quantity), there] *= ratios[variable.of][there]
+    return strength
+
+
+def varying_layer(scene: Scene, variable: Variable) -> int:
+    """Number of the layer whose strength a variable is; 0 for the scene's own soil."""
+    return 0 if variable.layer is None else 1 + list(scene.layers).index(variable.layer)
+
+
+def overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Mass of soil (n,) above places (n,), kg/m2; through layers it is summed over parts no longer than a quarter of the spacing."""
+    depth = np.maximum(scene.geometry.ground(x + (RIGHT + scene.numerics.lattice_shift) * scene.numerics.spacing) - y, 0.0)
+    if not scene.layers:
+        return scene.soil.density * depth
+    parts = PARTS * max(1, math.ceil(depth.max(initial=0.0) / scene.numerics.spacing))
+    density = np.array([soil.density for soil in scene.soils])
+    total = np.zeros(x.size)
+    for part in range(parts):
+        total += density[layer_index(scene, x, y + depth * (part + 0.5) / parts)]
+    return total * depth / parts
 
 
 def _ground(scene: Scene, soil: np.ndarray) -> np.ndarray:

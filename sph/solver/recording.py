@@ -57,6 +57,7 @@ class Recording:
             "elastic_energy": elastic + work[REPULSION],
             "potential_energy": -work[GRAVITY],
             "dissipated_energy": work[INTERNAL] - elastic + work[MASS_DAMPING] + work[VISCOUS] + work[WALLS],
+            "viscous_energy": work[VISCOUS],
             "shaking_work": work[SHAKING],
             "failed_fraction": float(np.mean(state.phase[soil] == FAILED)),
             "maximum_speed": float(np.sqrt(speed_square[soil].max())),
@@ -96,7 +97,7 @@ class Recording:
         for name in self.frames:
             self.frames[name] = list(old[name].values[frames])
         for name in self.series:
-            self.series[name] = list(old[name].values)
+            self.series[name] = list(old[name].values if name in old else np.full(old.sizes["sample"], np.nan))  # of an earlier version
         # The last sample's kick is still to come, under this scene's motion, which may not be that of the gravity stage.
         self.series["ground_acceleration"][-1] = simulation.loading.ground[simulation.step * simulation.substeps]
         self.series["ground_acceleration_y"][-1] = simulation.loading.vertical[simulation.step * simulation.substeps]

@@ -141,10 +141,13 @@ class Run:
 
     def _finished(self, rest: str) -> tuple[str, str]:
         """Status and reason of a run that has reached its duration or came to ``rest``."""
-        unshaken = float(np.mean(self.simulation.scene.gravity.failed(self.simulation.state.t_f[: self.simulation.particles.n_soil])))
-        if unshaken > 0.0:
-            return Status.FAILED_UNSHAKEN, "; ".join(filter(None, (f"{unshaken:.2%} of the soil yields under gravity alone", rest)))
-        return Status.COMPLETE if np.any(self.simulation.state.phase == FAILED) else Status.UNFAILED, rest
+        simulation = self.simulation
+        unshaken = simulation.scene.gravity.failed(simulation.state.t_f[: simulation.particles.n_soil])
+        share = f"{np.mean(unshaken):.2%} of the soil yields under gravity alone" if unshaken.any() else ""
+        reason = "; ".join(filter(None, (share, rest)))
+        if simulation.scene.fails_unshaken(int(np.count_nonzero(unshaken))):
+            return Status.FAILED_UNSHAKEN, reason
+        return Status.COMPLETE if np.any(simulation.state.phase == FAILED) else Status.UNFAILED, reason
 
     def _rest(self) -> str:
         """Why the run may end here, or empty."""

@@ -58,7 +58,7 @@ class Simulation:
 
     def prepare(self) -> None:
         """Check the time step, compile or load the variant this scene needs, and make the neighbour lists."""
-        with compile_lock():
+        with compile_lock(str(self.wanted)):
             if self.enforce_limit:
                 check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)

@@ -16,7 +16,7 @@ UNARMED, ARMED, FAILED, HELD, YIELDED = range(5)
 surface at which a fixed wall holds it; it was met by gravity alone, and the particle fails in the step after the gravity stage."""
 
 SHAKING, GRAVITY, INTERNAL, MASS_DAMPING, VISCOUS, WALLS, REPULSION = range(7)
-"""Rows of ``State.work`` (J/m): work of the shaking (or of a prescribed motion) and of gravity on the soil, of strain on
+"""Rows of ``State.work`` (J/m): work of the shaking (or of a prescribed motion) and of gravity and seepage on the soil, of strain on
 the stress, and energy taken by mass-proportional damping, by artificial viscosity and stress, and by free-slip
 walls, their friction and absorbing walls; energy stored in the short-range repulsion and in the contact with walls (a level, not a
 sum).  The static reactions of absorbing walls are dead loads as gravity is, and their work counts with its."""

@@ -28,9 +28,11 @@ from sph.solver.physics import (
     gradient_correction,
     initiation,
     material,
+    pore_pressure,
     prescribed_motion,
     rayleigh_damping,
     residual_viscosity,
+    seepage,
     short_range_repulsion,
 )
 from sph.solver.physics.artificial_stress import add_artificial_stress
@@ -54,6 +56,8 @@ TERMS: tuple[Term, ...] = (
     absorbing.FREE_FIELD,
     no_slip.TERM,
     contact.TERM,
+    seepage.TERM,
+    pore_pressure.TERM,
     residual_viscosity.TERM,
     dilation.TERM,
     initiation.TERM,

@@ -11,7 +11,7 @@ from comparison import momenta, same_bits
 
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
-from sph.solver.initial_stress import overburden
+from sph.solver.particles import overburden
 from sph.solver.physics.material import lightness, material_of
 from sph.solver.run import Run, run
 from sph.solver.simulation import Simulation

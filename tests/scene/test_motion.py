@@ -24,6 +24,8 @@ from sph.scene.motion import (
     vertical_acceleration,
 )
 from sph.scene.schema import make_scene
+from sph.scene.units import beside_g, in_both
+from sph.study.dimensions import Dimension
 
 PAPER = TaperedSine(kind="tapered_sine", amplitude=6.0, frequency=1.0, start=3.0, ramp=3.0, decay_start=9.0, end=10.0)
 
@@ -267,3 +269,13 @@ def test_accelerations_have_units(text: str | float, value: float) -> None:
 def test_what_is_no_acceleration_is_refused(text: str) -> None:
     with pytest.raises(ValueError, match=r"scene: motion\.amplitude: "):
         make_scene(merge(SLOPE, {"motion": {"amplitude": text}}))
+
+
+def test_an_acceleration_is_said_in_both_units() -> None:
+    assert in_both(0.4 * GRAVITY) == "3.924 m/s2 (0.4 g)"
+    assert in_both(0.4 * GRAVITY, 0.02 * GRAVITY) == "3.92 ± 0.2 m/s2 (0.4 ± 0.02 g)"
+    assert beside_g("1.962") == "1.962 (0.2 g)"
+    assert (beside_g("0.25", "-"), beside_g("none")) == ("0.25", "none")
+    shaking = Dimension("motion.amplitude", "m/s2", "", False)
+    assert shaking.said("1.962") == "amplitude of the motion 1.962 m/s² (0.2 g)"
+    assert shaking._replace(unit="1/s").said("2") == "amplitude of the motion 2 s⁻¹"

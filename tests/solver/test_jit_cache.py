@@ -18,7 +18,7 @@ import pytest
 import sph
 from sph.jobs.progress import compiling
 from sph.solver.compiled.inlined import InlinedLibrary
-from sph.solver.compiled.jit import COMPILED, OPTIONS, before_compiling, jit, mend, seal
+from sph.solver.compiled.jit import COMPILED, OPTIONS, before_compiling, compile_lock, jit, mend, seal
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -396,6 +396,22 @@ def test_damaged_code_is_compiled_again_not_run(cached: Cached) -> None:
         DAMAGES[number % len(DAMAGES)](path)
     assert cached.run() == ("1", cached.digest)
     assert cached.run() == ("0", cached.digest)
+
+
+WAIT = "import sys\nfrom sph.solver.compiled.jit import compile_lock\nwith compile_lock(sys.argv[1]): pass"
+
+
+def test_only_the_same_variant_is_waited_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A process that compiles holds up those that want the same, which then load it, and no others."""
+    monkeypatch.setenv("SPH_CACHE_DIR", str(tmp_path))
+    with compile_lock("walls"):
+        same, other = (
+            subprocess.Popen([sys.executable, "-c", WAIT, variant], env=environment(PACKAGE.parent)) for variant in ("walls", "layers")
+        )
+        assert other.wait(timeout=60) == 0
+        with pytest.raises(subprocess.TimeoutExpired):
+            same.wait(timeout=3)
+    assert same.wait(timeout=60) == 0
 
 
 @pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)

@@ -3,6 +3,7 @@
 ``text``, ``units``                               what all formats share
 ``comma_separated``, ``peer``, ``knet``, ``smc``, ``cosmos``  a format each
 ``record``                                        a record in a scene: the section ``motion`` of kind ``record``
+``stochastic``                                    a synthetic motion in place of a record's file
 ``processing``                                    baseline, band-pass, trim, resampling
 ``measures``, ``spectrum``                        peaks, Arias intensity, durations; response spectrum
 

@@ -21,6 +21,7 @@ from sph.scene.ground_motion import read_components
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
+from sph.scene.ground_motion.stochastic import INTERVAL, Stochastic, synthesised
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION
 from sph.scene.ground_motion.units import Unit
 from sph.scene.units import Acceleration
@@ -64,9 +65,9 @@ class SpectralAcceleration(Section):
 
 
 class Record(Section):
-    """A recorded ground motion."""
+    """A recorded ground motion, or a synthetic one in its place."""
 
-    kind: Literal["record"] = key("recorded motion")
+    kind: Literal["record"] = key("recorded motion, or a synthetic one in its place")
     file: str | None = key(
         "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS .V2, .csv), relative to the scene's folder or "
         "the working folder; with data the name of where they came from",
@@ -96,6 +97,7 @@ class Record(Section):
     band_pass: BandPass | None = key("band-pass filter, after the baseline; null: none", default=None)
     trim: Trim | None = key("cut to the strong part, after the filter; null: none", default=None)
     resample: Resample | None = key("other interval of the samples, after the trim; null: none", default=None)
+    stochastic: Stochastic | None = key("synthetic motion in place of a file, from a stochastic model; null: none", default=None)
     data: RecordData | None = key("the samples; null: read from the files", default=None)
 
     @model_validator(mode="before")
@@ -119,9 +121,11 @@ class Record(Section):
 
     @model_validator(mode="after")
     def _bears_processing(self) -> Record:
-        if self.data is None:
-            raise ValueError("file: is required where there are no data")
-        if self.vertical is not None and self.data.y is None:
+        if self.stochastic is not None and (self.file is not None or self.data is not None):
+            raise ValueError(f"stochastic: stands in place of {'file' if self.file is not None else 'data'}; leave one of them out")
+        if self.data is None and self.stochastic is None:
+            raise ValueError("file: is required where there are neither data nor stochastic")
+        if self.vertical is not None and (self.data is None or self.data.y is None):
             raise ValueError("vertical: there is neither a second file nor a third column; name one in vertical.file")
         spectral = self.spectral_acceleration and self.spectral_acceleration.value
         asked = zip(SCALES.items(), (self.amplitude, self.peak_velocity, self.arias_intensity, spectral), strict=True)
@@ -189,16 +193,22 @@ def _ratio(name: str, wanted: float, own: float) -> float:
 @functools.lru_cache(maxsize=8)
 def processed(record: Record) -> Processed:
     """Samples of a record after its processing; ValueError for processing that the record does not bear."""
-    data = record.data
-    assert data is not None
-    raw = [np.array(data.x)] + ([np.array(data.y)] if record.vertical is not None else [])
-    components, interval = process(raw, data.interval, record.baseline, record.band_pass, record.trim, record.resample)
+    raw, interval = _samples(record)
+    components, interval = process(raw, interval, record.baseline, record.band_pass, record.trim, record.resample)
     scale = record.factor * _scale(record, components[0], interval)
     horizontal = scale * components[0]
     vertical = scale * record.vertical.factor * components[1] if record.vertical is not None else np.zeros_like(horizontal)
     if not max(np.abs(horizontal).max(), np.abs(vertical).max()) <= LARGEST_ACCELERATION:
         raise ValueError(f"factor: {record.factor:g}: more than {LARGEST_ACCELERATION:g} m/s2")
     return Processed(interval * np.arange(horizontal.size), horizontal, vertical)
+
+
+def _samples(record: Record) -> tuple[list[np.ndarray], float]:
+    """Components (n,) in m/s2, the horizontal first, before their processing, and their interval (s)."""
+    if record.stochastic is not None:
+        return [synthesised(record.stochastic)], INTERVAL
+    assert record.data is not None
+    return [np.array(record.data.x)] + ([np.array(record.data.y)] if record.vertical is not None else []), record.data.interval
 
 
 @functools.lru_cache(maxsize=8)

@@ -50,6 +50,7 @@ from sph.solver.particles import BASE, Particles, layer_index
 from sph.solver.physics.artificial_viscosity import TERM as ARTIFICIAL_VISCOSITY
 from sph.solver.physics.kernels import Kernel, evaluate
 from sph.solver.physics.rayleigh_damping import stiffness_damping
+from sph.solver.physics.seepage import with_seepage
 
 VELOCITY, MEAN_VELOCITY, ELASTIC_STRESS, STRESS, ACCELERATION = range(5)
 """Second index of ``State.free_field``, after the direction of motion (0: x, 1: y): velocity (m/s) half a step behind, its mean over the
@@ -305,7 +306,8 @@ def kick_boundary(term, state, terms, mass, rate, ground, vertical, gravity, tim
             for i in range(max(first, terms.n_soil), min(last, terms.n_moving)):
                 b = i - terms.n_soil
                 if term.side[0, b] > 0.0 and term.base[0, b] == 0.0:
-                    vy_old, fall = state.vy[i], gravity * terms.down_y
+                    vy_old, weight = state.vy[i], gravity * terms.down_y
+                    fall = with_seepage(terms.seepage, state.x[i], state.y[i], mass[i], gravity, 0.0, weight)[1]
                     keep, acting = _decay(rate, dt)
                     vy = vy_old * keep + (state.ay[i] + fall) * acting
                     state.vy[i] = vy

@@ -16,7 +16,11 @@ from numba.core.compiler import Compiler
 
 
 class InlinedLibrary(JITCodeLibrary):
-    """Code of one function, optimised and ready to be linked into others, without machine code."""
+    """Code of one function, ready to be linked into others.
+
+    It is tidied, without which loops that it is inlined into do not vectorise (numba counts references to arrays, and finds only here that
+    it need not), but optimised with those others alone; and it is no machine code.
+    """
 
     def _optimize_functions(self, module: Any) -> None:
         """As numba does, but for those that are only declared."""
@@ -25,6 +29,9 @@ class InlinedLibrary(JITCodeLibrary):
             if not function.is_declaration:
                 manager, builder = self._codegen._function_pass_manager()
                 manager.run(function, builder)
+
+    def _optimize_final_module(self) -> None:
+        """Nothing."""
 
     def _finalize_final_module(self) -> None:
         self._finalize_dynamic_globals()

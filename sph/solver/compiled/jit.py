@@ -3,7 +3,7 @@
 numba's on-disk cache has two traps: it does not see edits in imported files, and when two
 processes compile different variants of one function at the same time a third can be handed the
 wrong one.  Three measures answer them: the cache folder is named after a digest of the compiled
-sources and numba's version; compiling and loading happen under a lock between processes
+sources and numba's version; loading and saving happen under a lock between processes
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
 (``sph.solver.terms.active_terms``).
 
@@ -179,9 +179,10 @@ class _Once(event.Listener):
     def on_end(self, event: Any) -> None:
         if event.data["dispatcher"] is self.function and not self.kept:
             self.kept = True
-            text = json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)})
-            with suppress(OSError):  # a folder that cannot be written is refused where code is to be kept in it
-                _replace(cache_folder().parent / TIMES, text)
+            place = cache_folder().parent / TIMES
+            # A folder that cannot be written is refused where code is to be kept in it.
+            with suppress(OSError), FileLock(place.with_suffix(".lock")):
+                _replace(place, json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)}))
 
 
 TIMES = "compiling.json"
@@ -208,15 +209,15 @@ def rows(first, last):  # type: ignore[no-untyped-def]
 
 
 @contextmanager
-def compile_lock(required: bool = True) -> Iterator[None]:
-    """Let one process at a time compile or load from the cache, and only what is there as it was written.
+def compile_lock(variant: str = "", required: bool = True) -> Iterator[None]:
+    """Compile or load from the cache, only what is there as it was written; one process at a time where a ``variant`` is named.
 
-    OSError names the folder and the remedy if compiled code cannot be kept there; if that is not ``required``, what is
-    compiled then serves this process alone.
+    Others that want the same one wait and load it; those of other variants compile beside it.  OSError names the folder and the remedy if
+    compiled code cannot be kept there; if that is not ``required``, what is compiled then serves this process alone.
     """
     with ExitStack() as stack:
         try:
-            stack.enter_context(_cache())
+            stack.enter_context(_cache(variant))
         except OSError:
             if required:
                 raise
@@ -224,16 +225,17 @@ def compile_lock(required: bool = True) -> Iterator[None]:
 
 
 @contextmanager
-def _cache() -> Iterator[None]:
+def _cache(variant: str) -> Iterator[None]:
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
         with FileLock(folder / "lock"):
-            mend(folder)
             _keep_in(folder)
-            with _no_collection():
-                yield
-            seal(folder)
+        with ExitStack() as stack:
+            if variant:
+                stack.enter_context(FileLock(folder / f"{hashlib.sha256(variant.encode()).hexdigest()[:16]}.lock"))
+            stack.enter_context(_no_collection())
+            yield
     except OSError as error:
         raise OSError(f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or {REMEDY}") from error
 
@@ -256,8 +258,30 @@ def _keep_in(folder: Path) -> None:
         tempfile.TemporaryFile(dir=place).close()
     earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
     while _uncached:
-        _uncached.pop().enable_caching()
+        compiled = _uncached.pop()
+        compiled.enable_caching()
+        compiled._cache._cache_file = _OneAtATime(compiled._cache._cache_file, folder)
     numba.config.CACHE_DIR = earlier  # type: ignore[attr-defined]
+
+
+class _OneAtATime:
+    """numba's files of an entry, for one process at a time: it reads the list of variants, adds its own and writes it again."""
+
+    def __init__(self, files: Any, folder: Path) -> None:
+        self.files, self.folder = files, folder
+
+    def load(self, key: Any) -> Any:
+        """The code of a variant, None if it is not there or not as it was written."""
+        with FileLock(self.folder / "lock"):
+            mend(self.folder)
+            return self.files.load(key)
+
+    def save(self, key: Any, data: Any) -> None:
+        """Add the code of a variant."""
+        with FileLock(self.folder / "lock"):
+            mend(self.folder)
+            self.files.save(key, data)
+            seal(self.folder)
 
 
 LISTED = "digests.json"

@@ -24,6 +24,7 @@ from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
 from sph.solver.physics.initiation import gather_plastic_strain, has_slipped
 from sph.solver.physics.material import material_of
+from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
@@ -112,7 +113,7 @@ def _where(wanted, value):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reached, first, last):  # type: ignore[no-untyped-def]
+def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
     """Density, both states, beta and stress of particles first to last; a state for which None is given does not matter to any.
 
     Notes in ``reached`` who reached the failure surface; returns the internal work over dt, W/m.
@@ -156,7 +157,8 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
             i - np.uint64(first),
         )
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
-        mean = -blend(beta, p_s, p_f) - 0.5 * z
+        water = carried_pressure(terms.pore_pressure, soil, i, beta, p, time)
+        mean = -blend(beta, p_s, p_f) - 0.5 * z - water
         damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rate_z, trace)
         s = 1.0 / (new_density * new_density)
         internal += half * power(terms.gradient_correction, state, gradient, i)
@@ -203,6 +205,15 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
 
 
 @jit
+def _any_reached(reached, count):  # type: ignore[no-untyped-def]
+    """Whether one of the first particles of a chunk is at the yield surface; a loop, since numba compiles ``max`` for half a second."""
+    some = False
+    for i in rows(0, count):
+        some |= reached[i] > 0.0
+    return some
+
+
+@jit
 def update_stress(state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
     """Advance density, both states and beta of particles first to last to ``time`` (s).
 
@@ -220,12 +231,12 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
             some_to_arm |= state.phase[i] != ARMED and state.phase[i] != FAILED
             some_solid |= state.beta[i] > 0.0
         if not some_failed:
-            internal += _advance_chunk(True, None, state, pairs, terms, gradient, reached, begin, end)
+            internal += _advance_chunk(True, None, state, pairs, terms, gradient, reached, time, begin, end)
         elif some_solid:
-            internal += _advance_chunk(True, True, state, pairs, terms, gradient, reached, begin, end)
+            internal += _advance_chunk(True, True, state, pairs, terms, gradient, reached, time, begin, end)
         else:
-            internal += _advance_chunk(None, True, state, pairs, terms, gradient, reached, begin, end)
-        if time >= terms.armed_from and (some_to_arm or some_armed and reached[: end - begin].max() > 0.0):
+            internal += _advance_chunk(None, True, state, pairs, terms, gradient, reached, time, begin, end)
+        if time >= terms.armed_from and (some_to_arm or some_armed and _any_reached(reached, end - begin)):
             failed += _arm_and_fail(state, terms, reached, begin, end, time)
     return failed, internal
 

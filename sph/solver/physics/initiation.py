@@ -12,7 +12,8 @@ where it is at yield and the mean over the initial arrangement of its soil
     sum_j w_ij kappa_j / sum_j w_ij,   w = (1 - r^2 / l^2)^2 for r < l,
 
 reaches slip / length: soil that has slipped by ``slip`` over a band of ``length``.  The mean goes over soil of all layers, and around
-periodic sides; particles of fixed walls have none and never fail.  Non-local averages of what softens: Bazant and Jirasek
+periodic sides; particles of fixed walls have none and never fail.  It is renewed in every step in which a particle is at yield, and
+decides in the next one.  Non-local averages of what softens: Bazant and Jirasek
 (2002); slip before the loss of strength: Palmer and Rice (1973).
 """
 
@@ -38,12 +39,15 @@ class Initiation(NamedTuple):
     critical_strain: float
     """slip over length"""
     grid: np.ndarray
-    """(columns, rows) int32: the soil particle at each place of the initial lattice, with a margin all round; -1 where there is none"""
-    column: np.ndarray
-    """(soil,) int32: where the places around a particle begin in the grid"""
-    row: np.ndarray
-    weights: np.ndarray
-    """w of the places around one"""
+    """(places,) int32: the soil particle at each place of the initial lattice, column by column, with a margin all round; -1 for none"""
+    place: np.ndarray
+    """(soil,) int32: where a particle lies in the grid"""
+    step: np.ndarray
+    """(around,) int32: from a place to those nearer than the length"""
+    weight: np.ndarray
+    """(around,) w of those"""
+    at_yield: np.ndarray
+    """(particles,) bool: those that were at yield in this step"""
 
 
 @jit
@@ -54,24 +58,23 @@ def gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):
     else:
         slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(d * d + q * q) / shear_modulus
         state.plastic_strain[i] = max(slipped, opening)
+        term.at_yield[i] = factor < 1.0 or opening > 0.0
 
 
 @jit
 def average_plastic_strain(term, state, failed, first, last):  # type: ignore[no-untyped-def]
-    """Average the plastic strain around those of soil particles first to last that have gathered some and are not in phase ``failed``."""
+    """Average the plastic strain around those of soil particles first to last that are at yield and not in phase ``failed``."""
     if term is None:
         return
     else:
-        across, up = term.weights.shape
         for i in range(first, last):
-            if state.phase[i] != failed and state.plastic_strain[i] > 0.0:
+            if term.at_yield[i] and state.phase[i] != failed:
                 total = weight = 0.0
-                for a in range(across):
-                    for b in range(up):
-                        j = term.grid[term.column[i] + a, term.row[i] + b]
-                        if j >= 0:
-                            weight += term.weights[a, b]
-                            total += term.weights[a, b] * state.plastic_strain[j]
+                for k in range(term.step.size):
+                    j = term.grid[term.place[i] + term.step[k]]
+                    if j >= 0:
+                        weight += term.weight[k]
+                        total += term.weight[k] * state.plastic_strain[j]
                 state.mean_plastic_strain[i] = total / weight
 
 
@@ -96,7 +99,15 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Init
     grid = np.pad(grid, ((0, 0), (up, up)), constant_values=-1)
     sides = ((across, across), (0, 0))
     grid = np.pad(grid, sides, mode="wrap") if scene.walls.kinds.sides.periodic else np.pad(grid, sides, constant_values=-1)
-    return Initiation(wanted.slip / wanted.length, grid, column, row, weights)
+    near = np.argwhere(weights > 0.0) - (across, up)
+    return Initiation(
+        wanted.slip / wanted.length,
+        grid.ravel(),
+        ((column + across) * grid.shape[1] + row + up).astype(np.int32),
+        (near @ (grid.shape[1], 1)).astype(np.int32),
+        weights[weights > 0.0],
+        np.zeros(particles.x.size, np.bool_),
+    )
 
 
 TERM = Term("initiation", "coupling.initiation: failure begins over a length", lambda scene: scene.coupling.initiation is not None, _make)

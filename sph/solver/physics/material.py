@@ -1,6 +1,7 @@
-"""Coefficients of the material of each particle: one for all, or those of its layer.
+"""Coefficients of the material of each particle: one for all, those of its layer, or its own where strength varies in space.
 
-With one soil the coefficients are plain numbers of the compiled code; the tables of layers are compiled in only where a scene has them.
+With one soil the coefficients are plain numbers of the compiled code; tables are compiled in only where a scene has layers or random
+fields.  With a random field each particle has a row of its own, made of c and phi at its initial place, which it carries along.
 
 Particles of soils of different density sit on one lattice and take the same room.  The sums over neighbours therefore count particles,
 not mass (as Hu and Adams 2006 do for fluids of different density): every particle enters them with the mass that the scene's own soil
@@ -29,7 +30,7 @@ from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.optional import Term
-from sph.solver.particles import Particles
+from sph.solver.particles import Particles, peak_strength
 from sph.solver.physics import capped_viscosity, elastic_viscoplastic
 from sph.solver.physics.fluid_law import FluidLaw
 from sph.solver.physics.kernels import Kernel
@@ -60,9 +61,9 @@ class Layers(NamedTuple):
     """Materials of layers."""
 
     layer: np.ndarray
-    """(n,) uint8, 0 for the scene's own soil, k for the k-th layer"""
+    """(n,) row of the table: uint8, 0 for the scene's own soil, k for the k-th layer; int32, a row each, where strength varies"""
     table: np.ndarray
-    """(layers + 1, ...): the numbers of ``Material`` in order"""
+    """(rows, ...): the numbers of ``Material`` in order"""
     lightness: np.ndarray
     """(n,) density of the scene's own soil over the particle's"""
     impedance: np.ndarray
@@ -71,18 +72,29 @@ class Layers(NamedTuple):
 
 def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None = None) -> Material:
     """Coefficients of a soil, whose layer may have its own S_R and gamma, at a time step (s)."""
-    strength_ratio = coupling.S_R if layer is None or layer.S_R is None else layer.S_R
+    strength_ratio = _strength_ratio(coupling, layer)
     gamma = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
-    cut = coupling.fluid_tension_limit
+    solid, fluid = _surfaces(soil.cohesion_si, soil.friction_angle_si, strength_ratio, coupling)
     return Material(
         bulk_modulus=float(soil.bulk_modulus_si),
         shear_modulus=float(soil.shear_modulus_si),
-        solid=make_mohr_coulomb(soil.cohesion_si, soil.friction_angle_si),
-        fluid=make_mohr_coulomb(
-            strength_ratio * soil.cohesion_si, strength_ratio * soil.friction_angle_si, None if cut is None else 1e3 * cut
-        ),
+        solid=solid,
+        fluid=fluid,
         fluid_law=FLUID_LAWS[coupling.fluid.law].make(soil, coupling.fluid),
         beta_decay=math.exp(-gamma * dt),
+    )
+
+
+def _strength_ratio(coupling: Coupling, layer: Layer | None) -> float:
+    return coupling.S_R if layer is None or layer.S_R is None else layer.S_R
+
+
+def _surfaces(cohesion: float, friction_angle: float, strength_ratio: float, coupling: Coupling) -> tuple[YieldSurface, YieldSurface]:
+    """Surfaces of the solid and of the fluid state (Eqs. 14 and 15) from c (Pa) and phi (rad)."""
+    cut = coupling.fluid_tension_limit
+    return (
+        make_mohr_coulomb(cohesion, friction_angle),
+        make_mohr_coulomb(strength_ratio * cohesion, strength_ratio * friction_angle, None if cut is None else 1e3 * cut),
     )
 
 
@@ -93,10 +105,17 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
     table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, *m.fluid_law, m.beta_decay] for m in materials])
     density = np.array([soil.density for soil in scene.soils])
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
-    return Layers(layer.astype(np.uint8), table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
+    rows = layer.astype(np.uint8)
+    if scene.varying:
+        ratios = [_strength_ratio(scene.coupling, its) for its in (None, *scene.layers.values())]
+        table, rows = table[layer], np.arange(layer.size, dtype=np.int32)
+        for row, number, (cohesion, friction_angle) in zip(table, layer, peak_strength(scene, particles).T.tolist(), strict=True):
+            solid, fluid = _surfaces(cohesion, friction_angle, ratios[number], scene.coupling)
+            row[2 : 2 + len(solid) + len(fluid)] = *solid, *fluid
+    return Layers(rows, table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
 
 
-TERM = Term("layers", "layers: tables of materials", lambda scene: bool(scene.layers), _make)
+TERM = Term("layers", "layers or uncertain random fields: tables of materials", lambda scene: bool(scene.layers or scene.varying), _make)
 
 
 @jit

@@ -159,7 +159,7 @@ def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None
 
 
 BAD: list[tuple[dict[str, Any], list[str]]] = [
-    ({}, ["motion: file: is required where there are no data"]),
+    ({}, ["motion: file: is required where there are neither data nor stochastic"]),
     (
         {"file": "records/h.AT2", "amplitude": 1.0, "peak_velocity": 0.1},
         ["peak_velocity: 0.1 m/s: the record is scaled to amplitude: 1 m/s2 already"],
