@@ -1,7 +1,8 @@
 """A limit of stability without the error of the spacing, from searches at two spacings.
 
-The limit found at a spacing dx is too high, about in proportion to dx (config/validation.yaml, V17 and V18): a slip surface is a band
-of some spacings, and the soil beside a face is supported by the kernel's width.  With f at dx and c at r dx the value at spacing 0 is
+The limit found at a spacing dx is too high, about in proportion to dx (config/validation.yaml, V9, V10, V17 and V18): a slip surface
+is a band of some spacings, and the soil beside a face is supported by the kernel's width.  With f at dx and c at r dx the value at
+spacing 0 is
 
     f + (f - c) / (r - 1).
 
@@ -16,7 +17,8 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.stability.search import Search, Trial
+from sph.stability.safety import DEFAULT_RULE
+from sph.stability.search import TOLERANCE, Search, Trial
 from sph.stability.standing import FailureRule, coarsest_spacing
 
 RATIO = 2.0
@@ -63,16 +65,17 @@ def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None 
 def extrapolated(
     find: Callable[..., Search],
     scene: Scene,
-    spacings: tuple[float, float],
-    tolerance: float,
-    rule: FailureRule,
+    tolerance: float = TOLERANCE,
+    rule: FailureRule = DEFAULT_RULE,
     report: Callable[[float, Trial], None] | None = None,
+    asked: Sequence[float] | None = None,
 ) -> Extrapolated:
-    """Search at two spacings (m), coarse and fine, by a function of ``sph.stability.safety``; the fine search begins around the coarse.
+    """Search at two spacings by a function of ``sph.stability.safety``; the fine search begins around what the coarse one found.
 
-    ``report`` gets the spacing and each trial.  ValueError as from the searches.
+    The spacings (m) are those of ``two_spacings``; ``report`` gets the spacing and each trial.  ValueError as from the searches.
     """
     searches: list[Search] = []
+    spacings = two_spacings(scene, rule, asked)
     for spacing in spacings:
         at = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
         near = searches[0].value if searches else None

@@ -6,7 +6,6 @@ import hashlib
 import math
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ import xarray as xr
 
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest
-from sph.stability.safety import ONSET_RULE, ONSET_TOLERANCE, critical_strength_ratio, factor_of_safety, yield_acceleration
+from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.storage import trajectory
 from sph.storage.files import alone, beside, tidy
@@ -24,10 +23,8 @@ SEARCHES: dict[str, Callable[..., Search]] = {
     "factor_of_safety": factor_of_safety,
     "critical_strength_ratio": critical_strength_ratio,
     "yield_acceleration": yield_acceleration,
-    "onset_factor": partial(factor_of_safety, tolerance=ONSET_TOLERANCE, rule=ONSET_RULE),
-    "onset_strength_ratio": partial(critical_strength_ratio, tolerance=ONSET_TOLERANCE, rule=ONSET_RULE),
 }
-"""What can be searched for, by name; the onsets by the rule that limit analysis is compared with."""
+"""What can be searched for, by name."""
 
 
 def run_search(

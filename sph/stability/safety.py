@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
-from sph.stability.search import Search, Trial, around, search
+from sph.stability.search import TOLERANCE, Search, Trial, around, search
 from sph.stability.standing import FailureRule, divided_strength, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Status
 
@@ -23,14 +23,11 @@ ACCELERATIONS = (0.0, *(0.1 * GRAVITY * GROWTH**power for power in range(11)))
 Report = Callable[[Trial], None]
 Known = Mapping[float, Trial]
 DEFAULT_RULE = FailureRule()
-ONSET_RULE = FailureRule(displacement=0.01)
-"""Failure at the onset of sliding, to compare with limit analysis; needs h of at most 1.3 spacings."""
-ONSET_TOLERANCE = 0.005
 
 
 def factor_of_safety(
     scene: Scene,
-    tolerance: float = 0.01,
+    tolerance: float = TOLERANCE,
     rule: FailureRule = DEFAULT_RULE,
     report: Report | None = None,
     known: Known | None = None,
@@ -57,7 +54,7 @@ def factor_of_safety(
 
 def critical_strength_ratio(
     scene: Scene,
-    tolerance: float = 0.01,
+    tolerance: float = TOLERANCE,
     rule: FailureRule = DEFAULT_RULE,
     report: Report | None = None,
     known: Known | None = None,
@@ -84,7 +81,7 @@ def critical_strength_ratio(
 
 def yield_acceleration(
     scene: Scene,
-    tolerance: float = 0.01,
+    tolerance: float = TOLERANCE,
     rule: FailureRule = DEFAULT_RULE,
     report: Report | None = None,
     known: Known | None = None,

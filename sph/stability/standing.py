@@ -1,12 +1,14 @@
 """Does a slope stand?  The static test of a scene, and the written rule that decides it.
 
 The test is the classical one of strength reduction (Griffiths and Lane 1999): elastic, perfectly plastic soil with non-associated flow
-under gravity.  It is a run of the scene's own soil, box and discretisation with
+under gravity.  It is a run of the scene's own soil, box and spacing with
 
 * ``gamma: 0``, in layers too: the solid state keeps its Mohr-Coulomb strength and nothing softens;
 * no ground motion, or a constant acceleration after the gravity stage: the pseudo-static load;
 * no Rayleigh damping: its stiffness part would be a viscosity of beta_R G (0.6 MPa s in the paper's soil), by which a slope that has
   lost its balance only creeps, and seems to stand; the gravity stage keeps its own damping, which fades before observation;
+* h of at most 1.3 spacings, since particles with wider kernels rearrange by more than the displacement at which sliding begins;
+* artificial viscosity of 0.3: with 0.1 noise in the stress takes up strength, and nothing moves fast that it could hold up;
 * the longest time step that is stable (``numerics.adaptive_step``).
 """
 
@@ -20,10 +22,11 @@ import numpy as np
 import xarray as xr
 
 from sph.scene.configuration import Section, dotted, key, merge
+from sph.scene.gravity import FAILED_AREA
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
 from sph.scene.soil import Soil
-from sph.solver.run import run
+from sph.solver.run import Result, run
 from sph.stability.search import Trial
 from sph.storage.trajectory import Status
 
@@ -33,21 +36,21 @@ FRAME_INTERVAL = 0.25
 """Interval of the frames of a static test, from which displacements are taken and at which the time step adapts, s, about."""
 LONGEST_OBSERVATION = 1e4
 """Longest free observation, s."""
-REARRANGEMENT = 0.5
-"""Distance over the spacing by which particles of a standing slope may move as their lattice rearranges (measured: h = 1.6 spacings)."""
-SMALL_KERNEL = 1.3
-"""Smoothing length over the spacing up to which the lattice does not rearrange."""
-SMALL_KERNEL_REARRANGEMENT = 0.1
-"""The same distance there (measured: slopes of V17 well below their limit move by 0.03 spacings at most)."""
+SMOOTHING_RATIO = 1.3
+"""Largest smoothing length of a static test over the spacing; the lattice does not rearrange there."""
+VISCOSITY = 0.3
+"""Coefficient of artificial viscosity of a static test."""
+REARRANGEMENT = 0.1
+"""Distance over the spacing within which particles of a standing slope move (measured: 0.03 at most well below the limit of V17)."""
 FEWEST_ROWS = 10
-"""Rows of particles over the height that such a slope has at least."""
+"""Rows of particles over the height of a slope that a static test needs."""
 
 
 class FailureRule(Section):
     """When a slope has failed, in numbers that hold for any size of slope and box."""
 
-    displacement: float = key("soil counts as displaced beyond this part of the slope's height H", gt=0, le=1, default=0.05)
-    area: float = key("the slope has failed when displaced soil covers more than this part of H^2", ge=0, le=1, default=0.01)
+    displacement: float = key("soil counts as displaced beyond this part of the slope's height H", gt=0, le=1, default=0.01)
+    area: float = key("the slope has failed when displaced soil covers more than this part of H^2", ge=0, le=1, default=FAILED_AREA)
     observation: float = key("free observation after the gravity stage, and after the load, over sqrt(H / g)", gt=0, le=1000, default=10.0)
     ramp: float = key("duration in which the pseudo-static acceleration is brought on", "s", ge=0, le=100, default=1.0)
 
@@ -66,12 +69,8 @@ def slope_height(scene: Scene) -> float:
 
 
 def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
-    """Largest spacing at which the rule's displacement is more than a rearrangement of the lattice, m."""
-    displacement, numerics = rule.displacement * slope_height(scene), scene.numerics
-    coarsest = displacement / REARRANGEMENT
-    if numerics.smoothing_length <= SMALL_KERNEL * numerics.spacing * (1.0 + 1e-9):
-        return max(coarsest, min(displacement / SMALL_KERNEL_REARRANGEMENT, slope_height(scene) / FEWEST_ROWS))
-    return coarsest
+    """Largest spacing that gives the slope enough rows and keeps the particles' own motion below the rule's displacement, m."""
+    return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / FEWEST_ROWS)
 
 
 def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
@@ -83,8 +82,8 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     height, spacing = slope_height(scene), scene.numerics.spacing
     if spacing > coarsest_spacing(scene, rule) * (1.0 + 1e-9):
         raise ValueError(
-            f"numerics.spacing: {spacing:g} m is too coarse for the rule: {rule.displacement:g} H is {rule.displacement * height:.3g} m, "
-            f"less than particles move that only rearrange their lattice; take {coarsest_spacing(scene, rule):.3g} m at most"
+            f"numerics.spacing: {spacing:g} m is too coarse to see a slope of {height:.3g} m slide by {rule.displacement:g} of its height; "
+            f"take {coarsest_spacing(scene, rule):.3g} m at most"
         )
     stage, interval = scene.gravity.duration, scene.outputs.series_interval
     frame = max(round(FRAME_INTERVAL / interval), 1) * interval
@@ -112,7 +111,10 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         "outputs.frame_interval": frame,
         "numerics.time_step": interval,
         "numerics.adaptive_step": {"courant": COURANT},
+        "numerics.artificial_viscosity.alpha": VISCOSITY,
     }
+    if scene.numerics.smoothing_length > SMOOTHING_RATIO * spacing:
+        changes |= {"numerics.smoothing_ratio": SMOOTHING_RATIO, "numerics.smoothing_length_is": "half_support"}
     return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)
 
 
@@ -159,7 +161,11 @@ def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
     pseudo-static load they count from its start.  A run that diverged does not stand; whether its soil had moved before, which makes it
     a failure of the slope and not of the scheme, the displaced area says, of the last frame but one.
     """
-    result = run(scene)
+    return judged(run(scene), scene, rule, value)
+
+
+def judged(result: Result, scene: Scene, rule: FailureRule, value: float) -> Trial:
+    """The verdict of ``stand`` on a static test that has been run."""
     since = scene.gravity.ramp if isinstance(scene.motion, NoMotion) else scene.gravity.duration
     diverged = result.status == Status.DIVERGED
     displacement = displacements(result.trajectory.isel(frame=slice(max(result.trajectory.sizes["frame"] - diverged, 1))), since)

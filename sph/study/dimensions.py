@@ -19,7 +19,7 @@ from sph.measures.metrics import GRID
 from sph.scene.configuration import Section
 from sph.scene.names import nearest
 from sph.scene.schema import Scene
-from sph.scene.units import acceleration
+from sph.scene.units import acceleration, beside_g
 from sph.storage.trajectory import Variable
 
 SHORT_NAMES = dict(zip(GRID, ("coupling.S_R", "coupling.gamma", "motion.amplitude"), strict=True))
@@ -86,6 +86,11 @@ class Dimension(NamedTuple):
         """Unit as it is printed; nothing for a number without one."""
         return shown_unit(self.unit)
 
+    def said(self, value: str) -> str:
+        """Symbol, value and unit; an acceleration in g as well."""
+        number, *of_gravity = beside_g(value, self.unit).split(" ", 1)
+        return " ".join(word for word in (self.symbol, number, self.shown_unit, *of_gravity) if word)
+
     def variable(self, listed: bool) -> Variable:
         """The coordinate of a study's table: a dimension of its own, or one along the cases of a list."""
         known = next((axis for axis in AXES if axis.name == self.name), None)
@@ -94,14 +99,18 @@ class Dimension(NamedTuple):
         return found._replace(dims=(CASE,) if listed else found.dims, dtype=kind)
 
 
+PRINTED = {"-": "", "1/s": "s⁻¹"}
+"""Units that are printed otherwise than with raised digits."""
+
+
 def shown_unit(unit: str) -> str:
     """A unit as it is printed; nothing for a number without one."""
-    return "" if unit == "-" else re.sub(r"(?<=[a-z])[23]", lambda power: "²³"[int(power[0]) - 2], unit)
+    return PRINTED[unit] if unit in PRINTED else re.sub(r"(?<=[a-z])[23]", lambda power: "²³"[int(power[0]) - 2], unit)
 
 
 WORDS = {"S_R": "S_R", "gamma": "γ", "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio"}
 """Last parts of keys that are not read as they are written."""
-UNNAMED = ("soil", "coupling", "numerics", "geometry", "region")
+UNNAMED = ("soil", "coupling", "numerics", "geometry", "region", "uncertain", "variables")
 """Sections that the name of a key does without."""
 
 
@@ -122,7 +131,7 @@ def scene_key(name: str) -> str:
 
 def title_of(dimensions: Iterable[Dimension], point: Mapping[str, str]) -> str:
     """A point in words: every dimension with value and unit."""
-    return ", ".join(f"{d.symbol} {point[d.name]} {d.shown_unit}".rstrip() for d in dimensions)
+    return ", ".join(d.said(point[d.name]) for d in dimensions)
 
 
 def in_order(names: Iterable[str]) -> list[str]:
@@ -132,8 +141,8 @@ def in_order(names: Iterable[str]) -> list[str]:
 
 
 def point_name(point: Mapping[str, str]) -> str:
-    """Name of a point in file names."""
-    return "_".join(f"{name}-{point[name]}" for name in in_order(point))
+    """Name of a point in file names; ~, which no value holds, stands for the slash of a file in a folder."""
+    return "_".join(f"{name}-{point[name].replace('/', '~')}" for name in in_order(point))
 
 
 def named_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
@@ -142,7 +151,7 @@ def named_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
     A rule of the workflow is given the name of a run alone, and no configuration lists the points of a search.
     """
     found = re.fullmatch("_".join(f"{re.escape(dimension)}-([^/]+?)" for dimension in dimensions), name) if dimensions else None
-    return None if found is None else dict(zip(dimensions, found.groups(), strict=True))
+    return found and {key: value.replace("~", "/") for key, value in zip(dimensions, found.groups(), strict=True)}
 
 
 def check_names(where: str, names: Iterable[str]) -> None:

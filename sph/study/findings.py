@@ -21,7 +21,10 @@ from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.scene.strict_json import to_json
-from sph.solver.particles import Particles, place_particles
+from sph.scene.units import in_both
+from sph.scene.walls import wall_words
+from sph.scene.water import standing_water
+from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.newmark import sliding_block
 
@@ -60,6 +63,9 @@ ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
 SHARE_OF_LIMIT = 0.8
 """Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.solver.time_step``)."""
 
+PLACEHOLDER = "(the soil is not replaced yet)"
+"""What the title of a scene ends with that ``sph new`` has written."""
+
 
 class Severity(StrEnum):
     """How much a finding matters."""
@@ -82,6 +88,7 @@ class Code(NamedTuple):
 ERROR, WARNING, NOTE = Severity
 CODES: dict[str, Code] = {
     "fails-unshaken": Code(ERROR, "the slope fails at its peak strength without shaking"),
+    "softens-unshaken": Code(ERROR, "soil is at its strength under gravity alone, and softens before the shaking"),
     "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
     "fails-at-residual": Code(NOTE, "without shaking the slope fails at the strength that failed soil keeps: soil that fails runs down"),
     "stands-at-residual": Code(NOTE, "without shaking the slope stands at the strength that failed soil keeps: what fails comes to rest"),
@@ -101,7 +108,12 @@ CODES: dict[str, Code] = {
     "few-particles": Code(WARNING, "few particles across the slope's height"),
     "thin-layer": Code(WARNING, "few particles across a layer"),
     "thin-box": Code(WARNING, "the box's particles do not fill the kernel's support"),
+    "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
     "no-process-zone": Code(WARNING, "soil fails over no length; a note in the paper's scheme, which has none"),
+    "soil-not-replaced": Code(WARNING, "the soil is that which `sph new` wrote"),
+    "rigid-box": Code(NOTE, "a rigid box, which reflects every wave"),
+    "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
+    "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
     "short-process-zone": Code(WARNING, "the length over which soil fails is shorter than three spacings"),
     "back-wall": Code(WARNING, "the back wall is near the crest"),
     "little-room": Code(WARNING, "little room for the debris before the front wall"),
@@ -159,6 +171,77 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
     return found
 
 
+def choices(scene: Scene) -> list[tuple[str, str]]:
+    """Name and value of what decides the answer and has a default: how failure begins, dilation and the walls."""
+    initiation, walls = scene.coupling.initiation, scene.walls
+    begins = "at once where the stress reaches the strength (coupling.initiation: null)"
+    if initiation is not None:
+        spacings = initiation.length / scene.numerics.spacing
+        begins = f"after {1e3 * initiation.slip:g} mm of slip over {initiation.length:g} m ({spacings:.2g} spacings)"
+    angles = dict(zip(("soil", *scene.layers), (soil.dilation_angle for soil in scene.soils), strict=True))
+    same = len(set(angles.values())) == 1
+    dilation = (
+        f"{scene.soil.dilation_angle:g} degree" if same else ", ".join(f"{angle:g} degree in {name}" for name, angle in angles.items())
+    )
+    box = _box(scene) + (f", lid {wall_words(walls.top)}" if walls.top != "none" else "")
+    return [("failure begins", begins), ("dilation angle", dilation), ("walls", box + (": a rigid box" if _is_rigid(scene) else ""))]
+
+
+def _box(scene: Scene) -> str:
+    return f"base {wall_words(scene.walls.base)}, sides {wall_words(scene.walls.sides)}"
+
+
+def _is_rigid(scene: Scene) -> bool:
+    """Whether base and sides stand still, so that they reflect waves."""
+    return scene.walls.kinds.base.stands and scene.walls.kinds.sides.stands
+
+
+def of_choices(scene: Scene) -> list[Finding]:
+    """Findings of what stands in a scene until somebody decides it; the paper's scheme takes its choices from the paper."""
+    if scene.scheme == "paper":
+        return []
+    found = []
+    if scene.title.endswith(PLACEHOLDER):
+        found.append(
+            finding(
+                "soil-not-replaced", "the soil is that which sph new wrote", scene.title, "your soil and a title of your own", "soil, title"
+            )
+        )
+    if _is_rigid(scene) and highest_frequency(scene):
+        wanted = "absorbing where the site lets waves out"
+        found.append(finding("rigid-box", "a rigid box reflects every wave", _box(scene), wanted, "walls.base and walls.sides"))
+    if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
+        wanted = "that of a shear test: 0 in loose soil, a part of the friction angle in dense soil"
+        found.append(finding("no-dilation", "soil with friction keeps its volume as it shears", "0 degree", wanted, "soil.dilation_angle"))
+    return found
+
+
+def water_rows(scene: Scene) -> list[tuple[str, str]]:
+    """Label and text of the water, for summaries; none for a dry scene."""
+    if scene.water is None:
+        return []
+    ratios = [f"layer {name} r_u = {layer.r_u:g}" for name, layer in scene.layers.items() if layer.r_u is not None]
+    standing = standing_water(scene.water, scene.geometry)
+    stands = [f"stands up to {standing[0]:.3g} m above the ground"] if standing else []
+    return [("water", "; ".join([scene.water.sentence(), *ratios, *stands]))]
+
+
+def uncertain_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
+    """Label and text of each key that is drawn, for summaries; none for a scene without."""
+    if scene.uncertain is None:
+        return []
+    rows, drawn = [], scene.uncertain.values()
+    for name, variable in scene.uncertain.variables.items():
+        value = f"{drawn[variable.of]:.4g}"
+        if variable.field is not None:
+            there = (particles.layer == varying_layer(scene, variable)) & (np.arange(particles.x.size) < particles.n_soil)
+            strength = peak_strength(scene, particles)[QUANTITIES.index(variable.quantity), there]
+            values = strength / 1e3 if variable.quantity == "cohesion" else np.degrees(strength)
+            value = f"{values.min():.4g} to {values.max():.4g}, mean {values.mean():.4g}" if values.size else "no particle"
+        rows.append((f"drawn {name}", f"{variable.of} = {value} ({variable.sentence()}), seed {scene.uncertain.seed}"))
+    return rows
+
+
 class Layer(NamedTuple):
     """The soil particles of one material."""
 
@@ -199,17 +282,20 @@ def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
 
 
 def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
-    """All that is found of a scene and its particles without a run; takes some 0.03 s."""
+    """All that is found of a scene and its particles without a run, warnings before notes; takes some 0.03 s."""
     particles = particles or place_particles(scene)
-    return (
-        [found for layer in layers_of(scene, particles) for found in _layer(scene, layer)]
+    found = (
+        of_choices(scene)
+        + [each for layer in layers_of(scene, particles) for each in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
         + of_initiation(scene)
+        + of_variation(scene)
         + of_motion(scene)
         + _series(scene)
         + _step(scene)
     )
+    return sorted(found, key=lambda each: list(Severity).index(Severity(each.severity)))
 
 
 def _layer(scene: Scene, layer: Layer) -> list[Finding]:
@@ -322,6 +408,19 @@ def of_initiation(scene: Scene) -> list[Finding]:
     ]
 
 
+def of_variation(scene: Scene) -> list[Finding]:
+    """Random fields over correlation lengths shorter than the kernel's reach, within which particles move as one."""
+    found, reach = [], 2 * scene.numerics.smoothing_length
+    for variable in scene.varying:
+        assert variable.field is not None
+        shortest = min(variable.field.horizontal_length, variable.field.vertical_length)
+        if shortest < reach * (1 - 1e-9):
+            what = f"{variable.of} varies over lengths that the particles do not resolve"
+            wanted = f"at least {reach:.3g} m, the kernel's reach"
+            found.append(finding("short-correlation", what, f"correlation length {shortest:g} m", wanted, "numerics.spacing, or the field"))
+    return found
+
+
 def cut_off(scene: Scene) -> list[Finding]:
     """A warning if the run ends before the motion does."""
     if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
@@ -406,11 +505,6 @@ def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
         return []
     measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
     return [finding("record-polarity", "turned round the record drives the slope further", measured, "runs of both directions", key)]
-
-
-def in_both(acceleration: float) -> str:
-    """An acceleration (m/s2) in m/s2 and g."""
-    return f"{acceleration:.4g} m/s2 ({acceleration / GRAVITY:.3g} g)"
 
 
 def _series(scene: Scene) -> list[Finding]:

@@ -165,9 +165,9 @@ class Study(Section):
 
     @functools.cached_property
     def numbered(self) -> bool:
-        """Whether the names of runs are numbers: in a list, and in a grid whose dimensions make too long a name or one with a folder."""
+        """Whether the names of runs are numbers: in a list, and in a grid whose dimensions make too long a name."""
         longest = point_name({name: max(values, key=len) for name, values in self.values.items()})
-        return self.grid is None or len(longest) > LONGEST_NAME or any("/" in value for values in self.values.values() for value in values)
+        return self.grid is None or len(longest) > LONGEST_NAME
 
     @functools.cached_property
     def runs(self) -> dict[str, Point]:

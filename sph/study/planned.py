@@ -84,7 +84,13 @@ def _at_planning(name: str) -> str:
 
 
 def sources(*patterns: str) -> str:
-    """Digest of the files that match patterns, seen from the library: Snakemake does not see edits in imported modules by itself."""
+    """Digest of the files that match patterns, seen from the library: Snakemake does not see edits in imported modules by itself.
+
+    ValueError for a pattern that matches none, which is a file that has moved.
+    """
     folder = Path(sph.__file__).parent
-    paths = sorted({path for pattern in patterns for path in folder.glob(pattern) if path.is_file()})
-    return content_digest(*paths)
+    found = {pattern: [path for path in folder.glob(pattern) if path.is_file()] for pattern in patterns}
+    for pattern, paths in found.items():
+        if not paths:
+            raise ValueError(f"sources: {pattern}: no such file in {folder}")
+    return content_digest(*sorted({path for paths in found.values() for path in paths}))

@@ -1,9 +1,9 @@
 """The preflight: what is found of a scene, or of all scenes of a study, before any run of them.
 
 ``sph.study.findings`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
-strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration.  ``sph check --stability`` asks
-them of a scene at two spacings and extrapolates; the first job of a study asks them at one, twice as coarse, which takes an
-eighth of the time of the scene's own and makes slopes too strong by some per cent.
+strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error.  Both are
+searched at two spacings and extrapolated: at one, slopes come out too strong.  ``sph check --stability`` takes the scene's own
+spacing and twice that; the first job of a study takes coarser ones, which cost a fraction of that and leave a larger error.
 """
 
 from __future__ import annotations
@@ -12,26 +12,33 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
 import pandas as pd
 
+from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
-from sph.stability.extrapolation import RATIO, extrapolated, two_spacings
+from sph.scene.units import in_both
+from sph.solver.particles import SOIL
+from sph.solver.run import run
+from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
-from sph.stability.standing import coarsest_spacing, divided_strength, stand, static_scene, weakened
+from sph.stability.standing import coarsest_spacing, divided_strength, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.findings import CODES, Finding, Severity, finding, findings, in_both
+from sph.study.findings import CODES, Finding, Severity, finding, findings
 from sph.study.tables import count_column, read_csv, text_column, write_csv
 
-EXTRAPOLATED_TOLERANCE, TOLERANCE = 0.01, 0.05
-"""Relative width of the brackets in which searches end, where the extrapolation magnifies it and at one spacing."""
-MARGIN = 1.1
-"""Factor of safety below which the error of a search may hide that the slope does not stand."""
+QUICK_TOLERANCE = 0.03
+"""Relative width of the brackets in which the searches of a study end."""
+QUICK_RATIO = 1.5
+"""Smallest ratio of the two spacings of the static tests of a study."""
 LONGEST = 60.0
 """Computing time on the reference machine after which no further slope or strength of a study is tested for standing, s."""
 MOST_SCENES = 200
 """Most scenes of a study that are looked at, evenly through it."""
+QUICK_TRIALS = (9, 6)
+"""Static tests of a search to ``QUICK_TOLERANCE``, at the coarse and at the fine spacing (measured: 5 to 11 and 3 to 6)."""
 PREFLIGHT: tuple[Variable, ...] = (
     text_column("severity", f"how much it matters: {', '.join(Severity)}"),
     text_column("code", "what kind of finding it is"),
@@ -44,11 +51,11 @@ PREFLIGHT: tuple[Variable, ...] = (
 )
 """The columns of ``preflight.csv``."""
 
-QUESTIONS: dict[str, tuple[str, Callable[..., Search], Callable[[float], str]]] = {
-    "factor-of-safety": ("static factor of safety", factor_of_safety, "{:.2f}".format),
+QUESTIONS: dict[str, tuple[str, Callable[..., Search], Callable[[float, float], str]]] = {
+    "factor-of-safety": ("static factor of safety", factor_of_safety, "{:.2f} ± {:.2f}".format),
     "yield-acceleration": ("yield acceleration, pseudo-static", yield_acceleration, in_both),
 }
-"""Words, search and text of the limits, by the code of their finding."""
+"""Words, search and text (of value and error) of the limits, by the code of their finding."""
 
 
 class Row(NamedTuple):
@@ -67,22 +74,36 @@ def stability(scene: Scene) -> list[Finding]:
     """
     static = static_scene(scene, DEFAULT_RULE)
     peak = _at_peak(static)
-    if not peak.stands:
-        return [_of_peak(peak)]
+    if not peak.trial.stands:
+        return [_of_peak(peak.trial)]
 
     def limit(code: str) -> Finding:
-        label, find, text = QUESTIONS[code]
+        label, find, _ = QUESTIONS[code]
         try:
-            found = extrapolated(find, scene, two_spacings(scene, DEFAULT_RULE), EXTRAPOLATED_TOLERANCE, DEFAULT_RULE)
+            return _of_limit(code, extrapolated(find, scene))
         except ValueError as error:
             return finding("stability-unknown", label, f"not found: {error}")
-        return _of_limit(code, f"{text(found.value)}, give or take {text(found.error)}", found.value)
 
-    return [_of_peak(peak), _of_residual(_at_residual(static), scene.coupling.S_R), *map(limit, QUESTIONS)]
+    standing = [_of_peak(peak.trial), *_of_softening(peak, scene), _of_residual(_at_residual(static), scene)]
+    return [*standing, *map(limit, QUESTIONS)]
 
 
-def _at_peak(static: Scene) -> Trial:
-    return stand(divided_strength(static, 1.0), DEFAULT_RULE, 1.0)
+class Peak(NamedTuple):
+    """The test of a slope at its peak strength."""
+
+    trial: Trial
+    yielded: float
+    """area of the soil that failed under gravity alone, m2"""
+    too_much: bool
+    """that area is one with which a run has the status ``failed_unshaken``"""
+
+
+def _at_peak(static: Scene) -> Peak:
+    tested = divided_strength(static, 1.0)
+    result = run(tested)
+    failed = tested.gravity.failed(result.trajectory["t_f"].values[result.trajectory["kind"].values == SOIL])
+    count = int(np.count_nonzero(failed))
+    return Peak(judged(result, tested, DEFAULT_RULE, 1.0), count * tested.numerics.spacing**2, tested.fails_unshaken(count))
 
 
 def _at_residual(static: Scene) -> Trial:
@@ -101,52 +122,122 @@ def _of_peak(trial: Trial) -> Finding:
     )
 
 
-def _of_residual(trial: Trial, strength_ratio: float) -> Finding:
-    what = f"the slope unshaken, at its residual strength (S_R {strength_ratio:g})"
+def _of_softening(peak: Peak, scene: Scene) -> list[Finding]:
+    """An error where so much soil is at its strength under gravity that runs of the scene have the status ``failed_unshaken``."""
+    softens = scene.coupling.gamma > 0 or any(layer.gamma for layer in scene.layers.values())
+    if not softens or not peak.too_much:
+        return []
+    strength = "soil.cohesion and soil.friction_angle"
+    return [
+        finding(
+            "softens-unshaken",
+            "soil is at its strength under gravity alone and softens before the shaking: the result is not that of an earthquake",
+            f"{peak.yielded:.3g} m2",
+            f"at most {FAILED_AREA:g} H2 = {FAILED_AREA * slope_height(scene) ** 2:.3g} m2",
+            f"coupling.initiation{'' if scene.coupling.initiation is None else '.slip'}, or {strength}",
+        )
+    ]
+
+
+def _of_residual(trial: Trial, scene: Scene) -> Finding:
+    own = "".join(f", {name} {layer.S_R:g}" for name, layer in scene.layers.items() if layer.S_R is not None)
+    what = f"the slope unshaken, at its residual strength (S_R {scene.coupling.S_R:g}{own})"
     if trial.stands:
         return finding("stands-at-residual", what, "stands: what fails comes to rest")
     return finding("fails-at-residual", what, "does not stand: soil that fails runs down until the slope is flatter")
 
 
-def _of_limit(code: str, text: str, value: float) -> Finding:
-    weak = code == "factor-of-safety" and value < MARGIN
+def _of_limit(code: str, found: Extrapolated) -> Finding:
+    label, _, text = QUESTIONS[code]
+    coarse, fine = found.spacings
+    weak = code == "factor-of-safety" and found.value - found.error < 1.0
     return finding(
         code,
-        QUESTIONS[code][0],
-        text,
-        f"at least {MARGIN:g}, since the search has an error" if weak else "",
+        label,
+        f"{text(found.value, found.error)}, extrapolated from spacings of {coarse:.3g} and {fine:.3g} m",
+        "above 1 by more than its error" if weak else "",
         "soil.cohesion and soil.friction_angle, or the geometry" if weak else "",
         Severity.WARNING if weak else None,
     )
 
 
-def coarser(scene: Scene) -> Scene:
-    """A scene at the spacing of a study's static tests: twice its own, or the coarsest that the failure rule allows."""
+def quick_spacings(scene: Scene) -> tuple[float, float]:
+    """Coarse and fine spacing (m) of a study's static tests: twice the scene's own and up to twice that.
+
+    The failure rule limits the coarse one; the fine one then is at most two thirds of it.
+    """
     own = scene.numerics.spacing
-    spacing = max(min(RATIO * own, coarsest_spacing(scene, DEFAULT_RULE)), own)
+    coarse = min(RATIO**2 * own, coarsest_spacing(scene, DEFAULT_RULE))
+    return coarse, min(RATIO * own, coarse / QUICK_RATIO)
+
+
+def at_spacing(scene: Scene, spacing: float) -> Scene:
+    """A scene at another spacing, m."""
     return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
 
 
-def study_stability(scenes: Mapping[str, Scene], searches: Sequence[str], say: Callable[[str], None] = print) -> list[Row]:
-    """What static tests of the scenes of a study say, by the names of its runs; ``searches`` of ``QUESTIONS`` are made of the first.
+def quick_scene(scene: Scene) -> Scene:
+    """A scene at the fine one of ``quick_spacings``, at which a study tests whether its slopes stand."""
+    return at_spacing(scene, quick_spacings(scene)[1])
 
-    Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``.
-    """
-    runs: dict[tuple[str, str], list[str]] = {}
-    statics: dict[str, Scene] = {}
-    found: dict[Finding, list[str]] = {}
+
+class Slopes(NamedTuple):
+    """The different static tests of a study."""
+
+    runs: dict[tuple[str, str], list[str]]  # by the test at peak and at residual strength
+    statics: dict[str, Scene]  # by run
+    untested: dict[Finding, list[str]]  # why runs have none
+
+
+def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
+    found = Slopes({}, {}, {})
     for name, scene in scenes.items():
         try:
-            static = static_scene(coarser(scene), DEFAULT_RULE)
+            static = static_scene(quick_scene(scene), DEFAULT_RULE)
         except ValueError as error:
-            found.setdefault(finding("stability-unknown", "the stability of the slope", f"not tested: {error}"), []).append(name)
+            found.untested.setdefault(finding("stability-unknown", "the stability of the slope", f"not tested: {error}"), []).append(name)
             continue
-        statics[name] = static
+        found.statics[name] = static
         residual = weakened(static, static.coupling.S_R)
-        peak = divided_strength(static, 1.0)
+        at_peak = divided_strength(static, 1.0)
         same: dict[str, Any] = {"name": True, "title": True, "probes": True, "coupling": {"S_R"}}
-        runs.setdefault((peak.model_dump_json(exclude=same), residual.model_dump_json(exclude=same)), []).append(name)
-    peaks: dict[str, Trial] = {}
+        found.runs.setdefault((at_peak.model_dump_json(exclude=same), residual.model_dump_json(exclude=same)), []).append(name)
+    return found
+
+
+def preflight_seconds(scenes: Mapping[str, Scene]) -> float:
+    """Computing time on the reference machine of ``study_stability``, s; where all slopes stand."""
+    runs, statics, _ = _slopes(scenes)
+    spent, slopes = 0.0, dict[str, float]()
+    for (peak_key, _), names in runs.items():
+        if spent <= LONGEST:
+            spent += cost(statics[names[0]]).seconds * (1 + (peak_key not in slopes))
+            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], QUICK_TRIALS))
+    for number, one in enumerate(slopes.values()):
+        if number == 0 or spent <= LONGEST:
+            spent += len(QUESTIONS) * one
+    return spent
+
+
+def search_seconds(scene: Scene, trials: Sequence[int]) -> float:
+    """Computing time on the reference machine of numbers of static tests of a scene at the ``quick_spacings``, s."""
+    return sum(
+        number * cost(static_scene(at_spacing(scene, spacing), DEFAULT_RULE)).seconds
+        for number, spacing in zip(trials, quick_spacings(scene), strict=True)
+    )
+
+
+def study_stability(
+    scenes: Mapping[str, Scene], say: Callable[[str], None] = print, searches: Sequence[str] = tuple(QUESTIONS)
+) -> list[Row]:
+    """What static tests of the scenes of a study say, by the names of its runs; ``searches`` of ``QUESTIONS`` are made of its slopes.
+
+    Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``; then the
+    limits of the first slope are searched, and of the others until all has taken that long.
+    """
+    runs, statics, found = _slopes(scenes)
+    peaks: dict[str, Peak] = {}
+    slopes: dict[str, list[str]] = {}
     spent, left = 0.0, list[str]()
     for (peak_key, _), names in runs.items():
         static = statics[names[0]]
@@ -154,32 +245,42 @@ def study_stability(scenes: Mapping[str, Scene], searches: Sequence[str], say: C
             left += names
             continue
         one = cost(static).seconds
+        slopes.setdefault(peak_key, []).extend(names)
         if peak_key not in peaks:
             peaks[peak_key] = _at_peak(static)
             spent += one
-            say(f"{names[0]}: {_of_peak(peaks[peak_key]).line()}")
-        found.setdefault(_of_peak(peaks[peak_key]), []).extend(names)
-        if peaks[peak_key].stands:
-            residual_finding = _of_residual(_at_residual(static), static.coupling.S_R)
+        peak = peaks[peak_key]
+        told = [_of_peak(peak.trial)]
+        if peak.trial.stands:
+            told += [*_of_softening(peak, scenes[names[0]]), _of_residual(_at_residual(static), static)]
             spent += one
-            say(f"{names[0]}: {residual_finding.line()}")
-            found.setdefault(residual_finding, []).extend(names)
+        for each in told:
+            if each not in found:
+                say(f"{names[0]}: {each.line()}")
+            found.setdefault(each, []).extend(names)
     if left:
         found[finding("stability-unknown", "the stability of further slopes of the study", "not tested, to save time")] = left
-    first = next(iter(statics), None)
-    base = peaks[next(iter(runs))[0]] if first else None
-    if first and base and base.stands:
+    unsearched = list[str]()
+    for number, (peak_key, names) in enumerate(slopes.items()):
+        scene = scenes[names[0]]
+        if not peaks[peak_key].trial.stands or not searches:
+            continue
+        if number and spent > LONGEST:
+            unsearched += names
+            continue
         for code in searches:
-            label, find, text = QUESTIONS[code]
-            known = {1.0: base} if code == "factor-of-safety" else {}
-            scene = coarser(scenes[first])
+            label, find, _ = QUESTIONS[code]
             try:
-                value = find(scene, TOLERANCE, known=known).value
-                limit = _of_limit(code, f"{text(value)}, at a spacing of {scene.numerics.spacing:g} m to {TOLERANCE:.0%}", value)
+                search = extrapolated(find, scene, QUICK_TOLERANCE, asked=quick_spacings(scene))
+                limit, trials = _of_limit(code, search), tuple(len(each.trials) for each in search.searches)
             except ValueError as error:
-                limit = finding("stability-unknown", label, f"not found: {error}")
-            say(f"{first}: {limit.line()}")
-            found.setdefault(limit, []).append(first)
+                limit, trials = finding("stability-unknown", label, f"not found: {error}"), QUICK_TRIALS
+            spent += search_seconds(scene, trials)
+            say(f"{names[0]}: {limit.line()}")
+            found.setdefault(limit, []).extend(names)
+    if unsearched:
+        how = "not searched, to save time; sph fos and sph yield-acceleration search one, of the file of a run too"
+        found[finding("stability-unknown", "factor of safety and yield acceleration of further slopes of the study", how)] = unsearched
     return [Row(each, len(names), names[0]) for each, names in found.items()]
 
 
@@ -191,7 +292,29 @@ def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
         for each in findings(scene):
             words.setdefault((each.code, each.key), each)
             found.setdefault((each.code, each.key), []).append(name)
+    for each in _of_own_ratios(list(scenes.values())):
+        words[each.code, each.key], found[each.code, each.key] = each, list(scenes)
     return [Row(words[at], len(dict.fromkeys(names)), names[0]) for at, names in found.items()]
+
+
+def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
+    """A warning where the scenes differ in an S_R or gamma that does not reach layers with one of their own."""
+    found = []
+    for key in ("S_R", "gamma"):
+        kept = [name for name, layer in scenes[0].layers.items() if getattr(layer, key) is not None] if scenes else []
+        if kept and len({getattr(scene.coupling, key) for scene in scenes}) > 1:
+            measured = f"{', '.join(kept)} {'keeps its' if len(kept) == 1 else 'keep their'} own"
+            wanted = f"a dimension layers.{kept[0]}.{key}, or no {key} of the layer"
+            found.append(
+                finding(
+                    "own-strength-ratio",
+                    f"the study varies {key}, which does not reach all layers",
+                    measured,
+                    wanted,
+                    f"layers.{kept[0]}.{key}",
+                )
+            )
+    return found
 
 
 def write_preflight(path: Path | str, rows: Sequence[Row]) -> None:

@@ -39,7 +39,7 @@ def test_the_search_at_two_spacings_finds_the_limit_at_none(rule: FailureRule, m
 
     monkeypatch.setattr("sph.stability.safety.stand", stand)
     told: list[float] = []
-    found = extrapolated(factor_of_safety, scene(), (1.0, 0.5), 0.001, rule, lambda spacing, _: told.append(spacing))
+    found = extrapolated(factor_of_safety, scene(), 0.001, rule, lambda spacing, _: told.append(spacing))
     assert found.spacings == (1.0, 0.5)
     assert abs(found.value - EXACT) < 0.003 and abs(found.value - EXACT) < found.error
     assert found.error > rule.displacement * EXACT
@@ -50,7 +50,7 @@ def test_the_search_at_two_spacings_finds_the_limit_at_none(rule: FailureRule, m
 def test_the_spacings() -> None:
     rule = FailureRule()
     assert two_spacings(scene(0.5), rule) == (1.0, 0.5)
-    assert two_spacings(scene(1.5), rule) == (2.0, 1.5), "no coarser than the rule allows"
+    assert two_spacings(scene(1.5), rule) == pytest.approx((2.0, 1.5)), "no coarser than the rule allows"
     assert two_spacings(scene(0.5), rule, (0.5, 2.0)) == (2.0, 0.5)
     for spacing, asked in ((2.0, None), (0.5, (0.5, 0.6)), (0.5, (1.0, -1.0)), (0.5, (1.0, float("nan")))):
         with pytest.raises(ValueError, match="numerics.spacing: .* --single"):
@@ -59,12 +59,11 @@ def test_the_spacings() -> None:
         two_spacings(scene(), rule, (1.0, 0.5, 0.25))
 
 
-def test_a_small_kernel_allows_a_rule_of_one_per_cent() -> None:
-    rule = FailureRule(displacement=0.01)
-    assert two_spacings(scene(1.0, smoothing_ratio=1.3), rule) == (2.0, 1.0)
-    assert two_spacings(scene(1.5, smoothing_ratio=1.3), rule) == (2.0, 1.5), "ten rows of particles at least"
+def test_a_smaller_displacement_needs_a_finer_spacing_and_a_larger_one_still_ten_rows() -> None:
+    assert two_spacings(scene(0.5), FailureRule(displacement=0.005)) == pytest.approx((1.0, 0.5))
+    assert two_spacings(scene(1.5), FailureRule(displacement=0.05)) == pytest.approx((2.0, 1.5))
     with pytest.raises(ValueError, match="numerics.spacing"):
-        two_spacings(scene(1.0), rule)
+        two_spacings(scene(1.0), FailureRule(displacement=0.005))
 
 
 @pytest.mark.parametrize("values", [FACTORS, STRENGTH_RATIOS, ACCELERATIONS])

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from sph.stability.limit_analysis import limit_factor, limit_strength_ratio, stability_number
+from sph.stability.limit_analysis import POINTS, Wet, _work_of_water, endless_factor, limit_factor, limit_strength_ratio, stability_number
 
 CHEN = {
     (90.0, 0.0): 3.83,
@@ -55,9 +56,53 @@ def test_factor_and_ratio_are_where_the_weakened_slope_is_at_its_stability_numbe
     assert limit_strength_ratio(60.0, 25.0, 1964.0 * 9.81, 150e3, 20.0) == pytest.approx(0.46, abs=0.005)
 
 
+def test_endless_slopes_in_closed_form() -> None:
+    """Without friction c / (gamma H sin(i)), without cohesion tan(phi) / tan(i) with associated flow, and sin(phi_s) for it without."""
+    assert endless_factor(20.0, 10.0, 2e4, 1e5, 0.0, 0.0) == pytest.approx(0.5 / math.sin(math.radians(20.0)), rel=1e-5)
+    assert endless_factor(20.0, 10.0, 2e4, 0.0, 30.0, 30.0) == pytest.approx(
+        math.tan(math.radians(30.0)) / math.tan(math.radians(20.0)), rel=1e-5
+    )
+    sine = math.tan(math.radians(20.0))  # phi is where sin(phi) carries tan(i) without dilation
+    expected = math.tan(math.radians(30.0)) / math.tan(math.asin(sine))
+    assert endless_factor(20.0, 10.0, 2e4, 0.0, 30.0, 0.0) == pytest.approx(expected, rel=1e-5)
+
+
 def test_refusals() -> None:
     for slope, friction in ((20.0, 20.0), (91.0, 0.0), (45.0, -1.0), (math.nan, 0.0)):
         with pytest.raises(ValueError, match="slope_angle"):
             stability_number(slope, friction)
     with pytest.raises(ValueError, match="base_depth"):
         stability_number(45.0, 0.0, -1.0)
+
+
+@pytest.mark.parametrize("friction_angle", [0.0, 20.0])
+def test_a_slope_under_water_has_its_buoyant_weight(friction_angle: float) -> None:
+    buoyant = stability_number(60.0, friction_angle, 0.5) / (1.0 - 0.45)
+    for level in (1.0, 1.7):
+        assert stability_number(60.0, friction_angle, 0.5, Wet(weight=0.45, level=level)) == pytest.approx(buoyant, rel=1e-3)
+
+
+def test_water_below_the_spirals_does_not_matter() -> None:
+    assert stability_number(60.0, 20.0, 0.0, Wet(weight=0.5, level=0.0)) == pytest.approx(stability_number(60.0, 20.0, 0.0), rel=1e-3)
+
+
+def test_pore_pressure_without_friction_does_no_work() -> None:
+    assert stability_number(60.0, 0.0, 0.5, Wet(r_u=0.4)) == pytest.approx(stability_number(60.0, 0.0, 0.5), rel=1e-9)
+
+
+def test_work_of_a_ratio_is_that_of_the_force_of_the_water() -> None:
+    """The pressure's work on the opening spiral is that of -grad u = r_u gamma (-slope of the ground, 1) on the body (Gauss)."""
+    tangent, r_u = math.tan(math.radians(25.0)), 0.3
+    angle = np.linspace(0.6, 1.9, 4001)
+    r = np.exp((angle - angle[0]) * tangent)
+    x, y = r * np.cos(angle), -r * np.sin(angle)
+    toe, height = (x[-1], y[-1]), y[0] - y[-1]
+    crest = (toe[0] + height / math.tan(math.radians(60.0)), y[0])
+    ground = ((x[0], y[0]), crest, toe, (x[-1], y[-1]))
+    middle_x = np.linspace(toe[0], x[0], 4001)[:-1] + 0.5 * (x[0] - toe[0]) / 4000
+    top, bottom = np.interp(middle_x, (toe[0], crest[0], x[0]), (toe[1], crest[1], y[0])), np.interp(-middle_x, -x, y)
+    gradient = np.where(middle_x < crest[0], math.tan(math.radians(60.0)), 0.0)
+    # A body that turns clockwise has the velocity (y, -x).
+    work = r_u * np.sum(-gradient * 0.5 * (top**2 - bottom**2) - middle_x * (top - bottom)) * (x[0] - toe[0]) / 4000
+    found = _work_of_water(np.linspace(0.6, 1.9, POINTS), tangent, ground, height, Wet(r_u=r_u))
+    assert found == pytest.approx(work, rel=1e-3)

@@ -49,12 +49,12 @@ def test_a_dimension_has_the_unit_and_meaning_of_its_key() -> None:
     scene = make_scene({"scheme": "paper", "name": "s", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}})
     cohesion, rate = dimension("soil.cohesion", ["20"], scene), dimension("gamma", ["1"], scene)
     assert cohesion == Dimension("soil.cohesion", "kPa", "cohesion of the solid state", False)
-    assert (rate.label, dimension("motion.amplitude", ["1"], scene).label) == ("γ (1/s)", "amplitude of the motion (m/s²)")
+    assert (rate.label, dimension("motion.amplitude", ["1"], scene).label) == ("γ (s⁻¹)", "amplitude of the motion (m/s²)")
     kernel = dimension("numerics.kernel", ["cubic_spline", "wendland_c2"], scene)
     assert kernel.words and kernel.variable(False).dtype == "str" and kernel.variable(False).units == "1"
     assert cohesion.variable(True).dims == ("case",) and cohesion.variable(False).dims == ("soil.cohesion",)
     assert title_of([cohesion, rate, kernel], {"soil.cohesion": "20", "gamma": "1", "numerics.kernel": "a"}) == (
-        "cohesion 20 kPa, γ 1 1/s, kernel a"
+        "cohesion 20 kPa, γ 1 s⁻¹, kernel a"
     )
     assert in_order(["soil.cohesion", "amplitude", "S_R"]) == ["S_R", "amplitude", "soil.cohesion"]
 

@@ -17,7 +17,10 @@ from sph.command.cli import REFUSED, app
 from sph.command.cost import speed_here, study_cost
 from sph.command.status import Kind, jobs, located_plan
 from sph.scene.schema import Scene
+from sph.stability.safety import DEFAULT_RULE
+from sph.stability.standing import static_scene
 from sph.study.cost import cost
+from sph.study.preflight import QUICK_TRIALS, at_spacing, preflight_seconds, quick_spacings
 
 CONFIG: dict[str, Any] = {
     "study": "small",
@@ -61,9 +64,31 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     slow = predicted(config, "--speed", 0.5, "--cores", 1)
     assert slow["run"] == 2 * one["run"] and slow["computing"] > one["computing"]
     queued = predicted(config, "--speed", 1, "--cores", 1, "--start", 11.5)
-    assert queued["computing"] == pytest.approx(one["computing"] + 12 * 10.0)
+    assert queued["computing"] == pytest.approx(one["computing"] + 13 * 10.0), "twelve simulations and the preflight"
     many = predicted(config, "--speed", 1, "--cores", 1000)
     assert many["wall"] >= one["run"], "no run is shorter for all the cores"
+
+
+def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As many static tests as it makes: each slope, each residual strength, and the searches of a slope."""
+    drafted, folder = located_plan(None, config)
+    plan = drafted.at("fine")
+    scenes = {name: plan.built(**plan.point(name)) for name in plan.study.runs}
+    slope = scenes[next(iter(scenes))]
+    coarse, fine = (cost(static_scene(at_spacing(slope, spacing), DEFAULT_RULE)).seconds for spacing in quick_spacings(slope))
+    searches = 2 * (QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine)
+    assert preflight_seconds(scenes) == pytest.approx((1 + 2) * fine + searches), "one slope, two values of S_R, two searches"
+    counted = study_cost(plan, folder, cores=1, speed=1.0)
+    monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes: 0.0)
+    assert counted.left - study_cost(plan, folder, cores=1, speed=1.0).left == pytest.approx(preflight_seconds(scenes))
+
+
+def test_linear_reconstruction_takes_its_time(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+    viscosity = {"numerics.artificial_viscosity": {"alpha": 0.1}}
+    plain, linear = (
+        cost(small_slope(viscosity | {"numerics.artificial_viscosity.reconstruction": name})).seconds for name in ("none", "linear")
+    )
+    assert 1.5 < linear / plain < 2.0, "measured: 1.95 of the steps"
 
 
 def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
@@ -77,6 +102,7 @@ def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
     assert found.jobs - found.jobs_left == 3 and found.left < found.computing
     for job in jobs(plan):
         finish(folder, job, 1.0)
+    (folder / "preflight.csv").write_text("")
     done = study_cost(plan, folder, cores=1)
     assert done.jobs_left == 0 and done.left == done.wall == 0.0 and done.computing > 0
 
