@@ -51,6 +51,7 @@ def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     draw_box(ax, scene)
     draw_layers(ax, scene)
     draw_ground(ax, scene)
+    draw_water(ax, scene)
     survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
     mark_places(ax, scene, probe_places(trajectory, 0), height=not dimensioned)
     if isinstance(geometry, Slope):
@@ -107,6 +108,15 @@ def draw_ground(ax: Axes, scene: Scene) -> None:
     x, y = surface_line(scene)
     outline = [*zip(x, y, strict=True), (scene.geometry.width, 0.0), (0.0, 0.0)]
     ax.add_patch(Polygon(outline, facecolor="none", edgecolor="black", linewidth=1.0))
+
+
+def draw_water(ax: Axes, scene: Scene) -> None:
+    """The phreatic line, over the width of the box; nothing for a dry scene or a ratio r_u."""
+    if scene.water is None or scene.water.r_u is not None:
+        return
+    inside = scene.geometry.in_box(scene.water.line[:, 0], scene.water.line[:, 1])[0]
+    x = np.unique(np.clip([0.0, *inside, scene.geometry.width], 0.0, scene.geometry.width))
+    ax.plot(x, scene.water.surface(scene.geometry, x), color="tab:blue", linewidth=0.9, linestyle="--", zorder=3)
 
 
 def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True) -> None:

@@ -96,7 +96,7 @@ def draw_film(trajectory: xr.Dataset, frames: Sequence[int], field: str, motion:
         draw_profile(profile, trajectory, frame, field, norm)
         mark_probes(profile, trajectory, frame)
         time = float(trajectory["time"].values[frame])
-        coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} 1/s"
+        coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} s⁻¹"
         profile.set_title(f"{plain(scene.title or scene.name)}, {coupling}\nt = {time:5.2f} s", loc="left")
         survey_axes(profile, scene, (left, right, lower, upper))
         if now is not None:

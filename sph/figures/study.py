@@ -16,8 +16,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.scene.units import beside_g
+from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension, title_of
 
 SHOWN = {"displacement_magnitude": "displacement of {probe} (m)", "runout": "run-out (m)"}
@@ -26,6 +28,8 @@ MARKERS = dict(zip(CLASSES, "osDP", strict=True))
 """Classes differ by these as well as by colour."""
 COLUMNS = 3
 """Most panels side by side."""
+MOST_TICKS = 5
+"""Most accelerations that an axis names one by one, in m/s2 and g."""
 MOST_PANELS = 9
 """Most panels into which a grid is split; of a larger one every run is drawn against each dimension instead."""
 NUMBERED = 15
@@ -37,6 +41,11 @@ LONG_LABEL = 28
 MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
 DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
+
+HATCH = "///"
+"""Of cells whose soil fails before the shaking."""
+UNSHAKEN = "fails unshaken"
+"""The mark of such runs, in words."""
 
 
 class Panel(NamedTuple):
@@ -82,14 +91,14 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
 def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
     """Displacement of the probe and run-out of every run.  A grid is drawn against the amplitude of shaking, or else its first dimension,
     with a curve for every value of another and panels for the rest; a list or a sample against each of its dimensions.  Marks tell the
-    class; crosses at the lower edge diverged.
+    class; crosses at the lower edge diverged, hollow marks failed before the shaking.
 
     ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
     ValueError for an empty table.
     """
     found = arranged(table, dimensions, len(LINE_STYLES))
-    written = [] if found.other is None else list(dict.fromkeys(table[found.other.name]))
-    looks = [{"color": colour, "linestyle": line} for colour, line in zip(curve_colours(len(written)), LINE_STYLES, strict=False)]
+    values = [] if found.other is None else list(dict.fromkeys(table[found.other.name]))
+    looks = [{"color": colour, "linestyle": line} for colour, line in zip(curve_colours(len(values)), LINE_STYLES, strict=False)]
     metrics = [name for name in SHOWN if table[name].notna().any()] or list(SHOWN)[:1]
     figure = Figure(layout="constrained")
     for panel, metric, ax in _axes(figure, found.panels, metrics, 2.1):
@@ -98,7 +107,7 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
         curves = (
             [(runs, {"color": GREY, "linestyle": "-"})]
             if found.other is None
-            else [(runs[runs[found.other.name] == value], look) for value, look in zip(written, looks, strict=True)]
+            else [(runs[runs[found.other.name] == value], look) for value, look in zip(values, looks, strict=True)]
         )
         for rows, look in curves if found.grid and not panel.along.words else ():
             ax.plot(rows["x"], rows["y"], linewidth=1.0, zorder=1, **look)
@@ -106,7 +115,8 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
         ax.set_ylim(0.0, max(1.06 * float(table[metric].max()), 1e-3) if table[metric].notna().any() else 1.0)
         ax.set_ylabel(SHOWN[metric].format(probe=plain(probe)))
     if found.other is not None:
-        handles = [Line2D([], [], label=plain(value), **look) for value, look in zip(written, looks, strict=True)]
+        named = [plain(beside_g(value, found.other.unit)) for value in values]
+        handles = [Line2D([], [], label=name, **look) for name, look in zip(named, looks, strict=True)]
         figure.legend(handles=handles, loc="outside upper left", ncols=len(handles), title=_wrapped(found.other.label), handlelength=3.0)
     classes = [Line2D([], [], label=name, **_look(name, False)) for name in CLASSES if (table["collapse_class"] == name).any()]
     _class_legend(figure, table, classes)
@@ -117,7 +127,7 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
 @styled
 def figure_map(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
     """Class of every run over two dimensions, with panels for the rest; of a list or a sample, over its first two.  The number in a cell
-    is the displacement of the probe, m; crosses diverged.  Nothing is interpolated.
+    is the displacement of the probe, m; crosses diverged, hatched cells failed before the shaking.  Nothing is interpolated.
 
     ``table`` as from ``sph.study.tables.read_table``.  Raises ValueError for an empty table.
     """
@@ -176,25 +186,28 @@ def _places(ax: Axes, axis: str, found: Dimension, table: pd.DataFrame, cells: b
     """Places of a dimension's values along an axis, which gets its name: words and ``cells`` stand side by side in their order."""
     words = list(dict.fromkeys(table[found.name]))
     ax.set(**{f"{axis}label": _wrapped(found.label)})
+    labels = [plain(beside_g(word, found.unit)).replace(" (", "\n(") for word in words]
     if cells or found.words:
-        getattr(ax, f"set_{axis}ticks")(
-            range(len(words)), list(map(plain, words)), rotation=20 if axis == "x" and max(map(len, words)) > 8 else 0
-        )
+        longest = max(len(line) for label in labels for line in label.split("\n"))
+        getattr(ax, f"set_{axis}ticks")(range(len(words)), labels, rotation=20 if axis == "x" and longest > 8 else 0)
         getattr(ax, f"set_{axis}lim")(-0.5, len(words) - 0.5)
         return dict(zip(words, map(float, range(len(words))), strict=True))
     at = {word: float(word) for word in words}
+    if labels != words and len(words) <= MOST_TICKS:
+        getattr(ax, f"set_{axis}ticks")(list(at.values()), labels)
     if min(at.values()) > 0 and max(at.values()) >= LOG_FROM * min(at.values()):
         getattr(ax, f"set_{axis}scale")("log")
     return at
 
 
 def _draw_runs(ax: Axes, runs: pd.DataFrame) -> None:
-    """Marks at the runs' ``x`` and ``y``, by class."""
+    """Marks at the runs' ``x`` and ``y``, by class; hollow where soil fails before the shaking."""
     many = len(runs) > MANY
-    for name in CLASSES:
-        rows = runs[(runs["collapse_class"] == name) & runs["y"].notna()]
+    for name, unshaken in itertools.product(CLASSES, (False, True)):
+        rows = runs[(runs["collapse_class"] == name) & runs["y"].notna() & ((runs["status"] == Status.FAILED_UNSHAKEN) == unshaken)]
         if len(rows):  # a line without points would upset the layout
-            ax.plot(rows["x"], rows["y"], rasterized=many, clip_on=False, **_look(name, many))
+            hollow = {"markerfacecolor": "white"} if unshaken else {}
+            ax.plot(rows["x"], rows["y"], rasterized=many, clip_on=False, **_look(name, many) | hollow)
     diverged = runs[runs["collapse_class"] == UNDETERMINED]
     if len(diverged):
         ax.plot(diverged["x"], np.full(len(diverged), 0.02), transform=ax.get_xaxis_transform(), **DIVERGED)
@@ -205,30 +218,41 @@ def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
     colours = dict(zip(CLASSES, class_colours(), strict=True))
     for run in runs.to_dict("records"):
         colour = colours.get(run["collapse_class"], "white")
-        ax.add_patch(Rectangle((run["x"] - 0.5, run["y"] - 0.5), 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=0.8))
+        hatch = HATCH if run["status"] == Status.FAILED_UNSHAKEN else None
+        ax.add_patch(Rectangle((run["x"] - 0.5, run["y"] - 0.5), 1.0, 1.0, facecolor=colour, edgecolor="white", linewidth=0.8, hatch=hatch))
         if run["collapse_class"] == UNDETERMINED:
             ax.plot(run["x"], run["y"], **DIVERGED)
         elif numbered:
             dark = float(np.dot(to_rgb(colour), (0.3, 0.59, 0.11))) < 0.5
             ax.text(
-                run["x"], run["y"], _metres(run["displacement_magnitude"]), ha="center", va="center", color="white" if dark else "black"
+                run["x"],
+                run["y"],
+                _metres(run["displacement_magnitude"]),
+                ha="center",
+                va="center",
+                color="white" if dark else "black",
+                bbox={"facecolor": colour, "edgecolor": "none", "pad": 1.5},
             )
 
 
 def _metres(value: float) -> str:
-    """A length in a cell: three digits, below a decimetre two decimals."""
-    return f"{value:.3g}" if value >= 0.1 else f"{value:.2f}"
+    """A length in a cell: three digits, below a decimetre to a millimetre."""
+    return f"{value:.3g}" if value >= 0.1 else f"{value:.3f}"
 
 
 def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -> None:
-    """The classes, and what marks a diverged run where there is one."""
+    """The classes, and what marks a run that diverged or failed before the shaking where there is one."""
     diverged = [Line2D([], [], label="diverged", **DIVERGED)] if (table["collapse_class"] == UNDETERMINED).any() else []
-    figure.legend(handles=[*handles, *diverged], loc="outside upper right", ncols=5)
+    hollow = {**_look(CLASSES[0], False), "markerfacecolor": "white"}
+    cells = all(isinstance(handle, Patch) for handle in handles)
+    mark = Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label=UNSHAKEN) if cells else Line2D([], [], label=UNSHAKEN, **hollow)
+    unshaken = [mark] if (table["status"] == Status.FAILED_UNSHAKEN).any() else []
+    figure.legend(handles=[*handles, *diverged, *unshaken], loc="outside upper right", ncols=6)
 
 
 def _wrapped(label: str) -> str:
     """Name of a dimension or a panel, a long one in lines."""
-    return "\n".join(textwrap.wrap(plain(label).replace("S_R", "$S_R$"), LONG_LABEL))
+    return "\n".join(textwrap.wrap(written(label), LONG_LABEL))
 
 
 def _look(name: str, many: bool) -> dict[str, Any]:

@@ -18,6 +18,8 @@ from sph.storage.files import whole
 
 WIDTH = 180 / 25.4
 """Width of a figure across a journal page, inches."""
+DPI = 200
+"""Dots per inch of PNG figures."""
 
 GREY = "0.45"
 SHAKING = "0.92"
@@ -104,6 +106,11 @@ def plain(text: str) -> str:
     return text.replace("$", r"\$")
 
 
+def written(text: str) -> str:
+    """Text as it is set in figures: '$' does not begin a formula, S_R has its subscript."""
+    return plain(text).replace("S_R", "$S_R$")
+
+
 def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
     """(a), (b), ... and a title at the left above each panel; a single panel gets no letter."""
     pairs = list(zip(axes, titles, strict=True))
@@ -118,4 +125,4 @@ def save(figure: Figure, *paths: Path | str) -> None:
         kind = path.suffix[1:]
         undated = {"pdf": {"CreationDate": None}, "svg": {"Date": None}}.get(kind)
         with whole(path) as temporary, matplotlib.rc_context(STYLE):
-            figure.savefig(temporary, dpi=200, metadata=undated, format=kind)
+            figure.savefig(temporary, dpi=DPI, metadata=undated, format=kind)

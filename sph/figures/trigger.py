@@ -18,7 +18,19 @@ from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untype
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
 from sph.experiments.trigger.design import Searched
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, colour_map, curve_colours, label_panels, plain, styled, write_note
+from sph.figures.style import (
+    GREY,
+    LINE_STYLES,
+    WIDTH,
+    class_colours,
+    colour_map,
+    curve_colours,
+    label_panels,
+    plain,
+    styled,
+    write_note,
+    written,
+)
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.study.dimensions import Dimension, is_number
 
@@ -44,7 +56,12 @@ MAPPED = {
 
 def _words(found: Dimension, value: str) -> str:
     """A dimension and one of its values."""
-    return plain(f"{found.symbol} = {value} {found.shown_unit}".rstrip())
+    return written(f"{found.symbol} = {value} {found.shown_unit}".rstrip())
+
+
+def _axis(found: Dimension) -> str:
+    """Name of an axis."""
+    return written(found.label.replace("S_R", "strength ratio S_R") if found.name == "S_R" else found.label)
 
 
 def _at(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> pd.Series:
@@ -60,7 +77,8 @@ def _across(table: pd.DataFrame, others: Sequence[Dimension]) -> tuple[Dimension
 
 @styled
 def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
-    """Critical intensity against the first other dimension of numbers, a curve a value of the rest, a row a class and a column a case.
+    """Critical intensity against the first other dimension of numbers, a curve a value of the rest, a row a class and a column a case;
+    against the cases where that dimension has one value.
 
     ``table`` as from ``read_critical``; bars are the brackets.  An arrow stands where there is no bracket: down, the class is reached at
     the lowest intensity; up, it is not reached at the highest.  Raises ValueError for an empty table.
@@ -68,24 +86,36 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
     if table.empty:
         raise ValueError("table: no row to draw")
     across, rest = _across(table, searched.others)
-    table = table.assign(curve=_at(table, rest), x=table[across.name].astype(float) if across else 0.0)
     cases, classes = (list(dict.fromkeys(table[name])) for name in ("case", "collapse_class"))
+    by_case = len(cases) > 1 and (across is None or table[across.name].nunique() == 1)
+    if by_case:
+        across, rest = None, list(searched.others)
+    x = table["case"].map(cases.index).astype(float) if by_case else table[across.name].astype(float) if across else 0.0
+    table = table.assign(curve=_at(table, rest), x=x)
+    columns = [cases] if by_case else [[case] for case in cases]
     curves = list(dict.fromkeys(table["curve"]))
     looks = [dict(color=colour, marker=MARKERS[number % len(MARKERS)]) for number, colour in enumerate(curve_colours(len(curves)))]
     figure = Figure(figsize=(WIDTH, 0.7 + 2.3 * len(classes)), layout="constrained")
-    axes = figure.subplots(len(classes), len(cases), sharex=True, sharey=True, squeeze=False)
+    axes = figure.subplots(len(classes), len(columns), sharex=True, sharey=True, squeeze=False)
     titles = []
-    for ax, (name, case) in zip(axes.flat, ((name, case) for name in classes for case in cases), strict=True):
-        rows = table[(table["collapse_class"] == name) & (table["case"] == case)]
+    for ax, (name, shown) in zip(axes.flat, itertools.product(classes, columns), strict=True):
+        rows = table[(table["collapse_class"] == name) & table["case"].isin(shown)]
         for look, curve in zip(looks, curves, strict=True):
-            _draw_brackets(ax, rows[rows["curve"] == curve], look)
+            _draw_brackets(ax, rows[rows["curve"] == curve], look | ({"linestyle": ""} if by_case else {}))
         for column, style in zip(_estimates(searched), LINE_STYLES[1:], strict=False):
-            ax.axhline(rows[column].iloc[0], color=GREY, linewidth=1.0, linestyle=style, zorder=1)
-        titles.append(f"{name}: {plain(case)}")
+            for case in shown:
+                at = rows[rows["case"] == case]
+                ends = (at["x"].iloc[0] - 0.4, at["x"].iloc[0] + 0.4) if by_case else (0.0, 1.0)
+                transform = ax.transData if by_case else ax.get_yaxis_transform()
+                ax.hlines(at[column].iloc[0], *ends, transform=transform, color=GREY, linewidth=1.0, linestyle=style, zorder=1)
+        titles.append(name if by_case else f"{name}: {plain(case)}")
     label_panels(axes.flat, titles)
     axes[0, 0].set_ylim(0.0, None)
     for ax in axes[-1]:
-        ax.set(xlabel=plain(across.label)) if across else ax.set(xticks=[])
+        if by_case:
+            ax.set_xticks(range(len(cases)), [plain(case) for case in cases], rotation=20 if max(map(len, cases)) > 8 else 0)
+        else:
+            ax.set(xlabel=_axis(across)) if across else ax.set(xticks=[])
     for ax in axes[:, 0]:
         ax.set_ylabel(plain(f"critical {searched.intensity.label}"))
     handles = [Line2D([], [], markersize=4, label=curve, **look) for look, curve in zip(looks, curves, strict=True) if curve]
@@ -171,7 +201,7 @@ def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tupl
     pairs = [(case, plane) for case in cases for plane in planes]
     label_panels(axes.flat, [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs])
     for ax in axes[-1]:
-        ax.set_xlabel(plain(across.label))
+        ax.set_xlabel(_axis(across))
     for ax in axes[:, 0]:
         ax.set_ylabel(plain(searched.intensity.label))
     shown = [points[(points["case"] == case) & (points["plane"] == plane)] for case, plane in pairs]
@@ -243,7 +273,7 @@ def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> F
             for bound in (low, high):
                 ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
         ax.set(xlabel=plain(searched.intensity.label), xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
-    axes[0].set_ylabel(plain(f"share of {' and '.join(found.symbol for found in searched.others)} searched"))
+    axes[0].set_ylabel(written(f"share of {' and '.join(found.symbol for found in searched.others)} searched"))
     label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
     handles = [
         Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between its bounds")

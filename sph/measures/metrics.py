@@ -35,6 +35,7 @@ from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 from sph.measures.fields import ProbeHistory, displacement, last_at, probe_history
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
+from sph.scene.gravity import FAILED_AREA
 from sph.scene.ground_line import GroundLine
 from sph.scene.motion import NoMotion
 from sph.scene.places import shifted
@@ -136,8 +137,8 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "failed_unshaken",
         "1",
-        "soil particles that failed under gravity alone over all soil particles; above 0 the slope does not stand without shaking, and no "
-        "number of the run is the earthquake's alone",
+        "soil particles that failed under gravity alone, and soften before the shaking, over all soil particles; where they cover more "
+        f"than {FAILED_AREA:g} H2 the status is {Status.FAILED_UNSHAKEN}, and no number of the run is the earthquake's alone",
     ),
     _number("shaking_start", "s", "start of the shaking; NaN without shaking"),
     _number("shaking_end", "s", "end of the shaking; NaN without shaking"),
@@ -210,6 +211,12 @@ METRICS: tuple[Variable, ...] = (
         "dissipated energy - work of shaking, over the largest sum in time of the absolute values of the four energies",
     ),
     _number(
+        "viscous_share",
+        "1",
+        "energy taken by artificial viscosity and stress over all energy taken, at the end: what the stabilisation takes, not the soil; "
+        "NaN of runs of versions before 0.2",
+    ),
+    _number(
         "time_step_ratio",
         "1",
         "largest time step over its measured limit, over the frames; above 1 the limit was exceeded and the fastest modes may be wrong",
@@ -247,6 +254,7 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
     values |= {
         "still_moving": int(moving),
         "collapse_class": collapse_class(float(probe.magnitude[-1]) / _height(scene), settings),
+        "viscous_share": _viscous_share(trajectory),
         "energy_error": _energy_error(trajectory),
     }
     values |= _soil_metrics(trajectory, scene, settings)
@@ -408,6 +416,13 @@ def _runout_metrics(
 def _energy_error(trajectory: xr.Dataset) -> float:
     balance, scale = _energy_budget(trajectory)
     return float(abs(balance[-1] - balance[0]) / scale) if scale > 0 else 0.0
+
+
+def _viscous_share(trajectory: xr.Dataset) -> float:
+    if "viscous_energy" not in trajectory:
+        return math.nan
+    taken = float(trajectory["dissipated_energy"].values[-1])
+    return float(trajectory["viscous_energy"].values[-1]) / taken if taken > 0 else 0.0
 
 
 def energy_gap(trajectory: xr.Dataset) -> float:

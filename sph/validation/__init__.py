@@ -5,7 +5,9 @@
 * ``columns``: V1 gravity column, V2 waves, V3 shear column
 * ``solids``: V4 plate, V5 rings, V12 block on an incline
 * ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column
-* ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V17 and V18 both against limit analysis
+* ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V17 and V18 both against limit analysis,
+  V19 endless slopes, V21 with water
+* ``wet_column``: V20 columns with water
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy
 * ``table``: errors, orders of convergence, verdicts
@@ -43,6 +45,7 @@ from sph.validation.flows import (
 from sph.validation.level import Draw, Measure
 from sph.validation.slopes import draw_limits, draw_search, measure_limits, measure_search
 from sph.validation.solids import draw_incline, draw_plate, draw_rings, measure_incline, measure_plate, measure_rings
+from sph.validation.wet_column import draw_wet_columns, measure_wet_columns
 
 CASES: dict[str, tuple[Measure, Draw]] = {
     "V1": (measure_gravity_column, draw_gravity_column),
@@ -54,7 +57,7 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V7": (measure_slump, draw_slump),
     "V8": (measure_granular_column, draw_granular_column),
     "V9": (measure_search, draw_search),
-    "V10": (measure_search, draw_search),
+    "V10": (measure_limits, draw_limits),
     "V11": (measure_newmark, draw_newmark),
     "V12": (measure_incline, draw_incline),
     "V13": (measure_simple_shear, draw_simple_shear),
@@ -62,6 +65,9 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V15": (measure_conservation, draw_conservation),
     "V17": (measure_limits, draw_limits),
     "V18": (measure_limits, draw_limits),
+    "V19": (measure_limits, draw_limits),
+    "V20": (measure_wet_columns, draw_wet_columns),
+    "V21": (measure_limits, draw_limits),
 }
 """What is measured and drawn for every case."""
 PROBES = {"V2": 2, "V3": 1, "V4": 1}

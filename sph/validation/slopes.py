@@ -1,4 +1,4 @@
-"""V9, V10, V17 and V18: slopes that just stand."""
+"""V9, V10, V17 to V19 and V21: slopes that just stand."""
 
 from __future__ import annotations
 
@@ -10,14 +10,17 @@ from matplotlib.figure import Figure
 from sph.figures.style import WIDTH, curve_colours, styled
 from sph.scene.geometry import Slope
 from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
 from sph.stability.extrapolation import extrapolate
-from sph.stability.limit_analysis import limit_factor, limit_strength_ratio
+from sph.stability.limit_analysis import DRY, Wet, endless_factor, limit_factor, limit_strength_ratio
+from sph.stability.standing import slope_height
 from sph.storage import trajectory
 from sph.validation.level import Found, Level, Result
 
-REFERENCES = {"factor_of_safety": 1.385, "critical_strength_ratio": 0.46}
-"""Griffiths and Lane's and Bishop and Morgenstern's factors lie at 1.37 to 1.40; 0.46 is our log-spiral limit analysis."""
-TEXTS = {"factor_of_safety": "factor of safety", "critical_strength_ratio": "strength ratio at which the slope just stands"}
+PUBLISHED_FACTOR = 1.385
+"""Factor of safety of V9: Griffiths and Lane's and Bishop and Morgenstern's lie at 1.37 to 1.40."""
+LIMITS = {"factor_of_safety": limit_factor, "critical_strength_ratio": limit_strength_ratio}
+"""Limit analysis of what a search finds."""
 
 
 def read_search(path: Path | str) -> Result:
@@ -28,9 +31,7 @@ def read_search(path: Path | str) -> Result:
 
 def measure_search(level: Level) -> dict[str, Found]:
     """Middle of the bracket."""
-    data = level["run"].data
-    by = data.attrs["by"]
-    return {by: Found(TEXTS[by], "1", float(data.attrs["value"]), REFERENCES[by])}
+    return {"factor_of_safety": Found("factor of safety", "1", float(level["run"].data.attrs["value"]), PUBLISHED_FACTOR)}
 
 
 @styled
@@ -43,7 +44,7 @@ def draw_search(levels: Mapping[str, Level]) -> Figure:
     ax = figure.subplots()
     for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
         result = level["run"]
-        by, data = result.data.attrs["by"], result.data.sortby("value")
+        data = result.data.sortby("value")
         height = result.scene.geometry.slope_height  # type: ignore[union-attr]
         share = data["displaced_area"].values / height**2
         stands = data["stands"].values.astype(bool)
@@ -52,30 +53,44 @@ def draw_search(levels: Mapping[str, Level]) -> Figure:
         ax.plot(
             data["value"].values[stands], share[stands], linestyle="", marker=marker, markersize=4, color=colour, markerfacecolor="white"
         )
-    ax.axvline(REFERENCES[by], color="black", linewidth=0.7)
-    ax.set(xlabel=TEXTS[by], ylabel="displaced area over H²", ylim=(0.0, None))
+    ax.axvline(PUBLISHED_FACTOR, color="black", linewidth=0.7)
+    ax.set(xlabel="factor of safety", ylabel="displaced area over H²", ylim=(0.0, None))
     ax.legend(title="spacing")
     return figure
 
 
-LIMITS = {"onset_factor": limit_factor, "onset_strength_ratio": limit_strength_ratio}
-"""Limit analysis of what a search finds."""
-
-
 def measure_limits(level: Level) -> dict[str, Found]:
-    """Limit found for every slope, beside the upper bound of limit analysis."""
+    """Limit found for every slope, beside the upper bound of limit analysis, or the closed form of one without end."""
     return {name: _beside_limit(result) for name, result in level.items()}
 
 
 def _beside_limit(result: Result) -> Found:
     slope, soil, data = result.scene.geometry, result.scene.soil, result.data
-    assert isinstance(slope, Slope)
-    by = data.attrs["by"]
-    weight, depth = soil.density * GRAVITY, slope.base_depth
-    limit = LIMITS[by](slope.slope_angle, slope.slope_height, weight, soil.cohesion_si, soil.friction_angle, depth)
-    symbol = "F" if by == "onset_factor" else "S_R"
-    text = f"{symbol}, {slope.slope_angle:g}°, φ = {soil.friction_angle:g}°"
+    by, weight = data.attrs["by"], soil.density * GRAVITY
+    if not isinstance(slope, Slope):
+        tilt, water = result.scene.gravity.inclination, result.scene.water
+        ratio = 0.0 if water is None else water.r_u or 0.0
+        limit = endless_factor(tilt, slope.height, weight, soil.cohesion_si, soil.friction_angle, soil.dilation_angle, ratio)
+        text = f"F, {tilt:g}°, φ = {soil.friction_angle:g}°, ψ = {soil.dilation_angle:g}°" + (f", r_u = {ratio:g}" if ratio else "")
+        return Found(text, "1", float(data.attrs["value"]), limit)
+    depth, wet = slope.base_depth, _wet(result.scene)
+    limit = LIMITS[by](slope.slope_angle, slope.slope_height, weight, soil.cohesion_si, soil.friction_angle, depth, wet)
+    symbol = "F" if by == "factor_of_safety" else "S_R"
+    water_text = "" if wet == DRY else f", r_u = {wet.r_u:g}" if wet.r_u else f", water {wet.level:g} H above the toe"
+    text = f"{symbol}, {slope.slope_angle:g}°, φ = {soil.friction_angle:g}°{water_text}"
     return Found(text, "1", float(data.attrs["value"]), limit)
+
+
+def _wet(scene: Scene) -> Wet:
+    """Water of a slope, with one level in it and before it or with one r_u, for limit analysis."""
+    water, slope = scene.water, scene.geometry
+    if water is None:
+        return DRY
+    if water.r_u is not None:
+        return Wet(r_u=water.r_u)
+    assert water.level is not None
+    weight = scene.soil.density * scene.gravity.acceleration
+    return Wet(1e3 * water.unit_weight / weight, (water.level - slope.toe[1]) / (slope.crest[1] - slope.toe[1]))
 
 
 @styled
@@ -85,7 +100,7 @@ def draw_limits(levels: Mapping[str, Level]) -> Figure:
     ax = figure.subplots()
     found = [measure_limits(level) for level in levels.values()]
     for colour, name in zip(curve_colours(len(found[-1])), found[-1], strict=True):
-        sizes = [level[name].scene.numerics.spacing / level[name].scene.geometry.slope_height for level in levels.values()]  # type: ignore[union-attr]
+        sizes = [level[name].scene.numerics.spacing / slope_height(level[name].scene) for level in levels.values()]
         errors = [100.0 * each[name].error for each in found]
         zero = extrapolate(errors[-2], errors[-1], sizes[-2] / sizes[-1])
         ax.plot([*sizes, 0.0], [*errors, zero], color=colour, marker="o", markersize=3, linewidth=0.7, label=found[-1][name].text)

@@ -36,9 +36,8 @@ class Case(Section):
 
     title: str = key("what is tested", min_length=1)
     scene: str = key("scene file, relative to the working folder or the workflow's")
-    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "onset_factor", "onset_strength_ratio", "computation"] = key(
-        "how its result is found: runs of the scene, a search for the strength at which the scene stands (onset: slides by less than 1 % "
-        "of its height), or functions alone",
+    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "computation"] = key(
+        "how its result is found: runs of the scene, a search for the strength at which the scene just stands, or functions alone",
         default="simulation",
     )
     source: str = key("where the reference comes from", min_length=1)
@@ -53,6 +52,8 @@ class Case(Section):
     @model_validator(mode="after")
     def _apart(self) -> Case:
         check_file_names("levels", self.levels)
+        if self.compared == "extrapolated" and len(self.levels) < 2:
+            raise ValueError("compared: extrapolated needs two levels, to extrapolate from")
         return self
 
 

@@ -72,6 +72,13 @@ def test_factors_take_their_base_value_and_unit_from_the_scene(tmp_path: Path) -
     assert axes["viscosity"].share(np.array([0.2, 2e4])).tolist() == [0.0, 1.0]
 
 
+def test_bounds_take_units_as_the_keys_of_a_scene_do(tmp_path: Path) -> None:
+    axes = {axis.name: axis for axis in planned(tmp_path, {"factors": {"amplitude": {"bounds": ["0.2g", "800 gal"]}}}).axes}
+    assert (axes["amplitude"].low, axes["amplitude"].high) == pytest.approx((1.962, 8.0))
+    with pytest.raises(ValueError, match="factors.cohesion.*'0.2g': soil.cohesion is no acceleration"):
+        planned(tmp_path, {"factors": {"cohesion": {"bounds": ["0.2g", 200.0]}}})
+
+
 def test_more_trajectories_and_samples_keep_the_first_ones(tmp_path: Path) -> None:
     few = planned(tmp_path, {"morris": {"trajectories": 3}, "sobol": {"samples": 10}})
     more = planned(tmp_path, {"morris": {"trajectories": 5}, "sobol": {"samples": 70}})

@@ -178,6 +178,25 @@ def test_a_search_needs_no_other_dimension(tmp_path: Path) -> None:
     assert len(figure_critical(table, plan.dimensions).axes) == 1
 
 
+def test_cases_at_a_single_strength_ratio_stand_side_by_side(tmp_path: Path) -> None:
+    plan = planned(tmp_path, {"at": {"S_R": ["0.25"], "gamma": ["100"]}, "confirm": None, "maps": None})
+    points = searched_points(plan, "trigger", lambda S_R, gamma, amplitude: "collapse" if amplitude > 3.0 else "stable")
+    statics = {
+        "collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0},
+        "damaged": {"yield_acceleration": 2.0, "newmark_intensity": 3.0},
+    }
+    table = critical_table(points, ["collapse"], {case: statics for case in TRIGGER["cases"]}, plan.dimensions)
+    figure = figure_critical(table, plan.dimensions)
+    (ax,) = figure.axes
+    assert [label.get_text() for label in ax.get_xticklabels()] == list(TRIGGER["cases"])
+    words = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert words[0] == "$S_R$ = 0.25, γ = 100 s⁻¹"
+    several = planned(tmp_path, {})
+    points = searched_points(several, "trigger", lambda S_R, gamma, amplitude: "collapse" if amplitude > 3.0 else "stable")
+    table = critical_table(points, ["collapse"], {case: statics for case in TRIGGER["cases"]}, several.dimensions)
+    assert figure_critical(table, several.dimensions).axes[0].get_xlabel() == "strength ratio $S_R$"
+
+
 def test_accelerations_have_units(tmp_path: Path) -> None:
     plan = planned(tmp_path, {"intensity": {"highest": "0.8g"}, "tolerance": "50 gal"})
     assert plan.trigger.intensity.highest == pytest.approx(7.848) and plan.trigger.tolerance == pytest.approx(0.5)
@@ -247,7 +266,7 @@ def test_what_is_not_configured_is_refused_when_asked_for(tmp_path: Path) -> Non
 
 def searched_points(plan: TriggerPlan, search: str, found: Any) -> pd.DataFrame:
     """Points of a search whose class is a function of its dimensions."""
-    points = no_points(plan.lattices(search))
+    points = no_points()
     for number in range(plan.levels(search) + 1):
         wanted = wanted_points(plan.lattices(search), points, plan.classes(search), number)
         assert not wanted.duplicated().any()

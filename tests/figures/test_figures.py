@@ -38,7 +38,7 @@ from sph.figures.style import LINE_STYLES, curve_colours
 from sph.measures.fields import FIELDS, displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.solver.particles import SOIL, place_particles
-from sph.storage.trajectory import scene_of
+from sph.storage.trajectory import Status, scene_of
 from sph.study.dimensions import Dimension
 
 BLOCK = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
@@ -256,7 +256,7 @@ def grid_of(*dimensions: Dimension) -> pd.DataFrame:
     table = pd.DataFrame(rows, columns=[found.name for found in dimensions])
     moved = np.where(np.arange(len(rows)) == 0, np.nan, np.arange(len(rows)) / 10)
     classes = [UNDETERMINED, *(CLASSES[number % 4] for number in range(1, len(rows)))]
-    return table.assign(collapse_class=classes, displacement_magnitude=moved, runout=0.5 * moved)
+    return table.assign(status="complete", collapse_class=classes, displacement_magnitude=moved, runout=0.5 * moved)
 
 
 def test_a_grid_is_drawn_as_curves_with_names_that_are_read() -> None:
@@ -300,11 +300,26 @@ def test_figures_of_all_runs_take_any_dimensions(tmp_path: Path, draw: Any, dime
         draw(table.iloc[:0], dimensions)
 
 
+def test_runs_that_fail_unshaken_are_marked() -> None:
+    """Their class is not the earthquake's: hollow marks and hatched cells, and words in the legend."""
+    table = grid_of(COHESION, AMPLITUDE).assign(status=["complete", Status.FAILED_UNSHAKEN] + ["complete"] * 10)
+    curves, cells = figure_study(table, [COHESION, AMPLITUDE]), figure_map(table, [COHESION, AMPLITUDE])
+    hollow = [line for line in curves.axes[0].lines if line.get_markerfacecolor() == "white"]
+    assert sum(len(line.get_xdata()) for line in hollow) == 1
+    assert sum(patch.get_hatch() is not None for patch in cells.axes[0].patches) == 1
+    for figure in (curves, cells):
+        assert "fails unshaken" in [text.get_text() for text in figure.legends[-1].get_texts()]
+
+
 def test_a_list_is_drawn_against_each_dimension() -> None:
     """Words stand side by side, wide ranges on a logarithmic axis; a metric that no run has is left out."""
     cohesion = Dimension("soil.cohesion", "kPa", "", False)
-    rows = [(1.0, "b", "stable", 0.05, 0.0), (10.0, "a", "collapse", 9.0, 8.0), (100.0, "b", UNDETERMINED, np.nan, np.nan)]
-    columns = ["soil.cohesion", "numerics.kernel", "collapse_class", "displacement_magnitude", "runout"]
+    rows = [
+        (1.0, "b", "complete", "stable", 0.05, 0.0),
+        (10.0, "a", "complete", "collapse", 9.0, 8.0),
+        (100.0, "b", "complete", UNDETERMINED, np.nan, np.nan),
+    ]
+    columns = ["soil.cohesion", "numerics.kernel", "status", "collapse_class", "displacement_magnitude", "runout"]
     table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str})
     figure = figure_study(table, [cohesion, KERNEL])
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear", "log", "linear"]

@@ -202,6 +202,13 @@ class TestSoil:
             standing["x"][-1, particle] += 0.75
         assert measure(standing)["nearest_neighbour_p05"] == pytest.approx(0.25, abs=1e-5)
 
+    def test_the_share_of_the_artificial_viscosity(self, standing: xr.Dataset) -> None:
+        samples = standing.sizes["sample"]
+        standing["dissipated_energy"] = ("sample", np.linspace(0.0, 200.0, samples))
+        standing["viscous_energy"] = ("sample", np.linspace(0.0, 30.0, samples))
+        assert measure(standing)["viscous_share"] == pytest.approx(0.15)
+        assert math.isnan(measure(standing.drop_vars("viscous_energy"))["viscous_share"])
+
     def test_energy_error_is_the_closing_error_over_the_peak_of_the_energies(self, standing: xr.Dataset) -> None:
         samples = np.arange(standing.sizes["sample"])
         assert measure(standing)["energy_error"] == 0.0

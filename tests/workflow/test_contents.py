@@ -121,6 +121,7 @@ def test_a_newer_date_alone_runs_nothing(copied: Path) -> None:
     assert planned_jobs(copied, *write(copied, "0.10", "0.50"), "--", TABLE) == {}
 
 
+@pytest.mark.long
 def test_a_run_copied_over_another_is_not_measured(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     config, run = write(copied, "0.10", "0.50"), copied / RUN.format("0.10")
     before = (copied / TABLE).read_bytes()

@@ -23,7 +23,8 @@ use rule * from slope{renamed}
 """
 
 
-@pytest.mark.parametrize(("snakefile", "prefix"), [("workflow/Snakefile", ""), pytest.param("Snakefile", "slope_", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize(("snakefile", "prefix"), [("workflow/Snakefile", ""), ("Snakefile", "slope_")])
 def test_another_workflow_plans_the_same_jobs(
     tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene], snakefile: str, prefix: str
 ) -> None:

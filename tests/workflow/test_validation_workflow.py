@@ -34,11 +34,12 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
     cases = yaml.safe_load((ROOT / "config" / "validation.yaml").read_text())["cases"]
     cases = {name: cases[name] for name in ("V9", "V11", "V13")}
     cases["V9"]["levels"] = {"1 m": cases["V9"]["levels"]["1 m"]}
+    cases["V9"]["compared"] = "finest"
     del cases["V13"]["levels"]["2.5e-4 s"]
     (folder / "cases.yaml").write_text(yaml.safe_dump({"cases": cases}, sort_keys=False))
     (folder / "limits.yaml").write_text(yaml.safe_dump(LIMITS, sort_keys=False))
     config = write_config(folder, experiments={"validation": "cases.yaml", "limits": "limits.yaml"})
-    jobs = {"validation": 1, "experiment_run": 5, "validation_case": 3, "validation_table": 1}
+    jobs = {"validation": 1, "experiment_run": 5, "validation_case": 3, "validation_table": 1, "validation_book": 1}
     assert planned_jobs(folder, *config, "--", "validation") == jobs
     assert planned_jobs(folder, *config, "--", "limits") == {"limits": 1, "experiment_run": 2, "limits_table": 1}
     result = snakemake(folder, "--cores", "2", *config, "--", "validation", "limits")
@@ -48,7 +49,8 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
 
 def test_the_shipped_suite_and_limits_are_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "validation", "limits")
-    assert jobs["validation_case"] == 17 and jobs["experiment_run"] > 60 and "gravity" not in jobs
+    cases = yaml.safe_load((ROOT / "config" / "validation.yaml").read_text())["cases"]
+    assert jobs["validation_case"] == len(cases) >= 20 and jobs["experiment_run"] > 60 and "gravity" not in jobs
 
 
 def test_the_table_holds_every_case(validated: Path) -> None:
@@ -66,6 +68,12 @@ def test_a_search_leaves_its_trials(validated: Path) -> None:
     assert trials.attrs["by"] == "factor_of_safety" and trials.attrs["stood"] < trials.attrs["failed"]
     assert set(trials["value"].values[trials["stands"].values == 1]) & {trials.attrs["stood"]}
     assert trajectory.scene_of(trials).numerics.spacing == 1.0
+
+
+def test_a_book_with_a_page_a_case(validated: Path) -> None:
+    text = (validated / "validation" / "book.md").read_text(encoding="utf-8")
+    assert [line[3:].split(":")[0] for line in text.splitlines() if line.startswith("## ")] == ["V9", "V11", "V13"]
+    assert "steps, " in text and (validated / "validation" / "book.pdf").read_bytes().count(b"/Type /Page ") == 3
 
 
 def test_a_figure_a_case(validated: Path) -> None:

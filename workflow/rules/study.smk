@@ -5,7 +5,7 @@
 
 
 rule preflight:
-    """Look at the scenes and test the slope unshaken: the first job of a study. Its yield acceleration has a rule of its own below."""
+    """Look at the scenes and test the slope unshaken: the first job of a study."""
     output:
         report(
             f"{RESULTS}/preflight.csv",
@@ -27,7 +27,6 @@ rule preflight:
             for name in PLAN.study.shown_runs(MOST_SCENES)
         },
         size=len(PLAN.study.runs),
-        searched=PLAN.one_slope,
     script:
         "../scripts/study/preflight.py"
 

@@ -25,6 +25,16 @@ rule trigger:
         ),
 
 
+rule fragility:
+    """Fragility curves over the values of the search: fits, curves and figure."""
+    input:
+        lambda wildcards: expand(
+            "{folder}/trigger/{file}",
+            folder=TRIGGER().folder,
+            file=["trigger.csv", "points.csv", "fragility_fit.csv"],
+        ),
+
+
 rule confirm:
     """The ends of brackets at another fidelity."""
     input:
@@ -89,9 +99,6 @@ rule measure_points:
         "{folder}/trigger/logs/{search}-{round}-points.log",
     params:
         sources=ANALYSIS,
-        lattices=lambda wildcards: [
-            lattice.model_dump() for lattice in TRIGGER().lattices(wildcards.search)
-        ],
         scenes=lambda wildcards: TRIGGER().planned(
             checkpoints.want_points.get(**wildcards).output[0]
         ),
@@ -146,6 +153,35 @@ rule trigger_table:
         attrs=lambda wildcards: TRIGGER().facts,
     script:
         "../scripts/trigger/measure_trigger.py"
+
+
+rule fragility_table:
+    """Fit fragility curves to the critical intensities, and draw them."""
+    input:
+        critical="{folder}/trigger/trigger.csv",
+    output:
+        fits=report(
+            "{folder}/trigger/fragility_fit.csv",
+            caption="../report/fragility.rst",
+            category="Fragility",
+            labels={"shows": "fits"},
+        ),
+        curves="{folder}/trigger/fragility_curves.csv",
+        png=report(
+            "{folder}/trigger/figures/fragility.png",
+            caption="../report/fragility.rst",
+            category="Fragility",
+            labels={"shows": "figure"},
+        ),
+        pdf="{folder}/trigger/figures/fragility.pdf",
+    log:
+        "{folder}/trigger/logs/fragility.log",
+    params:
+        sources=DRAWING,
+        searched=lambda wildcards: TRIGGER().dimensions,
+        note=lambda wildcards: f"{TRIGGER().note} · brackets to {TRIGGER().tolerance}",
+    script:
+        "../scripts/trigger/measure_fragility.py"
 
 
 rule trigger_claim:

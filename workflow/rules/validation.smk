@@ -1,6 +1,6 @@
 # Purpose: the reference cases: does the solver give the numbers that are known? (`snakemake --cores 2 validation`)
 # Inputs:  config/validation.yaml (config: experiments); the sources of solver, analysis and drawing.
-# Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv
+# Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv, book.md, book.pdf
 import functools
 
 from sph.validation.suite import FOLDER as VALIDATION, load_suite
@@ -18,9 +18,11 @@ wildcard_constraints:
 
 
 rule validation:
-    """The reference cases: table and figures."""
+    """The reference cases: table, figures and the verification book."""
     input:
         f"{VALIDATION}/validation.csv",
+        f"{VALIDATION}/book.md",
+        f"{VALIDATION}/book.pdf",
         lambda wildcards: expand(
             "{validation}/figures/{case}.{kind}",
             validation=VALIDATION,
@@ -72,3 +74,29 @@ rule validation_table:
         f"{VALIDATION}/logs/validation.log",
     script:
         "../scripts/validation/join_cases.py"
+
+
+rule validation_book:
+    """The verification book: a page a case."""
+    input:
+        table=f"{VALIDATION}/validation.csv",
+        runs=lambda wildcards: [
+            f"{VALIDATION}/runs/{run}.nc"
+            for case in SUITE().cases
+            for run in SUITE().files(case)
+        ],
+        pictures=lambda wildcards: expand(
+            "{validation}/figures/{case}.png",
+            validation=VALIDATION,
+            case=SUITE().cases,
+        ),
+    output:
+        f"{VALIDATION}/book.md",
+        f"{VALIDATION}/book.pdf",
+    log:
+        f"{VALIDATION}/logs/book.log",
+    params:
+        sources=SEARCHING + VALIDATING,
+        plans=lambda wildcards: [SUITE().plan(case) for case in SUITE().cases],
+    script:
+        "../scripts/validation/write_book.py"

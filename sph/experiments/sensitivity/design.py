@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -25,7 +25,9 @@ from sph.scene.extras import of_extra
 from sph.scene.names import check_known
 from sph.scene.schema import make_scene
 from sph.scene.strict_json import parse_json
+from sph.scene.units import Acceleration
 from sph.storage.trajectory import Variable
+from sph.study.dimensions import is_number, scene_key, scene_keys
 from sph.study.plan import Plan
 from sph.study.tables import ROW, text_column
 
@@ -54,9 +56,22 @@ class Factor(Section):
         "unit and base value are those of the first",
         min_length=1,
     )
-    bounds: tuple[float, float] = key("smallest and largest value, in the unit of the first key; the scene's own value lies between")
+    bounds: tuple[Acceleration, Acceleration] = key(
+        "smallest and largest value, in the unit of the first key, or accelerations with theirs (0.2g); the scene's own value lies between"
+    )
     scale: Literal["linear", "log"] = key("scale on which the range is filled evenly", default="linear")
     label: Label | None = key("name in figures; null: that of the factor", default=None)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _units(cls, data: Any) -> Any:
+        keys, bounds = (data.get("keys"), data.get("bounds")) if isinstance(data, Mapping) else (None, None)
+        if isinstance(keys, Mapping) and keys and isinstance(bounds, (list, tuple)):
+            first = next(iter(keys))
+            for value in bounds:
+                if isinstance(value, str) and not is_number(value) and scene_keys().get(scene_key(str(first))) != "m/s2":
+                    raise ValueError(f"bounds: {value!r}: {first} is no acceleration; write a number, in the unit of that key")
+        return data
 
     @model_validator(mode="after")
     def _range(self) -> Factor:

@@ -23,8 +23,9 @@ from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
 from sph.scene.names import check_known
+from sph.scene.scheme import has_key
 from sph.scene.units import acceleration
-from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, value_of
+from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, scene_keys, value_of
 from sph.study.plan import Plan, Point
 from sph.study.planned import Planned, planned
 
@@ -58,10 +59,6 @@ INTENSITIES = {
     "motion.spectral_acceleration.value": 1.0,
 }
 """What can be searched: dimensions that scale the shaking, with the power of each to which its accelerations are in proportion."""
-
-
-ACCELERATIONS = ("amplitude", "motion.spectral_acceleration.value")
-"""Those that are accelerations."""
 
 
 class Intensity(Span):
@@ -105,26 +102,26 @@ class Trigger(Section):
     def _in_si(cls, values: Any) -> Any:
         """Intensities that are accelerations may be written with their units."""
         span = values.get("intensity") if isinstance(values, Mapping) else None
-        if not isinstance(span, Mapping) or span.get("dimension", "amplitude") not in ACCELERATIONS:
+        if not isinstance(span, Mapping) or scene_keys().get(scene_key(str(span.get("dimension", "amplitude")))) != "m/s2":
             return values
         ends = {name: acceleration(span[name]) for name in ("lowest", "highest") if name in span}
-        width = {name: acceleration(values[name]) for name in ("tolerance",) if name in values}
-        return {**values, **width, "intensity": {**span, **ends}}
+        return {**values, "tolerance": acceleration(values.get("tolerance")), "intensity": {**span, **ends}}
 
     @model_validator(mode="after")
     def _known(self) -> Trigger:
         check_file_names("cases", self.cases)
         check_known("intensity.dimension", [self.intensity.dimension], INTENSITIES)
-        for where, names in (("at", self.at), ("maps.over", self.maps.over if self.maps else ())):
-            check_names(where, names)
-            if self.intensity.dimension in names:
-                raise ValueError(f"{where}.{self.intensity.dimension}: is the intensity that is searched")
+        check_names("at", self.at)
+        if self.intensity.dimension in self.at:
+            raise ValueError(f"at.{self.intensity.dimension}: is the intensity that is searched")
+        if self.maps and set(self.maps.over) != set(self.at):
+            raise ValueError(f"maps.over: {', '.join(self.maps.over)}: must be the dimensions of at ({', '.join(self.at) or 'none'})")
         for name, values in self.at.items():
             if len({value_of(value) for value in values}) < len(values):
                 raise ValueError(f"at.{name}: {list(values)} holds one value twice")
         for case, overrides in self.cases.items():
-            for name in (*self.at, *(self.maps.over if self.maps else ()), self.intensity.dimension):
-                if _holds(overrides, scene_key(name).split(".")):
+            for name in self.dimensions:
+                if has_key(overrides, scene_key(name)):
                     raise ValueError(f"cases.{case}: {scene_key(name)} is what is searched, see {name}")
         check_known("confirm.cases", self.confirm.cases if self.confirm else (), self.cases)
         check_known("maps.cases", self.maps.cases if self.maps else (), self.cases)
@@ -135,8 +132,6 @@ class Trigger(Section):
                 if value_of(value) not in searched:
                     raise ValueError(f"confirm.at.{name}: {value} is not one of those searched, {', '.join(self.at[name])}")
         check_known("confirm.collapse_class", [self.confirm.collapse_class] if self.confirm else (), self.classes)
-        if self.maps and set(self.maps.over) != set(self.at):
-            raise ValueError(f"maps.over: {', '.join(self.maps.over)}: must be the dimensions of at ({', '.join(self.at) or 'none'})")
         if self.levels > MOST_LEVELS:
             raise ValueError(f"tolerance: {self.tolerance:g} must be at least {self.intensity.widest(MOST_LEVELS):.2g} with this lattice")
         self._check_extent()
@@ -166,14 +161,6 @@ class Trigger(Section):
         """How often a cell of intensities is divided until all are within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
         narrow = (level for level in range(MOST_LEVELS + 1) if self.intensity.widest(level) <= self.tolerance * (1.0 + 1e-9))
         return next(narrow, MOST_LEVELS + 1)
-
-
-def _holds(overrides: Mapping[str, Any], path: Sequence[str]) -> bool:
-    """Whether scene keys set the one with this path."""
-    if path[0] not in overrides:
-        return False
-    below = overrides[path[0]]
-    return len(path) == 1 or isinstance(below, Mapping) and _holds(below, path[1:])
 
 
 class Searched(NamedTuple):

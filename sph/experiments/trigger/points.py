@@ -111,6 +111,6 @@ def columns_in(path: Path | str, others: Sequence[Variable]) -> tuple[Variable, 
     return (first, *(text_column(name, "") for name in names_in(columns_of(path))), *rest)
 
 
-def no_points(lattices: Sequence[Lattice]) -> pd.DataFrame:
+def no_points() -> pd.DataFrame:
     """The table before the first round."""
-    return pd.DataFrame(columns=["case", *lattices[0].names, "round", *MEASURED])
+    return pd.DataFrame(columns=["case", "collapse_class"])

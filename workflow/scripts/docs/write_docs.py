@@ -1,6 +1,7 @@
-"""Write the documentation: the pages of ``docs``, and those of the library, made from its docstrings."""
+"""Write the documentation: the pages of ``docs``, those of the gallery as they were run, and those of the library, from its docstrings."""
 
 import pkgutil
+import re
 import subprocess
 import sys
 import tempfile
@@ -12,6 +13,9 @@ from typing import IO, Any, get_type_hints
 
 import sph
 from sph.jobs.log import Job, job_log
+
+GALLERY = Path("results/gallery")
+"""The pages of the gallery as they were run, below the working folder."""
 
 
 def write_api(folder: Path) -> None:
@@ -34,15 +38,28 @@ def write_api(folder: Path) -> None:
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """MkDocs asks for it: the pages of the library lie in ``api``."""
+    """MkDocs asks for it: the pages of the library lie in ``api``, those of the gallery take the place of their sources."""
     from mkdocs.structure.files import File
 
+    for source in sorted(path for path in Path(config.docs_dir, "gallery").glob("*.[mi]*") if path.stem != "index"):
+        name, executed = f"gallery/{source.stem}.md", GALLERY / source.stem
+        if former := files.get_file_from_path(name):
+            files.remove(former)
+        files.append(File.generated(config, name, abs_src_path=str((executed / "page.md").resolve(strict=True))))
+        for made in sorted(path for path in executed.rglob("*.*") if path.is_file() and path != executed / "page.md"):
+            name = f"gallery/{source.stem}/{made.relative_to(executed).as_posix()}"
+            files.append(File.generated(config, name, abs_src_path=str(made.resolve())))
     with tempfile.TemporaryDirectory() as folder:
         write_api(Path(folder))
         for path in sorted(Path(folder).rglob("*.*")):
             place = f"api/{path.relative_to(folder).as_posix()}"
             files.append(File.generated(config, place, content=path.read_text(encoding="utf-8")))
     return files
+
+
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
+    """MkDocs asks for it: a link to a notebook leads to its page; the page itself offers the notebook."""
+    return re.sub(rf"(?<!{page.file.name})\.ipynb\)", ".md)", markdown)
 
 
 def write_docs(path_to_settings: str, folder: Path, log: IO[str]) -> None:

@@ -5,26 +5,22 @@ from typing import TextIO
 
 from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
-from sph.study.preflight import QUESTIONS, study_findings, study_stability, write_preflight
+from sph.study.preflight import study_findings, study_stability, write_preflight
 
 
-def preflight(planned: Mapping[str, Planned], size: int, searched: bool, path_to_csv: str, log: TextIO) -> None:
-    """One row a finding of the planned scenes, by run; ``size`` runs has the study.
-
-    Where the study has its yield acceleration ``searched`` at its own spacing, it is not searched here.
-    """
+def preflight(planned: Mapping[str, Planned], size: int, path_to_csv: str, log: TextIO) -> None:
+    """One row a finding of the planned scenes, by run; ``size`` runs has the study."""
     scenes = {run: each.build() for run, each in planned.items()}
     if len(scenes) < size:
         print(f"looks at {len(scenes)} of {size} runs, evenly through the study", file=log)
     rows = study_findings(scenes)
     for row in rows:
         print(f"{row.first_run}: {row.finding.line()}", file=log)
-    searches = [code for code in QUESTIONS if not (searched and code == "yield-acceleration")]
-    rows += study_stability(scenes, searches, lambda line: print(line, file=log, flush=True))
+    rows += study_stability(scenes, lambda line: print(line, file=log, flush=True))
     write_preflight(path_to_csv, rows)
 
 
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]) as log:
-        preflight(snakemake.params.scenes, snakemake.params.size, snakemake.params.searched, snakemake.output[0], log)
+        preflight(snakemake.params.scenes, snakemake.params.size, snakemake.output[0], log)

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.experiments.trigger.design import Lattice
 from sph.experiments.trigger.points import measured_points, no_points, read_points, read_wanted
 from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings, measure
@@ -14,14 +13,13 @@ from sph.study.tables import write_csv
 def measure_points(
     path_to_earlier: str | None,
     path_to_wanted: str,
-    lattices: Sequence[Mapping[str, Any]],
     paths_to_runs: Sequence[str],
     scenes: Sequence[Planned],
     settings: Mapping[str, Any],
     path_to_points: str,
 ) -> None:
     """One row a point; paths and planned scenes in the order of the wanted points."""
-    earlier = read_points(path_to_earlier) if path_to_earlier else no_points([Lattice(**data) for data in lattices])
+    earlier = read_points(path_to_earlier) if path_to_earlier else no_points()
     metrics = [measure(scene.read(path), MetricSettings(**settings)) for path, scene in zip(paths_to_runs, scenes, strict=True)]
     write_csv(measured_points(earlier, read_wanted(path_to_wanted), metrics), path_to_points)
 
@@ -32,7 +30,6 @@ if __name__ == "__main__":
         measure_points(
             snakemake.input.get("earlier"),
             snakemake.input.wanted,
-            snakemake.params.lattices,
             snakemake.input.get("runs", []),
             snakemake.params.scenes,
             snakemake.params.settings,

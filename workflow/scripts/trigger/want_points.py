@@ -14,7 +14,7 @@ def want_points(
 ) -> None:
     """Corners of the cells divided ``number`` times that are not among the points of earlier rounds."""
     searched = [Lattice(**data) for data in lattices]
-    points = read_points(path_to_points) if path_to_points else no_points(searched)
+    points = read_points(path_to_points) if path_to_points else no_points()
     write_csv(wanted_points(searched, points, classes, number), path_to_wanted)
 
 

@@ -1,0 +1,287 @@
+"""Fragility: the probability that a class is reached at an intensity, from the brackets of a search over many motions.
+
+The values at which a search was made (records, seeds of a synthetic motion, soils) are a sample.  Their critical intensities are taken as
+lognormal, P = Phi(ln(x / theta) / beta), with median theta and dispersion beta of greatest likelihood.  A bracket counts by the probability
+between its ends, one that is open by that beyond its only end (Baker 2015, Earthquake Spectra 31 (1), 579-599, of truncated analyses).
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from scipy.special import log_ndtr, ndtr  # type: ignore[import-untyped]
+from scipy.stats import goodness_of_fit, norm  # type: ignore[import-untyped]
+
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
+from sph.experiments.trigger.points import CASE_COLUMN, names
+from sph.storage.trajectory import Variable
+from sph.study.tables import count_column, number_column, read_csv, text_column
+
+RESAMPLES = 1000
+"""Samples drawn from the fit for the intervals."""
+SEED = 1
+"""Of these and of the check of the fit."""
+CONFIDENCE = 0.9
+"""Share of the samples whose results lie in an interval."""
+DISPERSIONS = (1e-3, 9.0)
+"""Least and largest dispersion of a fit; beyond them there is none."""
+ITERATIONS, HALVINGS, CONVERGED = 60, 30, 1e-9
+"""Most steps of the fit and most divisions of each, and the relative step at which it has converged."""
+TAILS = (0.5 - 0.5 * CONFIDENCE, 0.5 + 0.5 * CONFIDENCE)
+POINTS = 200
+"""Points of a curve."""
+FEWEST = 4
+"""Fewest brackets whose distribution is checked."""
+
+
+class Lognormal(NamedTuple):
+    """Distribution of the critical intensities; NaN where the brackets do not determine it."""
+
+    median: float
+    dispersion: float
+
+    def exceedance(self, intensity: np.ndarray) -> np.ndarray:
+        """Probability that the class is reached at intensities (n,) above 0."""
+        return ndtr(np.log(intensity / self.median) / self.dispersion)
+
+
+NO_FIT = Lognormal(math.nan, math.nan)
+
+
+def fitted(lower: np.ndarray, upper: np.ndarray) -> Lognormal:
+    """The lognormal distribution of greatest likelihood for values (n,) known to lie between ends; 0 and infinity are open.
+
+    ``NO_FIT`` where one value lies in all brackets or at their ends, to which any small dispersion fits, and where the likelihood has no
+    greatest value.
+    """
+    return Lognormal(*map(float, fits(lower[None], upper[None])[0]))
+
+
+def fits(lower: np.ndarray, upper: np.ndarray) -> np.ndarray:
+    """Median and dispersion (m, 2) of greatest likelihood for m samples of brackets (m, n), as by ``fitted``; NaN where there is no fit.
+
+    By Newton's method in 1 / beta and ln(theta) / beta, in which the logarithm of the likelihood is concave (Burridge 1981, Journal of the
+    Royal Statistical Society B 43 (1), 41-45).
+    """
+    found = np.full((len(lower), 2), math.nan)
+    rows = np.flatnonzero(lower.max(axis=1, initial=0.0) > upper.min(axis=1, initial=math.inf))
+    if lower.shape[1] < 2 or not rows.size:
+        return found
+    with np.errstate(divide="ignore"):
+        logs = np.log(np.stack([lower[rows], upper[rows]]))
+    known = np.isfinite(logs)
+    centre = logs[known].mean()
+    ends = np.where(known, logs - centre, logs)
+    slope = np.full(rows.size, 1.0 / max(float(ends[known].std()), 0.05))
+    at = np.stack([slope, np.zeros(rows.size)], axis=1)
+    value, gradient, curvature = _likelihood(ends, at)
+    open_rows = np.ones(rows.size, bool)
+    for _ in range(ITERATIONS):
+        determinant = curvature[:, 0, 0] * curvature[:, 1, 1] - curvature[:, 0, 1] ** 2
+        open_rows &= determinant > 0.0
+        inverse = np.stack([curvature[:, 1, 1], -curvature[:, 0, 1], -curvature[:, 0, 1], curvature[:, 0, 0]], axis=1).reshape(-1, 2, 2)
+        step = np.zeros_like(at)
+        step[open_rows] = -np.einsum("mij,mj->mi", inverse[open_rows], gradient[open_rows]) / determinant[open_rows, None]
+        if not (np.abs(step) > CONVERGED * (1.0 + np.abs(at))).any():
+            break
+        for _ in range(HALVINGS):
+            tried = at + step
+            tried_value, gradient, curvature = _likelihood(ends, np.where(tried[:, :1] > 0.0, tried, at))
+            worse = ~((tried[:, 0] > 0.0) & (tried_value >= value - 1e-12 * np.abs(value)))
+            if not worse.any():
+                break
+            step[worse] *= 0.5
+        step[worse] = 0.0
+        at = at + step
+        open_rows &= ~worse & (at[:, 0] > 0.5 / DISPERSIONS[1])
+        value, gradient, curvature = _likelihood(ends, at)
+    dispersion = 1.0 / at[:, 0]
+    settled = (np.abs(step) <= CONVERGED * (1.0 + np.abs(at))).all(axis=1)
+    inside = settled & (dispersion > DISPERSIONS[0]) & (dispersion < DISPERSIONS[1])
+    found[rows[inside]] = np.stack([np.exp(centre + at[:, 1] * dispersion), dispersion], axis=1)[inside]
+    return found
+
+
+def _likelihood(ends: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Logarithm of the likelihood (m,), its gradient (m, 2) and second derivatives (m, 2, 2) in 1 / beta and mean / beta, from the
+    logarithms of the ends (2, m, n)."""
+    low, high = at[:, :1] * ends - at[:, 1:]
+    turned = low > 0.0  # in the upper tail the difference is that of the other side
+    below, above = np.where(turned, -high, low), np.where(turned, -low, high)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        between = log_ndtr(above) + np.log1p(-np.exp(log_ndtr(below) - log_ndtr(above)))
+        density = np.exp(-0.5 * np.stack([low, high]) ** 2 - 0.5 * math.log(2.0 * math.pi) - between)
+    signed = np.array([-1.0, 1.0])[:, None, None] * density
+    finite = np.isfinite(ends)
+    by_end = np.stack([np.where(finite, ends, 0.0), -np.ones_like(ends)])  # derivatives of the ends in the two parameters
+    gradient = np.einsum("emn,pemn->mp", signed, by_end)
+    score = np.einsum("emn,pemn->pmn", signed, by_end)
+    scaled = np.where(finite, np.stack([low, high]), 0.0) * signed
+    curvature = -np.einsum("emn,pemn,qemn->mpq", scaled, by_end, by_end) - np.einsum("pmn,qmn->mpq", score, score)
+    return between.sum(axis=1), gradient, curvature
+
+
+def resampled(lower: np.ndarray, upper: np.ndarray, resamples: int = RESAMPLES, seed: int = SEED) -> np.ndarray:
+    """Median and dispersion (resamples, 2) that samples like the brackets (n,) leave possible; NaN where there is no fit.
+
+    Parametric bootstrap: n values are drawn from the fit and bracketed as those given, see ``bracketed_alike``.  With the fit of a sample
+    (theta*, beta*) and the own one, ln(theta* / theta) / beta* and beta* / beta depend on n alone where values are known exactly; solved
+    for the unknown median and dispersion they give intervals that hold for few motions also, where quantiles of theta* and beta*
+    themselves are too narrow.
+    """
+    fit = fitted(lower, upper)
+    if math.isnan(fit.median):
+        return np.full((resamples, 2), math.nan)
+    values = fit.median * np.exp(fit.dispersion * np.random.default_rng(seed).normal(size=(resamples, lower.size)))
+    median, dispersion = fits(*bracketed_alike(values, lower, upper)).T
+    ratio = fit.dispersion / dispersion
+    return np.stack([fit.median * (fit.median / median) ** ratio, fit.dispersion * ratio], axis=1)
+
+
+def bracketed_alike(values: np.ndarray, lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Ends of the brackets in which a search would find values (m, n), from those (n,) that it found.
+
+    Cells are as wide as the median of the closed brackets and lie as the first of them.  A value is open below the end of those open
+    below, and above that of those open above.
+    """
+    closed = (lower > 0.0) & (upper < math.inf)
+    below, above = values, values
+    if closed.any():
+        width, first = float(np.median((upper - lower)[closed])), float(lower[closed][0])
+        below = np.maximum(first + width * np.floor((values - first) / width), 0.0)
+        above = first + width * (np.floor((values - first) / width) + 1.0)
+    lowest, highest = upper[lower == 0.0].max(initial=0.0), lower[upper == math.inf].min(initial=math.inf)
+    under, over = values < lowest, values >= highest
+    return np.where(under, 0.0, np.where(over, highest, below)), np.where(over, math.inf, np.where(under, lowest, above))
+
+
+def lognormality(values: np.ndarray, seed: int = SEED) -> tuple[float, float]:
+    """Distance of Kolmogorov and Smirnov of values (n,) from the lognormal distribution of their mean and spread, and its p-value.
+
+    The p-value is by simulation, since mean and spread are those of the values (Lilliefors 1967); NaN for fewer than ``FEWEST``, and for
+    values that are all the same.
+    """
+    if values.size < FEWEST or np.ptp(values) == 0.0:
+        return math.nan, math.nan
+    found = goodness_of_fit(norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(seed))
+    return float(found.statistic), float(found.pvalue)
+
+
+def fit_columns(units: str) -> tuple[Variable, ...]:
+    """The columns of the fits, with the unit of the intensity."""
+    share = f"{CONFIDENCE:.0%} interval by {RESAMPLES} samples drawn from the fit (parametric bootstrap)"
+    return (
+        CASE_COLUMN,
+        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        text_column("intensity", "the dimension that is searched"),
+        count_column("motions", "motions, or other values, at which it was searched"),
+        count_column("bracketed", f"those with outcome {BRACKETED}"),
+        count_column("at_lowest", f"those with outcome {AT_LOWEST}: only an upper end is known"),
+        count_column("never", f"those with outcome {NEVER}: censored, only a lower end is known"),
+        count_column("undecided", f"those with outcome {UNDECIDED}, which say nothing of the fit"),
+        count_column("not_monotone", "motions at which the class is reached, and not at a higher intensity"),
+        count_column("diverged", "diverged runs at all motions"),
+        number_column("median", units, "theta, the intensity at which half of the motions reach the class; NaN where there is no fit"),
+        number_column("median_lower", units, f"lower end of its {share}"),
+        number_column("median_upper", units, "upper end"),
+        number_column("dispersion", "1", "beta, standard deviation of the logarithm of the critical intensity"),
+        number_column("dispersion_lower", "1", "lower end of its interval, likewise"),
+        number_column("dispersion_upper", "1", "upper end"),
+        count_column("resamples_without_fit", "samples that determine no distribution, which the intervals leave out"),
+        number_column(
+            "distance", "1", "of the middles of the brackets from a lognormal distribution (Kolmogorov-Smirnov); NaN if any is open"
+        ),
+        number_column("p_value", "1", "probability of a larger distance if they are lognormal (Lilliefors)"),
+        text_column("sentence", "the result in words"),
+    )
+
+
+FIT = tuple(names(fit_columns("1")))
+"""Names of these columns."""
+
+
+def brackets(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Ends (n,) of the brackets in rows of the table of critical intensities; 0 and infinity where open.  All diverged: left out."""
+    known = rows[rows["outcome"] != UNDECIDED]
+    return known["lower"].fillna(0.0).to_numpy(float), known["upper"].fillna(math.inf).to_numpy(float)
+
+
+def curve_columns(units: str) -> tuple[Variable, ...]:
+    """The columns of the curves, with the unit of the intensity."""
+    return (
+        CASE_COLUMN,
+        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        number_column("intensity", units, "intensity of the shaking"),
+        number_column("probability", "1", "probability that the class is reached"),
+        number_column("probability_lower", "1", f"lower end of its {CONFIDENCE:.0%} interval by the same samples as that of the median"),
+        number_column("probability_upper", "1", "upper end"),
+    )
+
+
+def fragility(critical: pd.DataFrame, unit: str, seed: int = SEED) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Fits, one row a case and class, and their curves, from critical intensities (``read_critical``) in a ``unit`` as printed."""
+    rows, curves = [], list[pd.DataFrame]()
+    highest = 1.2 * float(critical[["lower", "upper"]].max().max())
+    for (case, name, intensity), found in critical.groupby(["case", "collapse_class", "intensity"], sort=False):
+        lower, upper = brackets(found)
+        fit, samples = fitted(lower, upper), np.full((0, 2), math.nan)
+        if not math.isnan(fit.median):
+            samples = resampled(lower, upper, seed=seed)
+        kept = samples[~np.isnan(samples[:, 0])]
+        ends = np.quantile(kept, TAILS, axis=0) if len(kept) else np.full((2, 2), math.nan)
+        if len(kept):
+            at = np.linspace(highest / POINTS, highest, POINTS)
+            band = np.quantile([Lognormal(*sample).exceedance(at) for sample in kept], TAILS, axis=0)
+            values = (case, name, at, fit.exceedance(at), *band)
+            curves.append(pd.DataFrame(dict(zip(names(curve_columns("1")), values, strict=True))))
+        closed = (found["outcome"] == BRACKETED).all()
+        distance, p_value = lognormality(found["critical_intensity"].to_numpy(float), seed) if closed else (math.nan, math.nan)
+        counts = {label: int((found["outcome"] == outcome).sum()) for label, outcome in OUTCOMES.items()}
+        row = {
+            "case": case, "collapse_class": name, "intensity": intensity, "motions": len(found), **counts,
+            "not_monotone": int((found["changes"] > 1).sum()), "diverged": int(found["diverged"].sum()),
+            "median": fit.median, "median_lower": ends[0, 0], "median_upper": ends[1, 0],
+            "dispersion": fit.dispersion, "dispersion_lower": ends[0, 1], "dispersion_upper": ends[1, 1],
+            "resamples_without_fit": len(samples) - len(kept), "distance": distance, "p_value": p_value,
+        }  # fmt: skip
+        rows.append(row | {"sentence": sentence(row, unit)})
+    drawn = pd.concat(curves, ignore_index=True) if curves else pd.DataFrame(columns=names(curve_columns("1")))
+    return pd.DataFrame(rows, columns=list(FIT)), drawn
+
+
+OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "undecided": UNDECIDED}
+"""Outcomes of a search by the names of the columns that count them."""
+
+
+def sentence(row: dict[str, object], unit: str) -> str:
+    """What a row says."""
+    reach = f"reach class {row['collapse_class']}" + ("" if row["collapse_class"] == "collapse" else " or worse")
+    counted = f"{row['motions']} motions, {row['never']} of which never reach it up to the highest intensity"
+    median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
+    if math.isnan(median):
+        return f"The brackets of {counted}, do not determine the shaking at which the slope has a 50 % chance to {reach}."
+    span = f" ({low:.3g} to {high:.3g}, {CONFIDENCE:.0%} interval)"
+    level = f"{median:.3g} {unit}".rstrip()
+    return f"Under these assumptions the slope has a 50 % chance to {reach} at {level}{span}; {counted}."
+
+
+def read_fits(path: Path | str) -> pd.DataFrame:
+    """Table of fits from its CSV; ValueError names a file that is none."""
+    return read_csv(path, fit_columns("1"), "the fragility")
+
+
+def read_curves(path: Path | str) -> pd.DataFrame:
+    """Table of curves from its CSV; ValueError names a file that is none."""
+    return read_csv(path, curve_columns("1"), "the curves of the fragility")
+
+
+def steps(lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Ends (m,) of the brackets in the order of their middles, and the share (m,) of all motions up to each; open ones are not drawn."""
+    ends = np.array([(low, high) for low, high in zip(lower, upper, strict=True) if low > 0.0 and high < math.inf]).reshape(-1, 2)
+    ends = ends[np.argsort(ends.sum(axis=1), kind="stable")]
+    below = int(sum(low == 0.0 for low in lower))
+    return ends[:, 0], ends[:, 1], (below + np.arange(1, len(ends) + 1) - 0.5) / max(len(lower), 1)

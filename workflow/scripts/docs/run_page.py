@@ -1,0 +1,115 @@
+"""Run a page of the gallery: its blocks of commands and of Python, or the cells of a notebook, in order and in a folder of their own."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import IO, NamedTuple
+
+from sph.jobs.log import Job, job_log
+from sph.scene.strict_json import parse_json
+
+FENCE = re.compile(r"^```(sh|python)\n(.*?)^```$\n?", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"(\]\()([^)\s:#]+)(\))")
+MOST_LINES = 60
+"""Of the output of a block; what is longer is cut."""
+PROGRAMS = {"sh": ["bash", "-eu", "-o", "pipefail"], "python": [sys.executable]}
+NEXT_CELL = "\f"
+"""Printed between the cells of a notebook, which are run as one program."""
+
+
+class Block(NamedTuple):
+    """What is run and shown."""
+
+    place: str
+    """line of a page or number of a cell"""
+    language: str
+    code: str
+
+
+def read_page(path: Path) -> list[str | Block]:
+    """Text and blocks of a page or notebook, in order."""
+    text = path.read_text(encoding="utf-8")
+    parts: list[str | Block] = []
+    if path.suffix == ".ipynb":
+        for number, cell in enumerate(parse_json(text)["cells"], 1):
+            code = "".join(cell["source"]).rstrip() + "\n"
+            parts.append(Block(f"cell {number}", "python", code) if cell["cell_type"] == "code" else f"{code}\n")
+        return parts
+    end = 0
+    for found in FENCE.finditer(text):
+        parts += [text[end : found.start()], Block(f"line {text.count(chr(10), 0, found.start()) + 1}", found[1], found[2])]
+        end = found.end()
+    return [*parts, text[end:]]
+
+
+def run_program(language: str, code: str, folder: Path, log: IO[str]) -> tuple[str, str]:
+    """What a program prints, run in a folder, and what is wrong, empty if it ends well."""
+    file = folder / "block"
+    file.write_text(code, encoding="utf-8")
+    setting = os.environ | {"COLUMNS": "120", "NO_COLOR": "1", "MPLBACKEND": "agg"}
+    done = subprocess.run([*PROGRAMS[language], file.name], cwd=folder, env=setting, capture_output=True, text=True, check=False)
+    print(done.stdout, done.stderr, file=log, flush=True)
+    return done.stdout, (done.stderr or "it says nothing") if done.returncode else ""
+
+
+def run_blocks(path: Path, blocks: list[Block], folder: Path, log: IO[str]) -> list[str]:
+    """What each block prints; ValueError names page and place of the one that fails."""
+    if path.suffix == ".ipynb":
+        printed, wrong = run_program("python", f"print({NEXT_CELL!r}, end='')\n".join(block.code for block in blocks), folder, log)
+        outputs = printed.split(NEXT_CELL)
+        if wrong:
+            raise ValueError(f"{path}: {blocks[len(outputs) - 1].place} fails:\n{wrong}")
+        return outputs
+    outputs = []
+    for block in blocks:
+        printed, wrong = run_program(block.language, block.code, folder, log)
+        if wrong:
+            raise ValueError(f"{path}: the block at {block.place} fails:\n{wrong}")
+        outputs.append(printed)
+    return outputs
+
+
+def shown(block: Block, output: str) -> str:
+    """A block and its output: a Markdown table where it prints one, else as it is printed, cut where it is long."""
+    code = f"```{block.language}\n{block.code}```\n\n"
+    lines = [line.rstrip() for line in output.strip("\n").splitlines()]
+    if len(lines) > MOST_LINES:
+        lines = [*lines[:MOST_LINES], f"... and {len(lines) - MOST_LINES} lines more"]
+    text = "\n".join(lines)
+    if not text:
+        return code
+    return f"{code}{text}\n\n" if text.startswith("|") else f"{code}```text\n{text}\n```\n\n"
+
+
+def run_page(path_to_page: str, root: Path, folder: Path, log: IO[str]) -> None:
+    """Write ``page.md``, with what its blocks print, and the files that they make and it links to, into a folder named as the page.
+
+    The blocks find the repository as in its root: its configuration, its documentation, its workflow, and ``.venv`` with this Python.
+    """
+    path = Path(path_to_page)
+    parts = read_page(path)
+    blocks = [part for part in parts if isinstance(part, Block)]
+    with tempfile.TemporaryDirectory() as name:
+        work = Path(name)
+        for entry in ("config", "docs", "workflow", "Snakefile"):
+            (work / entry).symlink_to(root / entry)
+        (work / ".venv").symlink_to(sys.prefix)
+        outputs = iter(run_blocks(path, blocks, work, log))
+        page = "".join(shown(part, next(outputs)) if isinstance(part, Block) else part for part in parts)
+        made = {target for _, target, _ in LINK.findall(page) if not target.startswith("..") and (work / target).is_file()}
+        for target in made:
+            (folder / target).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(work / target, folder / target)
+    page = LINK.sub(lambda link: f"{link[1]}{folder.name}/{link[2]}{link[3]}" if link[2] in made else link[0], page)
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "page.md").write_text(page, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    snakemake: Job
+    with job_log(snakemake.log[0]) as log:
+        run_page(snakemake.input.page, Path(snakemake.params.root), Path(snakemake.output[0]), log)
