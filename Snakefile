@@ -59,7 +59,7 @@ ANALYSIS = sources(
 )
 DRAWING = ANALYSIS + sources("figures/*.py")
 PAPER = sources("paper/*.py")
-PAGE = DRAWING + PAPER + sources("page/*.*", "jobs/diagnostics.py")
+PAGE = DRAWING + PAPER + sources("page/*.*")
 
 
 report: "workflow/report/workflow.rst"

@@ -38,7 +38,8 @@ The way through the house:
 3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.storage.trajectory.VARIABLES` has every variable with its unit.
 4. `measure` gives the numbers of a run; `sph.measures.metrics.METRICS` defines each.  `plot` draws it: profile, probes, energies.
 5. `load_study` is a grid of scenes as Snakemake runs it; `read_study` and `read_table` read what it has measured.
-6. `factor_of_safety`, `critical_strength_ratio`, `yield_acceleration` and `sliding_block` are the methods of practice to compare with.
+6. `factor_of_safety`, `critical_strength_ratio`, `yield_acceleration` and `sliding_block` are the methods of practice to compare with;
+   `extrapolated` makes such a search at two spacings, as `sph fos` does, and states the remaining error.
 
 These names are the public interface and keep their meaning from version to version; `CHANGELOG.md` says where one does not.  The
 modules are open to read and to use without that promise.  A scene (`sph.scene`) goes through the solver (`sph.solver`, a term of physics
@@ -50,7 +51,7 @@ figures, `sph.validation` the reference cases, `sph.page` writes the report, `sp
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
     name: module
@@ -65,6 +66,7 @@ _HOMES = {
         "sph.study.plan": "Plan",
         "sph.study.tables": "read_study read_table",
         "sph.stability.safety": "factor_of_safety critical_strength_ratio yield_acceleration",
+        "sph.stability.extrapolation": "extrapolated Extrapolated",
         "sph.stability.search": "Search",
         "sph.stability.standing": "FailureRule",
         "sph.stability.newmark": "sliding_block SlidingBlock",
@@ -85,6 +87,8 @@ if TYPE_CHECKING:
     from sph.solver.run import Progress as Progress
     from sph.solver.run import Result as Result
     from sph.solver.run import run as run
+    from sph.stability.extrapolation import Extrapolated as Extrapolated
+    from sph.stability.extrapolation import extrapolated as extrapolated
     from sph.stability.newmark import SlidingBlock as SlidingBlock
     from sph.stability.newmark import sliding_block as sliding_block
     from sph.stability.safety import (

@@ -12,17 +12,11 @@ from synthetic import synthetic, translation
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.compiled.jit import cache_folder
 
 # On CI the same examples every time, so that a red run is the change's fault; elsewhere hypothesis explores.
 settings.register_profile("ci", derandomize=True)
 if os.environ.get("CI"):
     settings.load_profile("ci")
-
-
-# One process at a time compiles into a cache, and that is most of what the tests do: so each worker has its own.
-if worker := os.environ.get("PYTEST_XDIST_WORKER"):
-    os.environ["SPH_CACHE_DIR"] = str(cache_folder().parent / worker)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -79,3 +79,8 @@ def test_jobs_do_not_load_the_command_line() -> None:
     done = subprocess.run([sys.executable, "-c", code, *map(str, SCRIPTS)], cwd=SPH.parent, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())
     assert "sph.jobs.log" in loaded and not loaded & {"sph.command.cli", "typer"}
+
+
+def test_no_two_test_files_have_one_name() -> None:
+    names = sorted(path.name for path in Path(__file__).parent.rglob("test_*.py"))
+    assert [name for name, following in zip(names, names[1:], strict=False) if name == following] == [], "pytest imports them by name"

@@ -8,7 +8,19 @@ from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.study.cost import cost
-from sph.study.findings import Finding, Layer, findings, highest_frequency, in_wave, layers_of, peak_accelerations, strengths
+from sph.study.findings import (
+    Finding,
+    Layer,
+    choices,
+    findings,
+    highest_frequency,
+    in_wave,
+    layers_of,
+    peak_accelerations,
+    strengths,
+    uncertain_rows,
+    water_rows,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -37,8 +49,10 @@ def rows(found: Check) -> list[tuple[str, str]]:
     expected = cost(scene)
     lines = [
         ("scene", f"{scene.name}: {scene.title}"),
-        ("box", f"{geometry.width:.6g} x {geometry.height:.6g} m, base {scene.walls.base}, sides {scene.walls.sides}"),
+        ("box", f"{geometry.width:.6g} x {geometry.height:.6g} m"),
         ("scheme", scene.scheme),
+        *((f"strength of {name}", text) for name, text in strengths(scene)),
+        *choices(scene),
     ]
     if isinstance(geometry, SLOPES):
         toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
@@ -53,7 +67,8 @@ def rows(found: Check) -> list[tuple[str, str]]:
         *lines,
         ("particles", f"{n:,} ({soil:,} soil, {n - soil:,} of the box), spacing {scene.numerics.spacing:g} m"),
         ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {expected.neighbours:.0f} neighbours"),
-        *((f"strength of {name}", text) for name, text in strengths(scene)),
+        *uncertain_rows(scene, particles),
+        *water_rows(scene),
         ("motion", shaking),
         ("PGA", peak_accelerations(scene)),
         ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),

@@ -47,6 +47,7 @@ from sph.command.options import (
 from sph.jobs.exit_codes import DIFFERS, DIVERGED, REFUSED
 from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
+from sph.stability.search import TOLERANCE
 
 app = typer.Typer(
     cls=Commands,
@@ -161,6 +162,18 @@ def run(
         say(compare(earlier, result.trajectory, scene))
     if result.status == Status.DIVERGED:
         raise typer.Exit(DIVERGED)
+
+
+@app.command("compile", epilog="Example:  sph compile config/scenes/*.yaml")
+def compile_(scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="scene files (YAML)")]) -> None:
+    """Compile the solver for scenes and their static tests, once for all runs on this machine whose scenes have the same terms."""
+    with refusals("loading the solver"):
+        from sph.command.compile import compile_for
+        from sph.command.repeat import read_given
+
+        loaded = [read_given(path, {})[0] for path in scenes]
+        for path, scene in zip(scenes, loaded, strict=True):
+            print(f"{path}: ready, {compile_for(scene, scene.name):.1f} s", flush=True)
 
 
 @app.command(epilog="Example:  sph info config/scenes/paper.yaml --set numerics.spacing=0.5")
@@ -375,7 +388,7 @@ def fos(
     scene: SceneFile,
     set_: Settings = None,
     reduce: Annotated[str, typer.Option(help="strength: c and tan(phi) over F; S_R: the paper's factor on c and phi")] = "strength",
-    tolerance: Tolerance = 0.01,
+    tolerance: Tolerance = TOLERANCE,
     rule: Rule = None,
     as_json: AsJson = False,
     out: Trials = None,
@@ -398,7 +411,7 @@ def fos(
 def yield_acceleration(
     scene: SceneFile,
     set_: Settings = None,
-    tolerance: Tolerance = 0.01,
+    tolerance: Tolerance = TOLERANCE,
     rule: Rule = None,
     as_json: AsJson = False,
     out: Trials = None,

@@ -1,7 +1,8 @@
 """What a study will cost before it is run (``sph cost``), from ``sph.study.cost`` and the speed of this machine.
 
 The speed is measured where it can be: on finished jobs of the study, else on a coarse copy of a run here; ``--speed`` gives that of
-another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them.
+another machine.  Runs share the gravity stage and continue from it; the shaking up to the first failure is counted with them, and so is
+the preflight.
 """
 
 from __future__ import annotations
@@ -19,11 +20,15 @@ from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress, Run
 from sph.study.cost import COMPILE, START, Cost, cost, search_cost
 from sph.study.plan import Plan
+from sph.study.preflight import MOST_SCENES, preflight_seconds
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
 """Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""
 TABLES, TABLES_A_RUN = 18.0, 0.1
 """Seconds of computing of tables, claims, figures and page, and of these for each run (measured)."""
+
+PREFLIGHT_FILE = "preflight.csv"
+"""What the preflight of a study writes."""
 
 
 class Speed(NamedTuple):
@@ -45,7 +50,7 @@ class StudyCost(NamedTuple):
     run: float  # s, the longest run from its gravity stage to its end
     computing: float  # s on one core, of everything
     left: float  # s on one core, of jobs that are not done
-    wall: float  # s on the cores, of what is left
+    wall: float  # s on the cores, of what is left, the preflight included
     cores: int
     memory: float  # MiB, of as many jobs at once as there are cores, a search among them
     disk: float  # MiB
@@ -61,6 +66,8 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
+    checked = start + preflight_seconds(_looked_at(plan)) / known.value
+    check_left = 0.0 if (folder / PREFLIGHT_FILE).exists() else checked
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
@@ -70,7 +77,7 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
     longest = max((part for state, part in found if state.job.kind == Kind.RUN), key=lambda part: part.seconds)
     runs, at_once = sum(state.job.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
-    left = sum(waits) + after * bool(waits)
+    left = sum(waits) + check_left + after * bool(waits)
     return StudyCost(
         plan.folder,
         runs,
@@ -79,15 +86,20 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
         max(part.particles for _, part in found),
         longest.steps,
         longest.seconds / known.value,
-        sum(times) + after,
+        sum(times) + checked + after,
         left,
         # One stage after another, however many cores there are; the search beside them.
-        max(left / cores, max(sum(slowest.values()), search) + after * bool(waits) / min(cores, 8)),
+        max(left / cores, max(sum(slowest.values()), search, check_left) + after * bool(waits) / min(cores, 8)),
         cores,
         (at_once - 1) * longest.memory + max(part.memory for _, part in found),
         sum(part.disk for _, part in found),
         known,
     )
+
+
+def _looked_at(plan: Plan) -> dict[str, Scene]:
+    """The scenes that the preflight looks at, by run."""
+    return {name: plan.built(**plan.point(name)) for name in plan.study.shown_runs(MOST_SCENES)}
 
 
 def _part(state: State) -> Cost:

@@ -10,7 +10,7 @@ from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_par
 from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import cost, needs
-from sph.study.findings import findings, peak_accelerations, strengths
+from sph.study.findings import choices, findings, peak_accelerations, strengths, uncertain_rows, water_rows
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -27,6 +27,8 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     rows = [
         ("scene", f"{scene.name}: {scene.title}"),
         ("scheme", scene.scheme),
+        *((f"strength of {name}", text) for name, text in strengths(scene)),
+        *choices(scene),
         ("particles", f"{n:,} ({count[SOIL]:,} soil, {count[BASE]:,} base, {count[SIDE]:,} side walls{lid})"),
         (
             "kernel",
@@ -41,7 +43,8 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
             )
             for number, (name, its) in enumerate(scene.layers.items(), 1)
         ),
-        *((f"strength of {name}", text) for name, text in strengths(scene)),
+        *uncertain_rows(scene, particles),
+        *water_rows(scene),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),
         ("wave speeds", f"V_s = {soil.s_wave_speed:.1f} m/s, V_p = {soil.p_wave_speed:.1f} m/s"),
         ("column frequency", f"V_s / 4H = {soil.s_wave_speed / (4 * scene.geometry.height):.2f} Hz"),
@@ -58,9 +61,6 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         depth = scene.walls.layers * numerics.spacing
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
         rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
-    if (initiation := scene.coupling.initiation) is not None:
-        length = f"{initiation.length:g} m ({initiation.length / numerics.spacing:.2g} spacings)"
-        rows.append(("initiation", f"failure after {1e3 * initiation.slip:g} mm of slip over {length}"))
     rows.append(("PGA", peak_accelerations(scene)))
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))

@@ -14,7 +14,8 @@ from sph.scene.configuration import merge, validated
 from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of, read_components
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import Record, processed, read_even
-from sph.study.findings import Finding, drifting, implausible, in_both, of_motion, one_sided
+from sph.scene.units import in_both
+from sph.study.findings import Finding, drifting, implausible, of_motion, one_sided
 
 CURE = "--baseline 1, or motion.baseline of a scene with it"
 

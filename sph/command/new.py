@@ -7,12 +7,15 @@ import os
 from pathlib import Path
 from typing import Any
 
+import sph
+from sph.command.schema import schema_file
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
 from sph.scene.ground_motion import read_record
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
+from sph.study.findings import PLACEHOLDER
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
 ROWS = 20
@@ -28,27 +31,29 @@ SPEED = 250.0
 DENSITY, POISSON = 1900.0, 0.3
 
 SCENE_TEXT = """\
-# {title}
+{scene_schema}# {title}
 # Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked so, then look:
 #   sph check {scene} --plot scene.png
 #   sph fos {scene}
 #   sph run {scene}
 # Every key is described in docs/reference/scene-keys.md.
 name: {name}
-title: "{title} (the soil is not replaced yet)"
+title: "{title} {placeholder}" # shown in every figure; take the bracket off with the last REPLACE
 duration: {duration:g} # s, the record and {after:g} s more
 geometry:
   shape: ground_line
   file: {ground}
   base: {base:g} # m, elevation of the model's base; deeper than any slip surface
   downhill: {downhill}
-# walls: no-slip base, frictionless sides; for a real site {{base: absorbing, sides: absorbing}} on level ground beyond the debris
+# A rigid box with frictionless sides, which reflects every wave; absorbing lets them out: put sides on level ground beyond the debris
+walls: {{base: no_slip, sides: free_slip}}
 soil:
   density: {density:g} # kg/m3                                         REPLACE
   youngs_modulus: {modulus:.4g} # kPa, 2 (1 + nu) rho V_s^2 with V_s = {speed:g} m/s  REPLACE
   poisson_ratio: {poisson:g} #                                           REPLACE
   cohesion: 20.0 # kPa, at the peak                                REPLACE
   friction_angle: 30.0 # degree, at the peak                       REPLACE
+  dilation_angle: 0.0 # degree, at most the friction angle; 0: soil keeps its volume as it shears, as loose soil and clay do
   viscosity: 2.0 # Pa s, of debris beyond its yield stress; matters little
 # layers: # of other soil, by depth, elevation or polygon; only the keys that differ
 #   clay: {{region: {{kind: depth, top: 6.0, bottom: 9.0}}, soil: {{cohesion: 12.0, friction_angle: 19.0}}, S_R: 0.6}}
@@ -56,6 +61,7 @@ coupling:
   S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
   gamma: 100.0 # 1/s, rate at which strength falls after failure; 100 is at once
   # Displacement beyond the peak in the shear test before its stress falls, and the width of what yields first, m  REPLACE
+  # null: failure at once where the stress reaches the strength, at a shaking that the spacing decides
   initiation: {{slip: 1.0e-3, length: {length:g}}}
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
 motion: {{kind: record, file: {record}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
@@ -63,14 +69,14 @@ numerics:
   spacing: {spacing:g} # m, {rows} particles over the height of the slope; {finer:g} to see what finer ones change
 """
 STUDY_TEXT = """\
-# How far does the slope go, by the shaking and by what its soil keeps of its strength?
+{study_schema}# How far does the slope go, by the shaking and by what its soil keeps of its strength?
 #   snakemake --cores 2 --configfile {study}
 study: {name}
 scene: {scene}
 fidelity: own
 grid:
   amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and half as much again
-  S_R: ["0.3", "0.5", "0.7"]
+  S_R: ["0.3", "0.5", "0.7"] # of soil and layers without an S_R of their own; that of a layer is layers.NAME.S_R
 fidelities:
   coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look
   own: {{}} # the scene as it is
@@ -92,6 +98,9 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
     spacing, frequency = _rounded(height / ROWS), _digits(SPEED / (4.0 * height))
     name = "".join(letter if letter.isalnum() else "_" for letter in ground.stem)[:60] or "slope"
     facts: dict[str, Any] = {
+        "scene_schema": _schema_line("scene", folder),
+        "study_schema": _schema_line("study", folder),
+        "placeholder": PLACEHOLDER,
         "name": name if name[0].isalnum() else f"slope{name}",
         "title": f"Slope of {ground.name}",
         "scene": scene,
@@ -123,6 +132,12 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
             temporary.write_text(text.format(**facts), encoding="utf-8")
     load_scene(scene)
     return scene, study
+
+
+def _schema_line(name: str, folder: Path) -> str:
+    """The line by which editors find the schema of a file in a folder; none where the repository is not there."""
+    schema = Path(sph.__file__).parents[1] / schema_file(name)
+    return f"# yaml-language-server: $schema={os.path.relpath(schema, folder)}\n" if schema.is_file() else ""
 
 
 def _ground(path: Path) -> tuple[GroundLine, str]:

@@ -13,8 +13,9 @@ from sph.scene.ground_motion import SCENES, GroundMotion, check_record, motion_o
 from sph.scene.ground_motion.record import Record
 from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import load_scene
+from sph.scene.units import in_both
 from sph.stability.newmark import SlidingBlock, sliding_block
-from sph.study.findings import Finding, Severity, cut_off, drifting, finding, implausible, in_both
+from sph.study.findings import Finding, Severity, cut_off, drifting, finding, implausible
 
 RECORDED, TURNED, BOTH = "recorded", "turned", "both"
 DIRECTIONS = (RECORDED, TURNED, BOTH)

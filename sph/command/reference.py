@@ -22,6 +22,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from sph.command.schema import MODELS, schema_file, schema_text
+from sph.experiments import shipped
 from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
 from sph.experiments.assumptions import read_limits
 from sph.experiments.cost_accuracy import advice
@@ -37,6 +38,7 @@ from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
 from sph.experiments.trigger.critical import confirm_columns, critical_columns
 from sph.experiments.trigger.design import Searched, Trigger
+from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
@@ -218,6 +220,14 @@ def claim_lines() -> Iterator[tuple[str, ...]]:
         yield str(row["claim"]), row["statement"], verdict, row["measured"]
 
 
+def resolved_claim_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (number, claim, study and fidelity, verdict, measured) of the claims with the scheme of one's own slopes."""
+    table = read_measured("resolved_claims")
+    for row in table.sort_values("claim", kind="stable").to_dict("records"):
+        verdict = row["verdict"] if row["verdict"] == HOLDS else Strong(row["verdict"])
+        yield str(row["claim"]), row["statement"], f"{row['study']}, {row['fidelity']}", verdict, row["measured"]
+
+
 def time_lines() -> Iterator[tuple[str, ...]]:
     """Rows (task, time, conditions, machine) of the README's commands."""
     studies = _study_tasks()
@@ -253,6 +263,15 @@ def _fidelities_table() -> Reference:
     where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions']}" for row in studies.to_dict("records")))
     note = f"Whole study: {where}. Errors: one run against the finest of the cost-accuracy study."
     return Reference(FIDELITY_HEAD, list(fidelity_lines()), note)
+
+
+def origin_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (table, solver, configuration and version it was measured with, command that renews it) of the tables of the release."""
+    noted = {row["table"]: row for row in shipped.read_origins().to_dict("records")}
+    for name, table in shipped.SHIPPED.items():
+        row = noted.get(name, {})
+        commands = ", ".join(f"`{command}`" for command in table.renewal.split(" && "))
+        yield name, *(row.get(key, shipped.NOT_RECORDED) for key in ("solver", "configuration", "version")), commands
 
 
 def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
@@ -315,6 +334,7 @@ RESOLVED_HEAD = (
     "class as the reference",
 )
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
+RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
     "fidelity", "whole study", f"class as at `{BASELINE}`", f"A's displacement against `{BASELINE}`", "one run",
@@ -382,6 +402,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "confirmation_variables": lambda: _variables(CONFIRMED),
     "trigger_keys": lambda: _keys(Trigger),
     "trigger_variables": lambda: _variables(critical_columns(_searched())),
+    "fragility_variables": lambda: _variables(fit_columns("m s-2")),
+    "curves_variables": lambda: _variables(curve_columns("m s-2")),
     "points_variables": lambda: _variables(point_columns(_searched().all)),
     "confirm_variables": lambda: _variables(confirm_columns(_searched())),
     "cells_variables": lambda: _variables(cell_columns(_searched())),
@@ -396,8 +418,10 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "metrics": lambda: _variables(VALUES),
     "convergence": lambda: _variables(CONVERGENCE),
     "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),
+    "resolved_claims": lambda: Reference(RESOLVED_CLAIM_HEAD, list(resolved_claim_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,
+    "origins": lambda: Reference(("table", "solver", "configuration", "version", "renewed by"), list(origin_lines())),
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference(("command", "what it does"), list(command_lines())),
     "schemes": _schemes_table,

@@ -13,7 +13,7 @@ from sph.scene.configuration import validated
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
-from sph.stability.extrapolation import Extrapolated, extrapolated, two_spacings
+from sph.stability.extrapolation import Extrapolated, extrapolated
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
@@ -69,7 +69,7 @@ def answer(
         found = question.find(scene, tolerance, used, lambda trial: report(own, trial))
         searches = {own: found}
     else:
-        found = extrapolated(question.find, scene, two_spacings(scene, used, spacings), tolerance, used, report)
+        found = extrapolated(question.find, scene, tolerance, used, report, spacings)
         searches = dict(zip(found.spacings, found.searches, strict=True))
     if out is not None:
         rows = [{"spacing": spacing} | trial._asdict() for spacing, each in searches.items() for trial in each.trials]

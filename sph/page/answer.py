@@ -13,10 +13,12 @@ from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.measures.metrics import CLASSES, STABLE
 from sph.page.tables import MOST_VALUES, NOTHING, Table, metres
 from sph.scene.schema import Scene
+from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
-from sph.study.dimensions import Dimension, dimension
-from sph.study.findings import in_both
-from sph.study.preflight import read_preflight
+from sph.storage.trajectory import Status
+from sph.study.dimensions import Dimension, dimension, shown_unit
+from sph.study.findings import Finding, Severity
+from sph.study.preflight import Row, read_preflight
 from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"
@@ -43,38 +45,73 @@ def answer(
     scene: Scene,
     probe: str,
     found: Callable[[str], Sequence[str]],
-    safety_target: str,
 ) -> Answer:
-    """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
-
-    ``safety_target`` makes the factor of safety of a study of one slope.
-    """
-    unshaken, runs = int((table["failed_unshaken"] > 0).sum()), len(table)
+    """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file."""
+    rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
+    findings = [row.finding for row in rows]
     yields = table["yield_acceleration"].dropna().unique()
-    yield_words = ("not searched", "sph yield-acceleration, for each slope of the study")
-    if len(yields) == 1:
-        yield_words = in_both(yields[0]).replace("m/s2", "m/s²"), "pseudo-static, at the spacing of the runs"
+    of_runs = in_both(yields[0]) if len(yields) == 1 else ""
     facts = [
-        ("Without shaking", "stands" if not unshaken else f"does not stand in {unshaken} of {runs} runs", ""),
-        ("Factor of safety", *safety(found(SAFETY), found(FINDINGS), len(yields) == 1, safety_target)),
-        ("Yield acceleration", *yield_words),
+        ("Without shaking", *unshaken(table, rows)),
+        ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(SAFETY)), "sph fos")),
+        ("Yield acceleration", *limit(findings, "yield-acceleration", of_runs, "sph yield-acceleration")),
         ("Shaking at which it goes", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
     ]
-    return Answer(facts, levels(table, dimensions, probe), _warnings(table, scene, found(FINDINGS)))
+    return Answer(
+        [(name, _raised(words), _raised(how)) for name, words, how in facts],
+        levels(table, dimensions, probe),
+        list(map(_raised, _warnings(table, scene, rows))),
+    )
 
 
-def safety(files: Sequence[str], findings: Sequence[str], one_slope: bool, target: str) -> tuple[str, str]:
-    """The factor of safety of the study's slope, or how to have it."""
+def _raised(words: str) -> str:
+    return words.replace("m/s2", shown_unit("m/s2"))
+
+
+def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
+    """Whether the slopes stand without shaking by the static tests before the runs, and whether soil softened in the runs before it."""
+    runs = len(table)
+    fail = sum(row.runs for row in rows if row.finding.code == "fails-unshaken")
+    soften = int((table["status"] == Status.FAILED_UNSHAKEN).sum())
+    if fail:
+        return f"does not stand in {fail} of {runs} runs", "by a static test"
+    tested = any(row.finding.code == "stands-unshaken" for row in rows)
+    narrow = sum(row.runs for row in rows if row.finding.code == "factor-of-safety" and row.finding.severity == Severity.WARNING)
+    if soften:
+        how = "its soil is at its strength under gravity, and loses it before the shaking"
+        return f"fails in {soften} of {runs} runs", f"{how}; at its peak strength it stands" if tested else how
+    if narrow:
+        return (
+            f"not certain in {narrow} of {runs} runs",
+            "by a static test it stands, but its factor of safety is not above 1 by more than its error",
+        )
+    return ("stands", "by a static test") if tested else ("not tested", "sph check --stability")
+
+
+def safety(files: Sequence[str]) -> str:
+    """The factor of safety at the spacing of the runs, where it was searched, or why it was not found."""
     for file in files:
         facts = trajectory.read(file).attrs
-        if facts["reason"]:
-            return "not found", str(facts["reason"])
-        return f"{float(facts['value']):.2f}", "static, by reduced strength, at the spacing of the runs"
-    for finding in (row.finding for file in findings for row in read_preflight(file)):
-        if finding.code == "factor-of-safety" and one_slope:
-            value, _, how = finding.measured.partition(", ")
-            return value, f"static, a quick search before the runs, {how}; more closely: snakemake --cores 2 {target}"
-    return "not searched", f"snakemake --cores 2 {target}" if one_slope else "sph fos, for each slope of the study"
+        return f"not found: {facts['reason']}" if facts["reason"] else f"{float(facts['value']):.2f}"
+    return ""
+
+
+def limit(findings: Sequence[Finding], code: str, of_runs: str, closely: str) -> tuple[str, str]:
+    """A limit with its error by the searches before the runs, least to most over the slopes, and the command that searches it closely.
+
+    What was found at the spacing of the runs alone, ``of_runs``, is too high and has no error: it is said to be.
+    """
+    found = sorted((each.measured.partition(", ") for each in findings if each.code == code), key=lambda parts: float(parts[0].split()[0]))
+    alone = "at the spacing of the runs, which makes slopes too strong"
+    if not found:
+        if not of_runs:
+            return "not searched", closely
+        return (f"at most {of_runs}" if of_runs[0].isdigit() else of_runs), f"static, {alone}; with its error: {closely}"
+    (least, _, how), (most, *_) = found[0], found[-1]
+    slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
+    also = f"; {of_runs} {alone}" if of_runs else ""
+    known = f"static, a quick search{slopes} before the runs, {how}{also}; more closely: {closely}"
+    return " to ".join(dict.fromkeys((least, most))), known
 
 
 def searched(scene: Scene, files: Sequence[str]) -> str:
@@ -86,21 +123,28 @@ def searched(scene: Scene, files: Sequence[str]) -> str:
             intensity = dimension(first["intensity"].iloc[0], ["1"], scene)
             name, low, high = first["collapse_class"].iloc[0], first["critical_intensity"].min(), first["critical_intensity"].max()
             named = "" if intensity.name == AMPLITUDE else f"{intensity.symbol} "
-            return f"{named}{_span(low, high, lambda value: f'{value:.3g}')} {intensity.shown_unit} (searched; class {name} or worse)"
+            if intensity.unit == "m/s2":
+                span = _span(low, high, in_both)
+            else:
+                span = f"{_span(low, high, '{:.3g}'.format)} {intensity.shown_unit}".rstrip()
+            return f"{named}{span} (searched; class {name} or worse)"
     return ""
 
 
 def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
-    """The amplitudes between which the weakest of the slopes leaves the class 'stable', by the runs of the study."""
+    """The amplitudes between which the weakest of the slopes leaves the class 'stable', by the runs whose soil does not fail before."""
     if AMPLITUDE not in table:
         return "one shaking only"
+    table = table[table["status"] != Status.FAILED_UNSHAKEN]
+    if table.empty:
+        return "no answer: every run fails without shaking"
     shaking = table[AMPLITUDE].astype(float)
     gone = shaking[table["collapse_class"].isin(CLASSES[1:])].min()
     below = shaking[shaking < shaking[table["collapse_class"] != STABLE].min()].max()  # a run that diverged is not known to stand
     of = " in the weakest case" if len(dimensions) > 1 else ""
     if math.isnan(gone):
-        return f"not up to {shaking.max():g} m/s²: no run leaves the class {STABLE}"
-    return f"at most {gone:g} m/s²{of}" if math.isnan(below) else f"between {below:g} and {gone:g} m/s²{of}"
+        return f"not up to {in_both(shaking.max())}: no run leaves the class {STABLE}"
+    return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
 def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
@@ -114,7 +158,7 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
         reached = [name for name in CLASSES if (runs["collapse_class"] == name).any()] or [NOTHING]
         lengths = [runs[name].dropna() for name in ("displacement_magnitude", "runout", "newmark_displacement")]
         spans = [_span(each.min(), each.max(), metres) if len(each) else NOTHING for each in lengths]
-        rows.append((value, " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
+        rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
     note = "Least to most over the other dimensions of the study." if len(table) > len(groups) else ""
     return Table("By the amplitude of shaking", head, rows, note)
@@ -124,7 +168,7 @@ def _span(low: float, high: float, words: Callable[[float], str]) -> str:
     return " to ".join(dict.fromkeys((words(low), words(high))))
 
 
-def _warnings(table: pd.DataFrame, scene: Scene, files: Sequence[str]) -> list[str]:
+def _warnings(table: pd.DataFrame, scene: Scene, rows: Sequence[Row]) -> list[str]:
     runs, found = len(table), list[str]()
 
     def say(count: Any, text: str) -> None:
@@ -132,12 +176,11 @@ def _warnings(table: pd.DataFrame, scene: Scene, files: Sequence[str]) -> list[s
             found.append(f"{int(count)} of {runs} runs {text}")
 
     say(
-        (table["failed_unshaken"] > 0).sum(),
-        "fail under gravity alone: that slope does not stand without shaking, and its numbers are not the earthquake's alone.",
+        (table["status"] == Status.FAILED_UNSHAKEN).sum(),
+        "have soil that fails under gravity alone and softens before the shaking: their numbers are not the earthquake's alone.",
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no numbers.")
     say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
-    for file in files:
-        found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in read_preflight(file) if row.finding.counts]
+    found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
     return [*found, f"Expected error: {expected_sentence(scene) if same else 'differs, see all runs'}."]

@@ -25,6 +25,7 @@ from sph.page.explorer import explorer
 from sph.page.sections import DOCS, Drawing, Section, of
 from sph.page.tables import MOST_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
+from sph.scene.units import beside_g
 from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.storage.trajectory import Status, scene_of
@@ -136,7 +137,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     listed = not study.layout.labels or len(table) < study.size
     keyed = list(table.index) if listed else list(map("|".join, shown))
     scene = scene_of(trajectory.read_run(runs[0]))
-    varied = {scene_key(name): _values(whole_table[name]) for name in axes}
+    varied = {scene_key(found.name): _values(whole_table[found.name], found.unit) for found in study.dimensions}
     keys = scene_table(scene, varied)
     over = [OVER.get(found.name, found.symbol) for found in study.dimensions]
 
@@ -149,14 +150,19 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         scene_table=keys,
         key_table=chosen_keys(keys),
         layer_table=layer_table(scene, varied),
-        answer=answer(whole_table, study.dimensions, scene, study.probe, found, f"{study.folder}/stages/factor_of_safety.nc"),
+        answer=answer(whole_table, study.dimensions, scene, study.probe, found),
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
         over=over,
-        axes=[] if listed else [(each, words, _written(table[each.name])) for each, words in zip(study.dimensions, over, strict=True)],
+        axes=[]
+        if listed
+        else [
+            (each, words, [(value, beside_g(value, each.unit)) for value in _written(table[each.name])])
+            for each, words in zip(study.dimensions, over, strict=True)
+        ],
         listed=list(zip(keyed, titles, strict=True)) if listed else [],
         columns=[column.heading for column in columns],
-        run_rows=list(zip(files, rows, (table["diverged"] > 0) | (table["failed_unshaken"] > 0), strict=True)),
+        run_rows=list(zip(files, rows, table["status"].isin((Status.DIVERGED, Status.FAILED_UNSHAKEN)), strict=True)),
         docs=docs_links(study.folder),
         parts=[found_part(section, study) for section in study.sections],
         cost=cost_of(whole_table, study),
@@ -229,9 +235,9 @@ def _written(values: pd.Series[str]) -> list[str]:
     return list(dict.fromkeys(values))
 
 
-def _values(values: pd.Series[str]) -> str:
-    """Values of a dimension in a cell."""
-    written = _written(values)
+def _values(values: pd.Series[str], unit: str) -> str:
+    """Values of a dimension of a unit in a cell."""
+    written = [beside_g(value, unit) for value in _written(values)]
     return ", ".join(written) if len(written) <= MOST_VALUES else f"{len(written)} values, {written[0]} to {written[-1]}"
 
 

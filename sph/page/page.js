@@ -254,7 +254,7 @@
     const numbers = study.numbers.map((name) => [name, named[name]]);
     byId("title").textContent = title;
     byId("class").textContent = named.class;
-    if (unshaken) numbers.unshift(["without shaking", `this slope fails${run ? `: ${run.reason}` : ""}`]);
+    if (unshaken) numbers.unshift(["without shaking", `soil fails and softens before the shaking${run ? `: ${run.reason}` : ""}`]);
     byId("result").className = diverged || unshaken ? "bad" : "";
     list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
     byId("link").href = `#run=${nameOf(file)}`;

@@ -95,6 +95,13 @@ MAPS = Section(
 )
 OF_EVERY_STUDY: tuple[Section, ...] = (
     Section(
+        "Fragility",
+        "The chance that the slope reaches a class at an intensity, over the motions of the search.",
+        "snakemake --cores 2 fragility",
+        tables={"*/trigger/fragility_fit.csv": "Lognormal fits, and what they say"},
+        figures={"*/trigger/figures/fragility.png": Drawing("Fragility", "Probability of each class against the intensity.")},
+    ),
+    Section(
         "Sensitivity",
         "Which parameters decide the answers.",
         "snakemake --cores 2 sensitivity",

@@ -15,12 +15,26 @@ from sph.experiments.cost_accuracy.advice import percent
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
+from sph.scene.units import beside_g
+from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import Dimension, readable, shown_unit
 
 MOST_ROWS = 500
 """Most rows that the page shows of a CSV file."""
-KEYS = ("duration", "geometry.", "walls.", "motion.", "damping.", "numerics.spacing", "numerics.smoothing_ratio", "numerics.time_step")
+INITIATION = "coupling.initiation"
+"""Shown also where it is not set: failure at once decides the answer."""
+KEYS = (
+    "duration",
+    "geometry.",
+    "walls.",
+    "motion.",
+    "damping.",
+    INITIATION,
+    "numerics.spacing",
+    "numerics.smoothing_ratio",
+    "numerics.time_step",
+)
 """Beginnings of the scene keys that the page shows at once, beside the table of layers."""
 MOST_NUMBERS = 12
 """Most numbers that the page shows of a list of them: those of a line or a record are counted."""
@@ -76,10 +90,10 @@ def short(cell: str) -> str:
 
 
 def metres(value: float) -> str:
-    """A length in m, to three digits or a millimetre; that of a block which never stops has no end."""
+    """A length in m, to three digits or a millimetre, a few millimetres to a tenth of one; that of a block which never stops has no end."""
     if value == math.inf:
         return "without end"
-    digits = 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
+    digits = 4 if 0 < abs(value) < 0.01 else 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
     return NOTHING if math.isnan(value) else f"{value:.{digits}f}"
 
 
@@ -102,7 +116,7 @@ class Column(NamedTuple):
 def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
     """Columns of the table of runs."""
     return [
-        *(Column(found.label, operator.itemgetter(found.name)) for found in dimensions),
+        *(Column(found.label, lambda row, found=found: beside_g(row[found.name], found.unit)) for found in dimensions),  # type: ignore[misc]
         Column("class", operator.itemgetter("collapse_class")),
         Column("status", _status),
         Column(f"displacement of {probe} (m)", lambda row: metres(row["displacement_magnitude"]), True),
@@ -124,7 +138,7 @@ def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str
             if isinstance(part, BaseModel):
                 yield from key_rows(part, f"{at}.")
             else:
-                yield at, _value_words(part), unit, field.description or ""
+                yield at, beside_g(_value_words(part), unit), unit, field.description or ""
 
 
 def _value_words(value: Any) -> str:
@@ -145,9 +159,12 @@ def scene_table(section: BaseModel, varied: Mapping[str, str]) -> Table:
 
 def chosen_keys(table: Table) -> Table:
     """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read."""
-    rows = [
-        (readable(key), value, shown_unit(unit), text) for key, value, unit, text in table.rows if key.startswith(KEYS) and value != "none"
-    ]
+    rows = []
+    for key, value, unit, text in table.rows:
+        if key == INITIATION and value == "none":
+            rows.append(("beginning of failure", "at once", "", text))
+        elif key.startswith(KEYS) and value != "none":
+            rows.append((readable(key), wall_words(value) if key.startswith("walls.") else value, shown_unit(unit), text))
     return Table("What is simulated", ("what", "value", "unit", "meaning"), rows)
 
 
@@ -176,7 +193,7 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
             )
         )
     units = [f"{readable(name)} ({shown_unit(unit)})" if shown_unit(unit) else readable(name) for name, unit in fields.items()]
-    return Table("Layers, the later one counting where two overlap", ("layer", "where", *units, "V_s (m/s)", "S_R", "γ (1/s)"), rows)
+    return Table("Layers, the later one counting where two overlap", ("layer", "where", *units, "V_s (m/s)", "S_R", "γ (s⁻¹)"), rows)
 
 
 def region_words(region: DepthRegion | ElevationRegion | PolygonRegion) -> str:

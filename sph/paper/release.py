@@ -1,16 +1,20 @@
 """What a release states of the paper's study: the verdicts on its claims, and its fidelities against ``paper``; and times of commands.
 
-The tables measured for this release are part of the package.  ``python -m sph.paper.release`` writes ``claims.csv`` and
-``fidelities.csv`` from what lies in ``results/paper``; ``python tests/benchmarks/commands.py`` measures ``times.csv``.
+The tables measured for this release are part of the package.  ``python -m sph.paper.release`` writes ``claims.csv``,
+``fidelities.csv`` and ``resolved_claims.csv`` from what lies in ``results``, or the one named;
+``python tests/benchmarks/commands.py`` measures ``times.csv``.
 """
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
 
 import sph
+from sph.experiments.shipped import SHIPPED, note, solver_of
 from sph.measures.metrics import GRID
 from sph.paper.claims import COLUMNS
 from sph.storage.trajectory import Variable
@@ -24,6 +28,8 @@ BASELINE = "paper"
 """The fidelity that the others are compared with, and that the claims are decided at."""
 STUDY_AT = "study at "
 """The time of the whole study at a fidelity is that of the task with this before its name."""
+RESOLVED_STUDIES = ("paper_resolved", "long_box")
+"""Studies of the paper's slope with the scheme of one's own slopes: in the paper's box, and in one that does not decide."""
 LEAST_DISPLACEMENT = 0.1
 """Displacement of A (m) at the baseline below which a relative difference says nothing."""
 
@@ -48,6 +54,11 @@ FIDELITIES: tuple[Variable, ...] = (
     ),
     ORIGIN,
 )
+RESOLVED_CLAIMS: tuple[Variable, ...] = (
+    text_column("study", "name of the study, one with the scheme resolved"),
+    text_column("fidelity", "name of its fidelity"),
+    *CLAIMS,
+)
 TIMES: tuple[Variable, ...] = (
     text_column("task", "what was timed"),
     number_column("wall_time", "s", "time from its start to its end"),
@@ -55,12 +66,12 @@ TIMES: tuple[Variable, ...] = (
     text_column("machine", "processor and number of cores"),
     ORIGIN,
 )
-"""Columns of the tables ``claims``, ``fidelities`` and ``times``."""
+"""Columns of the tables ``claims``, ``fidelities``, ``resolved_claims`` and ``times``."""
 
 
 def read_measured(name: str) -> pd.DataFrame:
-    """The table ``claims``, ``fidelities`` or ``times`` of this release; ValueError names a file that is none."""
-    variables = {"claims": CLAIMS, "fidelities": FIDELITIES, "times": TIMES}[name]
+    """The table ``claims``, ``fidelities``, ``resolved_claims`` or ``times`` of this release; ValueError names a file that is none."""
+    variables = {"claims": CLAIMS, "fidelities": FIDELITIES, "resolved_claims": RESOLVED_CLAIMS, "times": TIMES}[name]
     return read_csv(MEASURED / f"{name}.csv", variables, f"the {name} of a release")
 
 
@@ -78,6 +89,21 @@ def measured_claims(study: Path) -> pd.DataFrame:
         decided = pd.read_csv(searched[0], keep_default_na=False).iloc[0]
         claims.loc[open_claims, ["test", "measured", "verdict"]] = decided[["test", "measured", "verdict"]].to_list()
     return claims[list(COLUMNS)].assign(origin=sph.__version__)
+
+
+def resolved_claims(results: Path) -> pd.DataFrame:
+    """The claims of ``RESOLVED_STUDIES`` at every fidelity in a folder of results, with the columns ``RESOLVED_CLAIMS``.
+
+    ValueError without any.
+    """
+    tables = [
+        pd.read_csv(path, keep_default_na=False)[list(COLUMNS)].assign(study=name, fidelity=path.parent.name, origin=sph.__version__)
+        for name in RESOLVED_STUDIES
+        for path in sorted((results / name).glob("*/claims.csv"))
+    ]
+    if not tables:
+        raise ValueError(f"{results}: no claims of {RESOLVED_STUDIES[0]}; run 'snakemake --cores 2 --configfile config/studies/NAME.yaml'")
+    return pd.concat(tables, ignore_index=True)[[row.name for row in RESOLVED_CLAIMS]]
 
 
 def compared_fidelities(study: Path) -> pd.DataFrame:
@@ -125,6 +151,13 @@ def _found(path: Path, command: str) -> Path:
 
 
 if __name__ == "__main__":
-    for name, table in (("claims", measured_claims(STUDY)), ("fidelities", compared_fidelities(STUDY))):
+    made: dict[str, Callable[[], pd.DataFrame]] = {
+        "claims": lambda: measured_claims(STUDY),
+        "fidelities": lambda: compared_fidelities(STUDY),
+        "resolved_claims": lambda: resolved_claims(STUDY.parent),
+    }
+    for name in sys.argv[1:] or made:
+        table, solver = made[name](), solver_of(SHIPPED[name].runs)
         write_csv(table, MEASURED / f"{name}.csv")
+        note(name, solver)
         print(MEASURED / f"{name}.csv")

@@ -83,6 +83,7 @@ VARIABLES: tuple[Variable, ...] = (
     Variable("elastic_energy", SERIES, "f8", "J m-1", "stored energy of stress and repulsion"),
     Variable("potential_energy", SERIES, "f8", "J m-1", "energy of position minus its initial value; work done by the gravity ramp"),
     Variable("dissipated_energy", SERIES, "f8", "J m-1", "energy taken by yield, damping, friction, artificial viscosity and stress"),
+    Variable("viscous_energy", SERIES, "f8", "J m-1", "of it, the part taken by artificial viscosity and stress"),
     Variable("shaking_work", SERIES, "f8", "J m-1", "work of the inertial force of the shaking, or of a prescribed motion"),
     Variable("failed_fraction", SERIES, "f8", "1", "failed soil particles over all soil particles"),
     Variable("maximum_speed", SERIES, "f8", "m s-1", "largest speed of a soil particle relative to the box"),
@@ -98,7 +99,7 @@ class Status(StrEnum):
     UNFAILED = "unfailed"
     """the same without one particle failing"""
     FAILED_UNSHAKEN = "failed_unshaken"
-    """the same, but soil failed under gravity alone, so that the slope does not stand without shaking"""
+    """the same, but soil that covers more than ``sph.scene.gravity.FAILED_AREA`` H^2 failed under gravity alone and softened unshaken"""
     PAUSED = "paused"
     """stopped before its duration so that it can go on"""
     DIVERGED = "diverged"

@@ -16,7 +16,9 @@ import tempfile
 import time
 from pathlib import Path
 
+from sph.experiments.shipped import note
 from sph.paper.release import STUDY_AT, duration, write_time
+from sph.solver.compiled.jit import solver_digest
 from sph.study.machine import machine_class
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -58,6 +60,8 @@ def main() -> None:
             seconds = timed(command, clone)
             write_time(task, seconds, conditions + load, machine_class())
             print(f"{task}: {duration(seconds)}")
+    if set(options.tasks) == set(TASKS):  # times of several versions have no one origin
+        note("times", solver_digest())
 
 
 if __name__ == "__main__":

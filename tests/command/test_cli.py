@@ -158,6 +158,7 @@ def test_the_list_of_commands_is_not_cut(columns: int) -> None:
 
 
 def test_what_takes_long_says_what_it_does(scene_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sph.command.options, "PATIENCE", 1e3)
     assert "placing the particles" not in call("info", scene_file).stderr
     monkeypatch.setattr(sph.command.options, "PATIENCE", 0.0)
     assert "sph: placing the particles ..." in call("info", scene_file).stderr

@@ -33,7 +33,26 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     plan = load_study(yaml.safe_load((tmp_path / "own" / "study.yaml").read_text()), [tmp_path])
     assert len(plan.study.runs) == 9 and plan.study.names == ["S_R", "amplitude"]
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
-    assert checked.exit_code == 0 and {found["severity"] for found in json.loads(checked.stdout)["findings"]} <= {"note"}
+    found = {each["code"]: each for each in json.loads(checked.stdout)["findings"]}
+    assert checked.exit_code == 0 and {code for code, each in found.items() if each["severity"] != "note"} == {"soil-not-replaced"}
+
+
+def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
+    scene, study = write_new(GROUND, RECORD, tmp_path)
+    keys = yaml.safe_load(scene.read_text(encoding="utf-8"))
+    assert keys["walls"] == {"base": "no_slip", "sides": "free_slip"} and keys["soil"]["dilation_angle"] == 0.0
+    assert set(keys["coupling"]["initiation"]) == {"slip", "length"}
+    for line in ("walls:", "dilation_angle:", "initiation:"):
+        at = next(number for number, text in enumerate(scene.read_text(encoding="utf-8").splitlines()) if text.strip().startswith(line))
+        assert "#" in "".join(scene.read_text(encoding="utf-8").splitlines()[at - 1 : at + 1]), f"{line} has a comment"
+
+
+def test_editors_find_the_schemas(tmp_path: Path) -> None:
+    for path in write_new(GROUND, RECORD, tmp_path):
+        first = path.read_text(encoding="utf-8").splitlines()[0]
+        assert first.startswith("# yaml-language-server: $schema=")
+        schema = json.loads((tmp_path / first.partition("$schema=")[2]).read_text(encoding="utf-8"))
+        assert set(yaml.safe_load(path.read_text(encoding="utf-8"))) <= set(schema["properties"])
 
 
 def test_the_side_to_which_the_slope_falls_is_found(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from sph.scene.extras import of_extra
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-ABSENT = {"obspy": "records", "SALib": "sensitivity", "sklearn": "sensitivity", "snakemake": "workflow"}
+ABSENT = {"obspy": "records", "SALib": "sensitivity", "sklearn": "sensitivity", "gstools": "uncertainty", "snakemake": "workflow"}
 WITHOUT = f"""
 import importlib, pkgutil, sys
 from pathlib import Path
@@ -28,8 +28,15 @@ for module in pkgutil.walk_packages(sph.__path__, "sph."):
     importlib.import_module(module.name)
 from sph.experiments.sensitivity.surrogate import fit_surrogate
 from sph.scene.ground_motion import read_record
+from sph.scene.uncertain import RandomField
 
-for call in (lambda: read_record(Path(sys.argv[1])), lambda: fit_surrogate(np.zeros((3, 1)), np.zeros(3))):
+field = RandomField(horizontal_length=20.0, vertical_length=2.0)
+calls = (
+    lambda: read_record(Path(sys.argv[1])),
+    lambda: fit_surrogate(np.zeros((3, 1)), np.zeros(3)),
+    lambda: field.scores(1, np.zeros(1), np.zeros(1)),
+)
+for call in calls:
     try:
         call()
     except ValueError as error:
@@ -42,14 +49,16 @@ def test_every_module_can_be_imported_without_them_and_their_use_names_the_extra
     record.write_text(knet(np.sin(np.arange(300.0)), 100))
     done = subprocess.run([sys.executable, "-c", WITHOUT, str(record)], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    first, second = done.stdout.splitlines()
+    first, second, third = done.stdout.splitlines()
     assert 'obspy is not installed; pip install -c constraints.txt -e ".[records]"' in first
     assert 'sklearn is not installed; pip install -c constraints.txt -e ".[sensitivity]"' in second
+    assert 'gstools is not installed; pip install -c constraints.txt -e ".[uncertainty]"' in third
 
 
 def test_the_extras_hold_what_they_are_named_for() -> None:
     assert EXTRAS["records"][0].startswith("obspy") and {name.split(">")[0] for name in EXTRAS["sensitivity"]} == {"SALib", "scikit-learn"}
-    assert EXTRAS["workflow"][1:] == ["sph-slope[records,sensitivity]"] and EXTRAS["workflow"][0].startswith("snakemake>")
+    assert [name.split(">")[0] for name in EXTRAS["uncertainty"]] == ["gstools"]
+    assert EXTRAS["workflow"][1:] == ["sph-slope[records,sensitivity,uncertainty]"] and EXTRAS["workflow"][0].startswith("snakemake>")
     assert any("workflow" in needed for needed in EXTRAS["test"])
 
 

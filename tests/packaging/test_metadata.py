@@ -5,8 +5,10 @@ from __future__ import annotations
 import re
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import yaml
+from jinja2 import StrictUndefined, Template
 
 import sph
 
@@ -19,7 +21,8 @@ EXACT = dict(line.split("==") for line in (ROOT / "constraints.txt").read_text(e
 def differences(conda: list[str]) -> set[str]:
     """Dependencies with their bounds that are in one of environment.yml and pyproject.toml, the workflow's extras included."""
     extras = PROJECT["optional-dependencies"]
-    wanted = [*PROJECT["dependencies"], *extras["workflow"], *extras["records"], *extras["sensitivity"]]
+    named = re.findall(r"\w+", next(name for name in extras["workflow"] if name.startswith(PROJECT["name"])).partition("[")[2])
+    wanted = [*PROJECT["dependencies"], *extras["workflow"], *(name for extra in named for name in extras[extra])]
     needed = {requirement.lower() for requirement in wanted if not requirement.startswith(PROJECT["name"])}
     return (needed | {f"python{PROJECT['requires-python']}", "pip"}) ^ set(conda)
 
@@ -42,6 +45,30 @@ def test_the_version_is_one() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["version"] == sph.__version__ and citation["license"] == PROJECT["license"]
     assert re.search(rf"^## {re.escape(sph.__version__)}\b", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE)
+
+
+def recipe(text: str) -> dict[str, Any]:
+    """The conda recipe as conda-build reads it: rendered by Jinja, then YAML."""
+    return yaml.safe_load(Template(text, undefined=StrictUndefined).render(PYTHON="python"))
+
+
+def test_the_conda_recipe_wants_what_pip_wants() -> None:
+    text = (ROOT / "recipe" / "meta.yaml").read_text(encoding="utf-8")
+    found = recipe(text)
+    wanted = {f"python{PROJECT['requires-python']}", *(name.lower() for name in PROJECT["dependencies"])}
+    assert {name.replace(" ", "") for name in found["requirements"]["run"]} == wanted
+    assert found["package"] == {"name": PROJECT["name"], "version": sph.__version__}
+    assert found["build"]["entry_points"] == [f"{name} = {place}" for name, place in PROJECT["scripts"].items()]
+    assert found["about"]["license"] == PROJECT["license"] and found["about"]["summary"] == PROJECT["description"]
+    assert (ROOT / "recipe" / found["source"]["path"] / "pyproject.toml").is_file()
+    (backend,) = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]["requires"]
+    assert backend in {name.replace(" ", "") for name in found["requirements"]["host"]}
+
+
+def test_the_paper_is_cited() -> None:
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    (paper,) = citation["references"]
+    assert paper["title"].lower() in " ".join((ROOT / "README.md").read_text(encoding="utf-8").split()).lower()
 
 
 def test_the_catalog_finds_what_it_asks_for() -> None:

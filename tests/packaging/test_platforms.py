@@ -12,10 +12,10 @@ import builtins, importlib, pkgutil, sys
 taken = builtins.__import__
 
 
-def without_posix(name, globals=None, *others):
+def without_posix(name, globals=None, *others, **named):
     if name in sys.argv[1:] and (globals or {}).get("__name__", "").startswith("sph"):
         raise ImportError(f"{globals['__name__']} imports {name}")
-    return taken(name, globals, *others)
+    return taken(name, globals, *others, **named)
 
 
 builtins.__import__ = without_posix

@@ -117,15 +117,15 @@ def told(study: StudyFiles, S_R: str, amplitude: str) -> Any:
 @pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
 def test_another_run_is_chosen_with_mouse_and_keyboard(study: StudyFiles, browser: Browser, size: tuple[int, int]) -> None:
     browser.open(*size)
-    pictures = [(browser.shown("S_R 0.10, γ 100 1/s, amplitude 6.0"), browser.shown("amplitude 6.0", "curve"))]
+    pictures = [(browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 6.0"), browser.shown("amplitude 6.0", "curve"))]
     assert browser.text("class") == told(study, "0.10", "6.0")["collapse_class"]
     browser.choose("amplitude", "4.0")
-    pictures.append((browser.shown("S_R 0.10, γ 100 1/s, amplitude 4.0"), browser.shown("amplitude 4.0", "curve")))
+    pictures.append((browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 4.0"), browser.shown("amplitude 4.0", "curve")))
     row = told(study, "0.10", "4.0")
     assert browser.text("class") == row["collapse_class"] and metres(row["displacement_magnitude"]) in browser.text("numbers")
     browser.choose("S_R", "0.10")
     browser.press("\ue014")  # right arrow
-    pictures.append((browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0"), browser.shown("S_R 0.50", "curve")))
+    pictures.append((browser.shown("S_R 0.50, γ 100 s⁻¹, amplitude 4.0"), browser.shown("S_R 0.50", "curve")))
     assert browser.text("class") == told(study, "0.50", "4.0")["collapse_class"] == "stable"
     assert "S_R-0.50_gamma-100_amplitude-4.0.nc" in browser.text("facts")
     assert browser.run("return document.activeElement.value") == "0.50"
@@ -156,7 +156,7 @@ def test_the_time_slider_goes_back_to_the_undeformed_slope(browser: Browser) -> 
     browser.press("\ue011")  # home
     assert browser.shown("at 3 s") != at_end and browser.text("now").startswith("3.00")
     browser.choose("amplitude", "4.0")
-    browser.shown("at 3 s, S_R 0.10, γ 100 1/s, amplitude 4.0")  # another run is shown at the same time
+    browser.shown("at 3 s, S_R 0.10, γ 100 s⁻¹, amplitude 4.0")  # another run is shown at the same time
 
 
 def test_colours_follow_the_field(browser: Browser) -> None:
@@ -197,7 +197,7 @@ def test_print_shows_the_chosen_run_without_controls(browser: Browser) -> None:
     browser.open(*DESK)
     browser.choose("S_R", "0.50")
     browser.choose("amplitude", "4.0")
-    browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0")
+    browser.shown("S_R 0.50, γ 100 s⁻¹, amplitude 4.0")
     browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
     visible = "return document.getElementById(arguments[0]).checkVisibility()"
     assert [browser.run(visible, name) for name in ("choice", "play", "time")] == [False, False, False]
@@ -215,18 +215,18 @@ def test_a_run_of_a_list_is_found_by_its_words(tmp_path: Path, size: tuple[int, 
         browser = Browser(Path(FOLDER, "report.html"))
         try:
             browser.open(*size)
-            first = browser.shown("S_R 0.10, γ 100 1/s, amplitude 4.0")
+            first = browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 4.0")
             assert browser.run("return document.documentElement.scrollWidth <= innerWidth")
             browser.run("document.getElementById('find').focus()")
             for letter in "0.50 4.0":
                 browser.press(letter)
-            assert browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0") != first
+            assert browser.shown("S_R 0.50, γ 100 s⁻¹, amplitude 4.0") != first
             assert browser.run("return [...document.querySelector('select[name=run]').options].map((o) => o.value)") == ["case-000003"]
             browser.run("document.getElementById('find').value = ''; document.getElementById('find').dispatchEvent(new Event('input'))")
             assert browser.run("return document.querySelector('select[name=run]').value") == "case-000003", "what is shown stays chosen"
             browser.run("document.querySelector('select[name=run]').focus()")
             browser.press("\ue013")  # arrow up
-            browser.shown("S_R 0.10, γ 100 1/s, amplitude 6.0")
+            browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 6.0")
             for letter in "\ue004zzz":
                 browser.press(letter)
             assert not [entry for entry in browser.driver.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
@@ -248,18 +248,18 @@ def test_an_address_names_a_run(browser: Browser, study: StudyFiles) -> None:
     wanted = "S_R-0.50_gamma-100_amplitude-4.0"
     browser.open(*DESK)
     browser.run(f"location.hash = '#run={wanted}'")
-    browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0")
+    browser.shown("S_R 0.50, γ 100 s⁻¹, amplitude 4.0")
     assert browser.run("return document.querySelector('input[name=S_R]:checked').value") == "0.50"
     browser.choose("S_R", "0.10")
-    browser.shown("S_R 0.10, γ 100 1/s, amplitude 4.0")
+    browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 4.0")
     assert browser.run("return location.hash") == "#run=S_R-0.10_gamma-100_amplitude-4.0"
     browser.driver.get("about:blank")
     browser.driver.get(f"{browser.url}#run={wanted}")
-    browser.shown("S_R 0.50, γ 100 1/s, amplitude 4.0")
+    browser.shown("S_R 0.50, γ 100 s⁻¹, amplitude 4.0")
     links = browser.run("return [...document.querySelectorAll('#runs td a')].map((link) => link.hash)")
     assert links == [f"#run={name}" for name in study.runs]
     browser.run("document.querySelector(`#runs td a[href$='S_R-0.10_gamma-100_amplitude-6.0']`).click()")
-    browser.shown("S_R 0.10, γ 100 1/s, amplitude 6.0")
+    browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 6.0")
     requests = [url.partition("#")[0] for url in browser.requests()]
     assert set(requests) <= {browser.url, "about:blank"}
     browser.driver.get(browser.url)
@@ -286,7 +286,7 @@ def test_tables_and_pictures_can_be_kept(browser: Browser, study: StudyFiles, tm
     row = told(study, "0.10", "6.0")
     assert history["horizontal (m)"].iloc[-1] == pytest.approx(row["displacement_horizontal"], rel=1e-5)
     levels = pd.read_csv(kept("table"))
-    assert list(levels["shaking (m/s²)"]) == [4.0, 6.0]
+    assert list(levels["shaking (m/s²)"]) == ["4.0 (0.408 g)", "6.0 (0.612 g)"]
     for kind in ("profile", "picture"):
         with Image.open(kept(kind)) as image:
             assert image.format == "PNG"

@@ -19,12 +19,12 @@ from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
 from sph.measures.fields import displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.page.answer import FINDINGS, SAFETY, going, levels, searched
-from sph.page.answer import safety as factor
+from sph.page.answer import FINDINGS, SAFETY, going, levels, limit, searched, unshaken
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
 from sph.page.sections import DOCS, existing
 from sph.page.tables import chosen_keys, csv_table, layer_table, metres, scene_table, short
+from sph.scene.gravity import GRAVITY
 from sph.scene.schema import load_scene
 from sph.solver.particles import SOIL
 from sph.stability.record import search_dataset
@@ -203,8 +203,8 @@ def test_a_list_is_chosen_by_run(study: StudyFiles) -> None:
     listed = listed_study()
     words = Words(build_page(listed))
     assert words.runs["axes"] == ["run"] and list(words.runs["points"]) == [f"case-{number:06d}" for number in range(1, 5)]
-    assert words.runs["points"]["case-000002"]["title"] == "S_R 0.10, γ 100 1/s, amplitude 6.0 m/s²"
-    assert "case-000002: S_R 0.10, γ 100 1/s, amplitude 6.0 m/s²" in words.text
+    assert words.runs["points"]["case-000002"]["title"] == "S_R 0.10, γ 100 s⁻¹, amplitude 6.0 m/s² (0.612 g)"
+    assert "case-000002: S_R 0.10, γ 100 s⁻¹, amplitude 6.0 m/s² (0.612 g)" in words.text
     options = [attrs["value"] for tag, attrs in words.elements if tag == "option" and (attrs["value"] or "").startswith("case-")]
     assert options == list(words.runs["points"])
 
@@ -252,10 +252,10 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
     write_csv(table, study.table)
     first = Words(build_page(study)).text.partition("One run")[0]
     for words in (
-        "Without shaking stands",
-        "Yield acceleration 2 m/s² (0.204 g)",
-        "Factor of safety not searched snakemake --cores 2 results/made/up/stages/factor_of_safety.nc",
-        "at most 4 m/s²",
+        "Without shaking does not stand in 4 of 4 runs",
+        "Yield acceleration at most 2 m/s² (0.204 g)",
+        "Factor of safety not searched sph fos",
+        "at most 4 m/s² (0.408 g)",
     ):
         assert words in first
     for amplitude, runs in table[table["diverged"] == 0].groupby("amplitude"):
@@ -263,37 +263,57 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
             " to ".join(dict.fromkeys(words))
             for words in (sorted(runs["collapse_class"], key=CLASSES.index), map(metres, sorted(runs["displacement_magnitude"])))
         )
-        assert f"{amplitude} {classes} {moved}" in first
+        assert f"{amplitude} ({float(amplitude) / GRAVITY:.3g} g) {classes} {moved}" in first
     assert "0.100" in first and "0.400" in first and "1 of 4 runs diverged" in first and "Expected error" in first
 
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
     findings, safety = (Path(FOLDER).parent / pattern.format(fidelity="up") for pattern in (FINDINGS, SAFETY))
     thin = Finding("thin-layer", "warning", "the layer clay is thin", "2 particles across", "at least 4", "numerics.spacing")
-    note = Finding("factor-of-safety", "note", "static factor of safety", "1.41")
+    note = Finding("factor-of-safety", "note", "static factor of safety", "1.41 ± 0.10, extrapolated from spacings of 2 and 1 m")
     write_preflight(findings, [Row(thin, 3, "one"), Row(note, 1, "one")])
-    assert factor([], [str(findings)], True, "it.nc")[0] == "1.41" and "it.nc" in factor([], [str(findings)], True, "it.nc")[1]
-    assert factor([], [str(findings)], False, "it.nc")[0] == factor([], [], True, "it.nc")[0] == "not searched"
+    words, how = limit([note], note.code, "1.55", "sph fos")
+    assert words == "1.41 ± 0.10" and "1.55 at the spacing of the runs, which makes slopes too strong" in how and "sph fos" in how
+    assert limit([], note.code, "", "sph fos") == ("not searched", "sph fos")
+    # Of several slopes the least and the most, and how to have one more closely.
+    weaker = note._replace(measured="1.09 ± 0.08, extrapolated from spacings of 2 and 1 m")
+    words, how = limit([note, weaker], note.code, "", "sph fos")
+    assert words == "1.09 ± 0.08 to 1.41 ± 0.10" and "of 2 slopes" in how and "sph fos" in how
     run = trajectory.read(next(iter(study.runs.values())))
     trajectory.write(safety, search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ())))
     first = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text.partition("One run")[0]
     assert (
         "3 of 4 runs: the layer clay is thin: 2 particles across, wanted at least 4" in first
-        and "1.41" not in first
-        and "Factor of safety 1.35" in first
+        and "Factor of safety 1.41 ± 0.10 " in first
+        and "1.35 at the spacing of the runs" in first
     )
+
+
+def test_whether_it_stands_is_said_once() -> None:
+    """The static test before the runs decides whether the slope stands; soil that softens in the runs before the shaking is told apart."""
+    stands, fails = (Row(Finding(code, "note", "", ""), 2, "one") for code in ("stands-unshaken", "fails-unshaken"))
+    table = pd.DataFrame({"status": ["complete", "failed_unshaken"], "failed_unshaken": [1e-4, 0.2]})
+    assert unshaken(table, [fails])[0] == "does not stand in 2 of 2 runs"
+    assert unshaken(table, [stands])[0] == "fails in 1 of 2 runs" and "at its peak strength it stands" in unshaken(table, [stands])[1]
+    assert unshaken(table[:1], [stands])[0] == "stands", "a particle at yield is no slope that fails"
+    assert unshaken(table[:1], [])[0] == "not tested"
+    narrow = Row(Finding("factor-of-safety", "warning", "", "1.05 ± 0.10, quick"), 1, "one")
+    assert unshaken(table[:1], [stands, narrow])[0] == "not certain in 1 of 1 runs"
 
 
 def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     cohesion, shaking = Dimension("soil.cohesion", "kPa", "", False), Dimension("amplitude", "m/s2", "", False)
     rows = [("5", "1", "stable"), ("5", "2", "minor"), ("50", "1", "stable"), ("50", "2", "stable")]
-    table = pd.DataFrame(rows, columns=["soil.cohesion", "amplitude", "collapse_class"])
-    assert going(table, [cohesion, shaking]) == "between 1 and 2 m/s² in the weakest case"
-    assert going(table.iloc[2:], [cohesion, shaking]).startswith("not up to 2 m/s²")
-    assert going(table.iloc[1:2], [cohesion, shaking]).startswith("at most 2 m/s²")
+    table = pd.DataFrame(rows, columns=["soil.cohesion", "amplitude", "collapse_class"]).assign(status="complete")
+    assert going(table, [cohesion, shaking]) == "between 1 m/s2 (0.102 g) and 2 m/s2 (0.204 g) in the weakest case"
+    assert going(table.iloc[2:], [cohesion, shaking]).startswith("not up to 2 m/s2 (0.204 g)")
+    assert going(table.iloc[1:2], [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)")
     diverged = table.assign(collapse_class=["stable", "minor", UNDETERMINED, "stable"])
-    assert going(diverged, [cohesion, shaking]).startswith("at most 2 m/s²"), "a run that diverged is not known to stand"
+    assert going(diverged, [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)"), "a run that diverged is not known to stand"
     assert going(table.drop(columns="amplitude"), [cohesion]) == "one shaking only"
+    weak = table.assign(status=["failed_unshaken", "failed_unshaken", "complete", "complete"])
+    assert going(weak, [cohesion, shaking]).startswith("not up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
+    assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     shown = levels(many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf), [shaking], "A")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")]
@@ -302,7 +322,7 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
 def test_a_search_says_at_which_intensity_the_slope_goes(tmp_path: Path) -> None:
     slope = load_scene(SCENES / "gentle_layered.yaml")
     for name, unit, words in (
-        ("amplitude", "m/s2", "2.5 m/s² (searched; class collapse or worse)"),
+        ("amplitude", "m/s2", "2.5 m/s2 (0.255 g) (searched; class collapse or worse)"),
         ("motion.factor", "-", "factor of the motion 2.5"),
     ):
         over = Searched((Dimension(name, unit, "", False),), name)
@@ -319,13 +339,17 @@ def test_the_scene_is_told_by_names_values_and_units() -> None:
     varied = {"layers.clay.soil.cohesion": "3, 10"}
     table = chosen_keys(scene_table(scene, varied))
     rows = {what: (value, unit) for what, value, unit, _ in table.rows}
-    assert rows["base of the walls"] == ("no_slip", "") and rows["spacing"] == ("1", "m")
+    assert rows["base of the walls"] == ("no-slip", "") and rows["spacing"] == ("1", "m")
     assert rows["points"][0] == f"{len(scene.geometry.points)} values"
+    at_once = chosen_keys(
+        scene_table(scene.model_copy(update={"coupling": scene.coupling.model_copy(update={"initiation": None})}), varied)
+    )
+    assert "beginning of failure" not in rows and ("beginning of failure", "at once") in {row[:2] for row in at_once.rows}
     assert not any("." in what for what in rows)
     layers = layer_table(scene, varied)
     clay = dict(zip(layers.head, layers.rows[1], strict=True))
     assert clay["layer"] == "clay" and clay["where"] == "from 6 m below the ground to 10 m" and clay["cohesion (kPa)"] == "3, 10"
-    assert clay["density (kg/m³)"] == "1850" and clay["S_R"] == "0.25" and clay["γ (1/s)"] == "100"
+    assert clay["density (kg/m³)"] == "1850" and clay["S_R"] == "0.25" and clay["γ (s⁻¹)"] == "100"
 
 
 def test_the_page_counts_as_the_survey_does(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -353,3 +377,15 @@ def test_a_long_table_says_that_it_is_cut(tmp_path: Path) -> None:
     path.write_text("a\n" + "1\n" * 501)
     table = csv_table(path, "")
     assert len(table.rows) == 500 and table.note == "The first 500 of 501 rows."
+
+
+def test_millimetres_keep_their_digits() -> None:
+    """8 mm is neither nothing nor a centimetre; a block that never stops has no end."""
+    assert [metres(value) for value in (0.0, 0.0084, 0.033, 0.211, 24.0, np.inf)] == [
+        "0.000",
+        "0.0084",
+        "0.033",
+        "0.211",
+        "24.0",
+        "without end",
+    ]

@@ -10,7 +10,16 @@ import pytest
 import sph
 from sph.paper import release
 from sph.paper.claims import CLAIMS
-from sph.paper.release import agreement, compared_fidelities, duration, measured_claims, read_measured, write_time
+from sph.paper.release import (
+    RESOLVED_STUDIES,
+    agreement,
+    compared_fidelities,
+    duration,
+    measured_claims,
+    read_measured,
+    resolved_claims,
+    write_time,
+)
 from sph.study.tables import VALUES, Layout, write_csv
 from sph.study.verdicts import HOLDS, NOT_YET
 
@@ -47,6 +56,29 @@ def test_fidelities_are_read_from_their_studies(tmp_path: Path) -> None:
     (tmp_path / "draft" / "study.csv").unlink()
     with pytest.raises(ValueError, match="no other fidelity; run"):
         compared_fidelities(tmp_path)
+
+
+def test_claims_of_the_scheme_of_ones_own_slopes_are_those_of_its_studies_at_every_fidelity(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="--configfile config/studies/NAME.yaml"):
+        resolved_claims(tmp_path)
+    for name, fidelity in ((RESOLVED_STUDIES[1], "draft"), (RESOLVED_STUDIES[0], "standard"), (RESOLVED_STUDIES[0], "draft")):
+        row = pd.DataFrame([(1, "s", "t", f"{name} at {fidelity}", HOLDS)], columns=["claim", "statement", "test", "measured", "verdict"])
+        (tmp_path / name / fidelity).mkdir(parents=True)
+        write_csv(row, tmp_path / name / fidelity / "claims.csv")
+    found = resolved_claims(tmp_path)
+    assert list(zip(found["study"], found["fidelity"], strict=True)) == [
+        (RESOLVED_STUDIES[0], "draft"),
+        (RESOLVED_STUDIES[0], "standard"),
+        (RESOLVED_STUDIES[1], "draft"),
+    ]
+    assert list(found["measured"]) == [f"{name} at {fidelity}" for name, fidelity in zip(found["study"], found["fidelity"], strict=True)]
+
+
+def test_the_claims_of_the_scheme_of_ones_own_slopes_are_shipped() -> None:
+    table = read_measured("resolved_claims")
+    for _, rows in table.groupby(["study", "fidelity"]):
+        assert list(rows["claim"]) == [claim.number for claim in CLAIMS]
+    assert set(table["study"]) <= set(RESOLVED_STUDIES)
 
 
 def test_claims_are_those_of_the_study_and_of_the_search(tmp_path: Path) -> None:

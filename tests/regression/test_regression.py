@@ -11,6 +11,8 @@ from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene
 
 CASES = load()
+OF_THEIR_OWN = ("literal_kernel", "wendland_corrected_no_repulsion", "capped")
+"""Cases whose combination of terms is compiled for them alone."""
 
 
 class Bounds(NamedTuple):
@@ -43,7 +45,7 @@ def bounds(scene: Scene) -> Bounds:
 
 
 @pytest.mark.parametrize("precision", ["mixed", pytest.param("double", marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long if name in OF_THEIR_OWN else ()) for name in CASES])
 def test_metrics_are_those_before_the_optimisation(name: str, precision: str) -> None:
     settings = CASES[name]["settings"] | {"numerics.precision": precision}
     expected, found = CASES[name]["metrics"], measured(settings)

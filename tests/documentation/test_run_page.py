@@ -1,0 +1,134 @@
+"""Pages of the gallery are run as they are written."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from pathlib import Path
+
+import nbformat
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "workflow" / "scripts" / "docs"))
+from run_page import MOST_LINES, run_page  # noqa: E402
+
+PAGE = """# A page
+
+```sh
+echo what it prints
+```
+
+```python
+from pathlib import Path
+
+Path("made").mkdir()
+Path("made/picture.png").write_bytes(b"a picture")
+print("| a |")
+print("| --- |")
+```
+
+```yaml
+is: not run
+```
+
+![A picture](made/picture.png) and [a page](../index.md)
+"""
+RUN = """# A page
+
+```sh
+echo what it prints
+```
+
+```text
+what it prints
+```
+
+
+```python
+from pathlib import Path
+
+Path("made").mkdir()
+Path("made/picture.png").write_bytes(b"a picture")
+print("| a |")
+print("| --- |")
+```
+
+| a |
+| --- |
+
+
+```yaml
+is: not run
+```
+
+![A picture](page/made/picture.png) and [a page](../index.md)
+"""
+
+
+def run(tmp_path: Path, text: str, name: str = "page.md") -> str:
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    run_page(str(tmp_path / name), ROOT, tmp_path / "page", io.StringIO())
+    return (tmp_path / "page" / "page.md").read_text(encoding="utf-8")
+
+
+def notebook(*cells: str) -> str:
+    return json.dumps({"cells": [{"cell_type": "code" if "print" in cell else "markdown", "source": [cell]} for cell in cells]})
+
+
+def test_what_is_printed_and_made_goes_into_the_page(tmp_path: Path) -> None:
+    assert run(tmp_path, PAGE) == RUN
+    assert (tmp_path / "page" / "made" / "picture.png").read_bytes() == b"a picture"
+
+
+def test_blocks_find_the_repository(tmp_path: Path) -> None:
+    text = run(tmp_path, "```sh\nls config/config.yaml docs/index.md Snakefile\n.venv/bin/python -c 'print(6 * 7)'\n```\n")
+    assert text.endswith("```text\nSnakefile\nconfig/config.yaml\ndocs/index.md\n42\n```\n\n")
+
+
+def test_long_output_is_cut_and_says_so(tmp_path: Path) -> None:
+    text = run(tmp_path, f"```python\nfor n in range({MOST_LINES + 5}):\n    print(n)\n```\n")
+    assert f"\n{MOST_LINES - 1}\n... and 5 lines more\n" in text
+
+
+@pytest.mark.parametrize(
+    ("block", "place", "said"),
+    [
+        ("```sh\necho fine\nls nothing.txt\n```\n", "the block at line 7", "nothing.txt"),
+        ("```sh\nls nothing.txt | cat\n```\n", "the block at line 7", "nothing.txt"),
+        ("```python\nprint(absent)\n```\n", "the block at line 7", "NameError: name 'absent'"),
+    ],
+)
+def test_a_block_that_fails_is_named(tmp_path: Path, block: str, place: str, said: str) -> None:
+    with pytest.raises(ValueError, match=rf"page\.md: {place} fails:\n(.|\n)*{said}"):
+        run(tmp_path, f"# A page\n\n```sh\necho fine\n```\n\n{block}")
+    assert not (tmp_path / "page").exists()
+
+
+def test_cells_of_a_notebook_share_their_names(tmp_path: Path) -> None:
+    text = run(tmp_path, notebook("# A page", "a = 6\nprint('first')", "Then", "print(7 * a)"), "page.ipynb")
+    first = "```python\na = 6\nprint('first')\n```\n\n```text\nfirst\n```\n\n"
+    assert text == f"# A page\n\n{first}Then\n\n```python\nprint(7 * a)\n```\n\n```text\n42\n```\n\n"
+
+
+def test_a_cell_that_fails_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match=r"page\.ipynb: cell 3 fails:\n(.|\n)*NameError"):
+        run(tmp_path, notebook("# A page", "print(1)", "print(absent)", "print(2)"), "page.ipynb")
+
+
+def test_the_notebook_is_one_without_outputs_and_uses_the_library_alone() -> None:
+    (path,) = (ROOT / "docs" / "gallery").glob("*.ipynb")
+    read = nbformat.read(path, as_version=4)
+    nbformat.validate(read)
+    cells = [cell for cell in read.cells if cell.cell_type == "code"]
+    assert not [cell for cell in cells if cell.outputs or cell.execution_count]
+    lines = [line for cell in cells for line in cell.source.splitlines()]
+    assert [line for line in lines if line.lstrip().startswith(("import ", "from "))] == ["import sph"]
+
+
+def test_the_gallery_has_six_cases() -> None:
+    pages = [path for path in (ROOT / "docs" / "gallery").glob("*.[mi]*") if path.stem != "index"]
+    assert len(pages) == 6
+    settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
+    assert not [path for path in pages if f"gallery/{path.stem}.md" not in settings]
