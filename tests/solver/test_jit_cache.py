@@ -136,7 +136,7 @@ print(numba.config.CACHE_DIR)
 
 
 @pytest.mark.parametrize("name", ["SPH_CACHE_DIR", "XDG_CACHE_HOME", "HOME"])
-@pytest.mark.parametrize("relative", [False, True])
+@pytest.mark.parametrize("relative", [False, pytest.param(True, marks=pytest.mark.long)])
 def test_cache_folder_follows_the_environment(tmp_path: Path, name: str, relative: bool) -> None:
     """An empty variable is none: the working folder is no place for compiled code."""
     empty = dict.fromkeys(("SPH_CACHE_DIR", "XDG_CACHE_HOME", "NUMBA_CACHE_DIR"), "")

@@ -143,6 +143,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once() -> None:
     assert rows[-1].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, extrapolated from spacings of {coarse:.3g} and ")
 
 
+@pytest.mark.long
 def test_a_factor_within_its_error_of_one_is_a_warning() -> None:
     slope = scene(**{"soil.cohesion": 12.0})
     rows = study_stability({"one": slope}, lambda line: None, ["factor-of-safety"])
@@ -162,6 +163,7 @@ def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
         assert abs(value - closer.value) <= error + closer.error, (code, rows[code], closer)
 
 
+@pytest.mark.long
 def test_each_slope_is_searched() -> None:
     scenes = {f"{cohesion}": scene(**{"soil.cohesion": cohesion}) for cohesion in (25.0, 40.0)}
     rows = [row for row in study_stability(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
@@ -176,6 +178,7 @@ def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) 
     assert ("stability-unknown", "0.9") in {(row.finding.code, row.first_run) for row in rows}
 
 
+@pytest.mark.long
 def test_an_unshaken_failure_has_one_definition() -> None:
     """More failed soil than a hundredth of H2, in the status of a run and in the finding before it; a particle at yield is none."""
     fine = scene(**{"numerics.spacing": 0.5})

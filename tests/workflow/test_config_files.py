@@ -37,7 +37,9 @@ def folder(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Pa
     ("written", "instead", "wanted"),
     [
         ("gamma:\n  - '1'", "gamma:\n  - 0100", "grid.gamma.0: 0100 is not one number"),
-        ("study: small", "study: small\nstudy: other", "the section at line 1 has the key 'study' twice"),
+        pytest.param(
+            "study: small", "study: small\nstudy: other", "the section at line 1 has the key 'study' twice", marks=pytest.mark.long
+        ),
     ],
 )
 def test_a_configuration_that_two_readers_take_differently_is_refused_by_both(

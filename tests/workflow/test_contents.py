@@ -22,6 +22,8 @@ from sph.command.cli import DIFFERS, REFUSED, app
 from sph.scene.schema import load_scene
 from sph.storage import trajectory
 
+pytestmark = pytest.mark.long  # that what is new alone runs again is in test_workflow also
+
 TABLE = "results/small/draft/study.csv"
 RUN = "results/small/draft/runs/S_R-{}.nc"
 LONG_AGO = (1e9, 1e9)
@@ -71,7 +73,6 @@ def explained(folder: Path, monkeypatch: pytest.MonkeyPatch, file: str, *argumen
     return CliRunner().invoke(app, ["explain", file, *arguments, "--configfile", "study.yaml"])
 
 
-@pytest.mark.long
 def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     config = write(copied, "0.10", "0.50")
     assert planned_jobs(copied, *config, "--", TABLE) == {}
@@ -95,7 +96,6 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
     assert planned_jobs(copied, *config, "--", TABLE) == {}
 
 
-@pytest.mark.long
 def test_with_dates_alone_records_are_not_mixed_either(copied: Path) -> None:
     """``--rerun-triggers mtime`` makes Snakemake blind to contents and to new values: what does not belong together is refused."""
     replace(copied, "strong.csv")
@@ -121,7 +121,6 @@ def test_a_newer_date_alone_runs_nothing(copied: Path) -> None:
     assert planned_jobs(copied, *write(copied, "0.10", "0.50"), "--", TABLE) == {}
 
 
-@pytest.mark.long
 def test_a_run_copied_over_another_is_not_measured(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     config, run = write(copied, "0.10", "0.50"), copied / RUN.format("0.10")
     before = (copied / TABLE).read_bytes()
@@ -170,7 +169,6 @@ def test_what_is_traced_is_there_for_machines(finished: Path, monkeypatch: pytes
     assert numbers["runout"]["unit"] == "m" and float(numbers["runout"]["again"]) == float(numbers["runout"]["value"])
 
 
-@pytest.mark.long
 def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     limits = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "changes": {"as it is": {}, "weak": {"coupling": {"S_R": 0.1}}}}
     (copied / "limits.yaml").write_text(yaml.safe_dump(limits, sort_keys=False))
