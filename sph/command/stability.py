@@ -103,9 +103,10 @@ def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
 
 def remaining(question: Question, found: Extrapolated) -> list[str]:
     """The extrapolated value and the error that remains."""
+    step = "half the step" if found.step_taken else "the whole step"
     return [
-        f"{question.name} extrapolated to spacing 0: {question.text(found.value)}, remaining error about {question.text(found.error)} "
-        "(half the step of the extrapolation, the brackets, and the displacement that the rule allows)"
+        f"{question.name}: {question.text(found.value)}, {found.how}; remaining error about {question.text(found.error)} "
+        f"({step} of the extrapolation, the brackets, and the displacement that the rule allows)"
     ]
 
 

@@ -131,7 +131,7 @@
 
   function drawProfile(frame) {
     const canvas = byId("profile"), width = canvas.parentElement.clientWidth;
-    const box = { x: 58, y: 8, w: width - 70, h: 0 };
+    const box = { x: 58, y: 22, w: width - 70, h: 0 }; // room for the name of a probe at the top
     box.h = (box.w * (study.upper - study.lower)) / (study.right - study.left); // equal aspect
     const ink = pen(canvas, box.h + 108);
     const { n, places, scene: own } = chosen.run, bins = study.colours.map(() => []);
@@ -203,7 +203,6 @@
     if (own.shaking) {
       ink.fillStyle = BAND;
       ink.fillRect(X(own.shaking[0]), box.y, X(own.shaking[1]) - X(own.shaking[0]), box.h);
-      write(ink, "shaking", (X(own.shaking[0]) + X(own.shaking[1])) / 2, box.y + box.h - 6, "center", "bottom", SOFT);
     }
     const [, Y] = axes(ink, box, [study.start, study.end], [low, high], ["time (s)", `displacement of ${study.probe} (m)`], true);
     ink.strokeStyle = SOFT;
@@ -212,17 +211,27 @@
     ink.lineTo(X(times[frame]), box.y + box.h);
     ink.stroke();
     ink.lineWidth = 2;
-    [["vertical", v, VERTICAL, []], ["horizontal", u, HORIZONTAL, [7, 4]]].forEach(([name, values, colour, dashes], number) => {
+    let key = box.x;
+    const named = (name) => {
+      write(ink, name, key + 34, 11, "left", "middle");
+      key += 48 + ink.measureText(name).width;
+    };
+    [["vertical", v, VERTICAL, []], ["horizontal", u, HORIZONTAL, [7, 4]]].forEach(([name, values, colour, dashes]) => {
       ink.setLineDash(dashes);
       ink.strokeStyle = colour;
       ink.beginPath();
       for (let i = 0; i < t.length; i += 1) if (Number.isFinite(values[i])) ink.lineTo(X(t[i]), Y(values[i]));
-      ink.moveTo(box.x + 110 * number, 11);
-      ink.lineTo(box.x + 110 * number + 28, 11);
+      ink.moveTo(key, 11);
+      ink.lineTo(key + 28, 11);
       ink.stroke();
-      write(ink, name, box.x + 110 * number + 34, 11, "left", "middle");
+      named(name);
     });
     ink.setLineDash([]);
+    if (own.shaking) {
+      ink.fillStyle = BAND;
+      ink.fillRect(key, 4, 28, 14);
+      named("shaking");
+    }
     const last = (values) => values[values.length - 1].toFixed(2);
     canvas.setAttribute("aria-label", `Displacement of ${study.probe} over time, ${chosen.title}: at the end ${last(v)} m vertical, ${last(u)} m horizontal`);
   }

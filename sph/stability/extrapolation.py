@@ -6,9 +6,11 @@ spacing 0 is
 
     f + (f - c) / (r - 1).
 
-The remaining error is an estimate, not a bound: half of that step, for an order of convergence that is not 1; half of the brackets'
-widths as the extrapolation magnifies them; and the rule's displacement over H, since a slope that slides by delta comes to rest
-flatter by about delta / H, so that a limit by displacement is too high by as much.
+Where that step leads to the unsafe side, the placing of the particles decides, for instance in thin layers; it is then not taken.
+
+The remaining error is an estimate, not a bound: half of that step, for an order of convergence that is not 1, or all of it where it is
+not taken; half of the brackets' widths as the extrapolation magnifies them; and the rule's displacement over H, since a slope that slides
+by delta comes to rest flatter by about delta / H, so that a limit by displacement is too high by as much.
 """
 
 from __future__ import annotations
@@ -34,9 +36,19 @@ class Extrapolated(NamedTuple):
     """coarse and fine, m"""
     searches: tuple[Search, Search]
     value: float
-    """extrapolated to spacing 0"""
+    """extrapolated to spacing 0; that at the fine spacing where the extrapolation leads to the unsafe side"""
     error: float
     """estimate of what remains, in the value's unit"""
+    step_taken: bool
+    """False where the value is that at the fine spacing"""
+
+    @property
+    def how(self) -> str:
+        """How the value was found, in words."""
+        coarse, fine = (f"{spacing:.3g}" for spacing in self.spacings)
+        if self.step_taken:
+            return f"extrapolated from spacings of {coarse} and {fine} m"
+        return f"that at a spacing of {fine} m, since the extrapolation from {coarse} m leads to the unsafe side"
 
 
 def extrapolate(coarse: float, fine: float, ratio: float) -> float:
@@ -88,6 +100,8 @@ def extrapolated(
     coarse, fine = searches
     ratio = spacings[0] / spacings[1]
     value = extrapolate(coarse.value, fine.value, ratio)
+    step = value - fine.value
+    taken = not step * (fine.failed - fine.stood) > 0.0  # the limit is no further on the side of what failed
+    value, error = (value, 0.5 * abs(step)) if taken else (fine.value, abs(step))
     brackets = 0.5 * (ratio * (fine.upper - fine.lower) + (coarse.upper - coarse.lower)) / (ratio - 1.0)
-    error = 0.5 * abs(value - fine.value) + brackets + rule.displacement * abs(value)
-    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error)
+    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + brackets + rule.displacement * abs(value), taken)

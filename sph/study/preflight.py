@@ -18,7 +18,7 @@ import pandas as pd
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
-from sph.solver.particles import SOIL
+from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
 from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
@@ -26,13 +26,15 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import coarsest_spacing, divided_strength, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.findings import CODES, Finding, Severity, finding, findings
+from sph.study.findings import CODES, Finding, Severity, finding, findings, layers_of
 from sph.study.tables import count_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
 """Relative width of the brackets in which the searches of a study end."""
 QUICK_RATIO = 1.5
 """Smallest ratio of the two spacings of the static tests of a study."""
+QUICK_ROWS = 2
+"""Rows of particles across the thinnest layer at the finer of these spacings, where the scene's own has as many."""
 LONGEST = 60.0
 """Computing time on the reference machine after which no further slope or strength of a study is tested for standing, s."""
 MOST_SCENES = 200
@@ -149,12 +151,11 @@ def _of_residual(trial: Trial, scene: Scene) -> Finding:
 
 def _of_limit(code: str, found: Extrapolated) -> Finding:
     label, _, text = QUESTIONS[code]
-    coarse, fine = found.spacings
     weak = code == "factor-of-safety" and found.value - found.error < 1.0
     return finding(
         code,
         label,
-        f"{text(found.value, found.error)}, extrapolated from spacings of {coarse:.3g} and {fine:.3g} m",
+        f"{text(found.value, found.error)}, {found.how}",
         "above 1 by more than its error" if weak else "",
         "soil.cohesion and soil.friction_angle, or the geometry" if weak else "",
         Severity.WARNING if weak else None,
@@ -164,11 +165,13 @@ def _of_limit(code: str, found: Extrapolated) -> Finding:
 def quick_spacings(scene: Scene) -> tuple[float, float]:
     """Coarse and fine spacing (m) of a study's static tests: twice the scene's own and up to twice that.
 
-    The failure rule limits the coarse one; the fine one then is at most two thirds of it.
+    The failure rule limits the coarse one; the fine one is then at most two thirds of it, and half of the thinnest layer but no finer
+    than the scene's own.
     """
     own = scene.numerics.spacing
     coarse = min(RATIO**2 * own, coarsest_spacing(scene, DEFAULT_RULE))
-    return coarse, min(RATIO * own, coarse / QUICK_RATIO)
+    thinnest = min(layer.thickness for layer in layers_of(scene, place_particles(scene)) if layer.particles) * own
+    return coarse, min(RATIO * own, coarse / QUICK_RATIO, max(own, thinnest / QUICK_ROWS))
 
 
 def at_spacing(scene: Scene, spacing: float) -> Scene:

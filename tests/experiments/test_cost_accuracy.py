@@ -86,6 +86,8 @@ class TestResolution:
         settings["damping"] = {"ratio": 0.03}
         found = expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings))
         assert (found and found.variant) == variant
+        settings["layers"] = {"clay": {"region": {"kind": "elevation", "top": 5.0}, "soil": {"cohesion": 50.0}}}
+        assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "what is simulated, not how"
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
         for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.2}}):

@@ -47,6 +47,23 @@ def test_the_search_at_two_spacings_finds_the_limit_at_none(rule: FailureRule, m
     assert fine < coarse and told == [1.0] * coarse + [0.5] * fine, "the fine search begins around what the coarse one found"
 
 
+def test_no_step_is_taken_to_the_unsafe_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A limit that the finer particles raise, as in a layer of two rows: the value is theirs, the whole step is error."""
+
+    def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
+        stands = value < EXACT - SLOPE * scene.numerics.spacing
+        return Trial(value, stands, 0.0 if stands else 1e3, 0.0, "complete", 0.0)
+
+    monkeypatch.setattr("sph.stability.safety.stand", stand)
+    rule = FailureRule()
+    found = extrapolated(factor_of_safety, scene(), 0.001, rule)
+    assert found.value == found.searches[1].value == pytest.approx(EXACT - 0.5 * SLOPE, abs=1e-3)
+    brackets = 0.5 * (2.0 * (found.searches[1].upper - found.searches[1].lower) + found.searches[0].upper - found.searches[0].lower)
+    step = found.searches[1].value - found.searches[0].value
+    assert found.error == pytest.approx(step + brackets + rule.displacement * found.value)
+    assert found.how == "that at a spacing of 0.5 m, since the extrapolation from 1 m leads to the unsafe side"
+
+
 def test_the_spacings() -> None:
     rule = FailureRule()
     assert two_spacings(scene(0.5), rule) == (1.0, 0.5)

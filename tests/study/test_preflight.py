@@ -125,6 +125,14 @@ def test_findings_lie_in_the_file_and_decide_nothing_of_the_run(tmp_path: Path) 
 # ---------------------------------------------------------------- stability of a study
 
 
+def test_thin_layers_have_two_rows_in_the_quick_tests() -> None:
+    coarse, fine = quick_spacings(scene(**{"numerics.spacing": 0.4}))
+    assert (coarse, fine) == pytest.approx((1.0, 2.0 / 3.0)), "no coarser than the rule allows, a tenth of H, and two thirds of that"
+    for thickness, expected in ((1.6, 2.0 / 3.0), (1.2, 0.6), (0.4, 0.4)):
+        clay = {"clay": {"region": {"kind": "elevation", "bottom": 437.0, "top": 437.0 + thickness}, "soil": {"cohesion": 18.0}}}
+        assert quick_spacings(scene(**{"numerics.spacing": 0.4, "layers": clay})) == pytest.approx((1.0, expected))
+
+
 def test_each_slope_and_each_residual_strength_is_tested_once() -> None:
     scenes = {f"{ratio}-{rate}": scene(**{"coupling.S_R": ratio, "coupling.gamma": rate}) for ratio in (0.3, 0.9) for rate in (1.0, 9.0)}
     said: list[str] = []
@@ -140,7 +148,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once() -> None:
     coarse, fine = quick_spacings(slope)
     found = extrapolated(factor_of_safety, slope, QUICK_TOLERANCE, asked=(coarse, fine))
     assert coarse / fine == pytest.approx(QUICK_RATIO), "the rule leaves no coarser one at this spacing"
-    assert rows[-1].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, extrapolated from spacings of {coarse:.3g} and ")
+    assert rows[-1].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, {found.how}")
 
 
 @pytest.mark.long

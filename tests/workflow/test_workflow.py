@@ -82,6 +82,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
+    assert result.stderr.count("[few-particles]") == 1 and "[stands-unshaken]" not in result.stderr, "warnings are said once, notes are not"
     return folder
 
 

@@ -24,7 +24,7 @@ from sph.study.plan import Plan
 
 PRESETS = "preset"
 """Parameter whose variants are the study's fidelities."""
-NOT_SCHEME = ("name", "title", "scheme", "duration", "geometry", "soil", "motion", "probes", "outputs")
+NOT_SCHEME = ("name", "title", "scheme", "duration", "geometry", "soil", "layers", "water", "uncertain", "motion", "probes", "outputs")
 """Sections and keys of a scene that say what is simulated, not how."""
 CASE_KEYS = ("S_R", "gamma")
 """Keys of ``coupling`` that say what is simulated."""

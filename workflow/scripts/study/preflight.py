@@ -1,23 +1,34 @@
 """Look at the scenes of a study and test its slope unshaken, before any run."""
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Mapping
 from typing import TextIO
 
 from sph.jobs.log import Job, job_log
+from sph.study.findings import Severity
 from sph.study.planned import Planned
-from sph.study.preflight import study_findings, study_stability, write_preflight
+from sph.study.preflight import Row, study_findings, study_stability, write_preflight
 
 
 def preflight(planned: Mapping[str, Planned], size: int, path_to_csv: str, log: TextIO) -> None:
-    """One row a finding of the planned scenes, by run; ``size`` runs has the study."""
+    """One row a finding of the planned scenes, by run; ``size`` runs has the study.  Errors and warnings are said at once."""
     scenes = {run: each.build() for run, each in planned.items()}
     if len(scenes) < size:
         print(f"looks at {len(scenes)} of {size} runs, evenly through the study", file=log)
     rows = study_findings(scenes)
     for row in rows:
         print(f"{row.first_run}: {row.finding.line()}", file=log)
-    rows += study_stability(scenes, lambda line: print(line, file=log, flush=True))
-    write_preflight(path_to_csv, rows)
+    tell(rows)
+    stability = study_stability(scenes, lambda line: print(line, file=log, flush=True))
+    tell(stability)
+    write_preflight(path_to_csv, rows + stability)
+
+
+def tell(rows: Iterable[Row]) -> None:
+    """Show what is more than a note where the study was started."""
+    for row in rows:
+        if row.finding.severity != Severity.NOTE:
+            print(f"{row.first_run}: {row.finding.line()}", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":
