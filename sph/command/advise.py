@@ -11,8 +11,11 @@ import pandas as pd
 import yaml
 
 from sph.experiments.cost_accuracy.advice import Advice, percent
+from sph.experiments.cost_accuracy.design import is_mean
 from sph.experiments.cost_accuracy.table import WORDS, summary
 from sph.scene.configuration import flat
+
+MEAN = "mean of a run on each lattice: make numerics.lattice_shift a dimension of the study, and the rest its fidelity"
 
 
 def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
@@ -25,7 +28,7 @@ def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.Data
         head,
         f"  {found.variant.name}, {found.variant.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
         f"  {errors}, against {reference.name} ({reference.cost:.3g} s a run)",
-        f"  command line  {options(found.settings) or 'the scene file as it is'}",
+        *([f"  {MEAN}"] if is_mean(found.settings) else [f"  command line  {options(found.settings) or 'the scene file as it is'}"]),
         f"  fidelity      {one_line(found.settings)}",
     ]
 

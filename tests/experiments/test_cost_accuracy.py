@@ -25,7 +25,7 @@ from sph.command.reference import TABLES, markdown
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
 from sph.experiments.cost_accuracy.convergence import convergence_table
-from sph.experiments.cost_accuracy.design import Trade, VariantRow, load_trade, scheme
+from sph.experiments.cost_accuracy.design import Trade, VariantRow, is_mean, load_trade, scheme
 from sph.experiments.cost_accuracy.table import COLUMNS, against, measured_run, non_dominated, read_trade, summary, trade_table
 from sph.experiments.cost_accuracy.table import TRADE as VARIABLES
 from sph.figures.trade import figure_convergence, figure_tradeoff
@@ -264,9 +264,28 @@ class TestTable:
         values = measured_run(run, MetricSettings())
         assert (values["particles"], values["steps"], values["spacing"]) == (2404, 30, 1.0)
         frame = trade_table(
-            [VariantRow("preset", "paper", "only", "accuracy", {}, {}, True, True, ("a", "b"))], {"a": values, "b": values}, "paper", "m"
+            [VariantRow("preset", "paper", "only", "accuracy", {}, {}, True, True, (("a", "b"),))], {"a": values, "b": values}, "paper", "m"
         )
         assert frame.iloc[0]["displacement_magnitude"] == pytest.approx(3.0) and frame.iloc[0]["reproducible"] == 1.0
+
+    def test_a_mean_over_lattices(self) -> None:
+        """Results are averaged, times added, the worst error and the most frequent class taken; a run that another has made is shared."""
+        variants = {"2 m": {"numerics": {"spacing": 2.0, "lattice_shift": [-0.25, 0.0, 0.25]}}}
+        mean = {"about": "mean", "base": {"numerics": {"smoothing_ratio": 1.3}}, "repeats": 1, "variants": variants}
+        made = trade_runs({"parameters": {"mean": mean}})
+        (row,) = (row for row in made.rows if (row.parameter, row.case) == ("mean", "weak"))
+        assert row.lattices[1] == ("spacing/2-m/weak_1", "spacing/2-m/weak_2", "spacing/2-m/weak_3"), "without a shift it is the variant"
+        assert [made.runs[name].scene["numerics"]["lattice_shift"] for name in row.runs if name.startswith("mean/")] == [-0.25, 0.25]
+        assert row.scheme["numerics"]["lattice_shift"] == [-0.25, 0.0, 0.25] and is_mean(row.settings)
+        first = runs_of(trade_runs())[row.lattices[1][0]]
+        values = {"displacement_magnitude": (9.0, 10.0, 14.0), "runout": (12.0, 11.0, 13.0), "onset_time": (4.0, 5.0, 6.0)}
+        values |= {"energy_error": (1e-3, -4e-3, 2e-3), "wall_time": (1.0, 2.0, 4.0), "collapse_class": ("collapse", "damaged", "collapse")}
+        runs = {name: first | {key: each[at] for key, each in values.items()} for at, names in enumerate(row.lattices) for name in names}
+        (found,) = trade_table([row._replace(parameter="preset", variant="paper", reference=True)], runs, "paper", "m").to_dict("records")
+        assert (found["displacement_magnitude"], found["runout"]) == (11.0, 12.0)
+        assert found["onset_after_start"] == 5.0 - first["shaking_start"]
+        assert (found["energy_error"], found["wall_time"], found["collapse_class"]) == (-4e-3, 7.0, "collapse")
+        assert found["steps"] == 3 * first["steps"] and math.isnan(found["reproducible"])
 
     def test_the_machine_has_a_name(self) -> None:
         assert "cores" in machine_class()

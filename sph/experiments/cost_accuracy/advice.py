@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.cost_accuracy.design import scheme, settings_text
+from sph.experiments.cost_accuracy.design import is_mean, scheme, settings_text
 from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, read_trade, summary
 from sph.scene.geometry import SLOPES
 from sph.scene.names import check_known
@@ -103,7 +103,9 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
     alike = [
         (parse_json(variant.scheme).get("numerics", {}).get("spacing", 1.0), variant)
         for variant in variants
-        if rest(parse_json(variant.scheme)) == own and variant.changes == "accuracy" and not variant.reference
+        if rest(parse_json(variant.scheme)) == own
+        and variant.changes == "accuracy"
+        and not (variant.reference or is_mean(parse_json(variant.scheme)))
     ]
     no_finer = [(at, variant) for at, variant in alike if at >= spacing * (1.0 - 1e-9)]
     return [min(no_finer, key=lambda pair: pair[0])[1]._replace(scheme=ANY_SPACING)] if no_finer else []

@@ -2,6 +2,7 @@
 
 A *parameter* is one thing that is varied, a *variant* one of its values, a *case* a point of the study.  Every variant is run
 in every case, as a whole and without shared stages; the timed case is run several times.
+A variant with a list for ``numerics.lattice_shift`` is a *mean*: one run a shift, whose results are averaged and whose times add up.
 ``load_trade`` builds and checks the scene of every run, so that a typo or a time step above its limit is refused before any work.  Equal
 scenes are run once, whichever variants they belong to.
 """
@@ -127,7 +128,12 @@ class VariantRow(NamedTuple):
     scheme: Overrides  # see the function
     timed: bool
     reference: bool
-    runs: tuple[str, ...]  # keys of ``TradeRuns.runs``, one a repeat
+    lattices: tuple[tuple[str, ...], ...]  # keys of ``TradeRuns.runs``, one a repeat; one such tuple a lattice shift
+
+    @property
+    def runs(self) -> tuple[str, ...]:
+        """All runs."""
+        return tuple(run for repeats in self.lattices for run in repeats)
 
 
 class TradeParameters(NamedTuple):
@@ -154,15 +160,21 @@ class TradeRuns:
         for parameter, label, settings in self._variants():
             extent = trade.extent(parameter, label)
             for case in extent.cases or ():
-                scene = merge(merge(base, settings), trade.cases[case])
-                built = checked(scene, f"{origin}: parameter {parameter}, variant {label!r}, case {case!r}", probe)
-                content = built.model_dump_json(exclude={"name", "title"})
-                stem = stems.setdefault(content, f"{parameter}/{file_name(label)}/{file_name(case)}")
-                repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
+                own, how = [], {}
+                for shift, shifted in lattices(settings):
+                    scene = merge(merge(base, shifted), trade.cases[case])
+                    built = checked(scene, f"{origin}: parameter {parameter}, variant {label!r}, case {case!r}", probe)
+                    content = built.model_dump_json(exclude={"name", "title"})
+                    stem = stems.setdefault(content, f"{parameter}/{file_name(f'{label} {shift}'.strip())}/{file_name(case)}")
+                    repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
+                    own.append(stem)
+                    how = scheme(built)
+                    for number in range(1, repeats[stem] + 1):
+                        self.runs.setdefault(f"{stem}_{number}", Run(scene))
+                if is_mean(settings):
+                    how = merge(how, {"numerics": {"lattice_shift": settings["numerics"]["lattice_shift"]}})
                 changes = trade.parameters[parameter].changes if parameter in trade.parameters else "accuracy"
-                found.append((parameter, label, case, changes, settings, scheme(built), stem))
-                for number in range(1, repeats[stem] + 1):
-                    self.runs.setdefault(f"{stem}_{number}", Run(scene))
+                found.append((parameter, label, case, changes, settings, how, own))
         reference = (trade.reference.parameter, trade.reference.variant)
         self.rows = [
             VariantRow(
@@ -174,9 +186,9 @@ class TradeRuns:
                 how,
                 case == trade.timed_case,
                 (parameter, label) == reference,
-                tuple(f"{stem}_{number}" for number in range(1, repeats[stem] + 1)),
+                tuple(tuple(f"{stem}_{number}" for number in range(1, repeats[stem] + 1)) for stem in own),
             )
-            for parameter, label, case, changes, settings, how, stem in found
+            for parameter, label, case, changes, settings, how, own in found
         ]
         missing = set(trade.cases) - {row.case for row in self.rows if row.reference}
         if missing:
@@ -196,6 +208,18 @@ class TradeRuns:
         for name, parameter in self.trade.parameters.items():
             for label, settings in parameter.variants.items():
                 yield name, label, merge(merge(self.trade.overrides, parameter.base), settings)
+
+
+def is_mean(settings: Mapping[str, Any]) -> bool:
+    """Whether scene keys name several lattices, over which results are averaged."""
+    return isinstance(settings.get("numerics", {}).get("lattice_shift"), list)
+
+
+def lattices(settings: Overrides) -> list[tuple[str, Overrides]]:
+    """The lattices of a variant: the shift as text, empty where there is one alone, and the scene keys."""
+    if not is_mean(settings):
+        return [("", settings)]
+    return [(f"{shift:g}", merge(settings, {"numerics": {"lattice_shift": shift}})) for shift in settings["numerics"]["lattice_shift"]]
 
 
 def scheme(scene: Scene) -> Overrides:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from statistics import median
+from statistics import median, mode
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ import xarray as xr
 
 from sph.experiments.cost_accuracy.design import PRESETS, VariantRow, settings_text
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
-from sph.storage.trajectory import Variable, scene_of
+from sph.storage.trajectory import Status, Variable, scene_of
 from sph.study.tables import ROW, number_column, read_csv, text_column
 
 QUANTITIES = {"displacement": "displacement_magnitude", "runout": "runout"}
@@ -35,7 +35,11 @@ TRADE: tuple[Variable, ...] = (
     text_column("variant", "its value"),
     text_column("case", "point of the study"),
     text_column("changes", "accuracy: how well the scene is computed; model: what is computed"),
-    text_column("settings", "scene keys that the variant sets over the scene file, as JSON"),
+    text_column(
+        "settings",
+        "scene keys that the variant sets over the scene file, as JSON; a list of lattice shifts: results are means over runs with each, "
+        "computing times their sum",
+    ),
     text_column("scheme", "how the run is simulated: scene keys, but for what is simulated, that differ from their defaults, as JSON"),
     text_column("machine", "processor and number of cores of the machine that made the table"),
     Variable("timed", ROW, "i1", "1", "1 for the case whose run is repeated: its computing time is the variant's cost"),
@@ -80,7 +84,7 @@ def measured_run(trajectory: xr.Dataset, settings: MetricSettings) -> dict[str, 
 
 def trade_table(rows: Sequence[VariantRow], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
     """Frame with the columns ``COLUMNS`` from the rows of a cost-accuracy study and what was measured of its runs, by name."""
-    found = [_row(row, [runs[name] for name in row.runs], machine) for row in rows]
+    found = [_row(row, [[runs[name] for name in repeats] for repeats in row.lattices], machine) for row in rows]
     references = {row["case"]: row for row in found if row["reference"]}
     baselines = {row["case"]: row for row in found if (row["parameter"], row["variant"]) == (PRESETS, baseline)}
     for row in found:
@@ -91,10 +95,12 @@ def trade_table(rows: Sequence[VariantRow], runs: Mapping[str, Mapping[str, Any]
     return pd.DataFrame(found, columns=COLUMNS)
 
 
-def _row(row: VariantRow, runs: Sequence[Mapping[str, Any]], machine: str) -> dict[str, Any]:
-    first, times = runs[0], [float(run["wall_time"]) for run in runs]
-    results = [np.array([run[metric] for metric in QUANTITIES.values()]) for run in runs]
-    same = all(np.array_equal(result, results[0], equal_nan=True) for result in results)
+def _row(row: VariantRow, lattices: Sequence[Sequence[Mapping[str, Any]]], machine: str) -> dict[str, Any]:
+    """Row of a variant from the repeats of its run, or of its run on every lattice."""
+    first = _mean([runs[0] for runs in lattices])
+    times = [[float(run["wall_time"]) for run in runs] for runs in lattices]
+    results = [[np.array([run[metric] for metric in QUANTITIES.values()]) for run in runs] for runs in lattices]
+    same = all(np.array_equal(result, repeats[0], equal_nan=True) for repeats in results for result in repeats)
     return {name: first[name] for name in COLUMNS if name in first} | {
         "parameter": row.parameter,
         "variant": row.variant,
@@ -105,13 +111,28 @@ def _row(row: VariantRow, runs: Sequence[Mapping[str, Any]], machine: str) -> di
         "machine": machine,
         "timed": int(row.timed),
         "reference": int(row.reference),
-        "repeats": len(runs),
+        "repeats": min(map(len, lattices)),
         "onset_after_start": first["onset_time"] - first["shaking_start"],
-        "wall_time": median(times),
-        "wall_time_min": min(times),
-        "wall_time_max": max(times),
-        "particle_steps_per_second": median(run["particle_steps_per_second"] for run in runs),
-        "reproducible": float(same) if len(runs) > 1 else math.nan,
+        "wall_time": sum(map(median, times)),
+        "wall_time_min": sum(map(min, times)),
+        "wall_time_max": sum(map(max, times)),
+        "particle_steps_per_second": median(run["particle_steps_per_second"] for runs in lattices for run in runs),
+        "reproducible": float(same) if min(map(len, lattices)) > 1 else math.nan,
+    }
+
+
+def _mean(runs: Sequence[Mapping[str, Any]]) -> Mapping[str, Any]:
+    """What was measured of a run, or of the same run on several lattices: means, the largest of the errors, the most frequent class."""
+    if len(runs) == 1:
+        return runs[0]
+    diverged = [run["status"] for run in runs if run["status"] == Status.DIVERGED]
+    return {
+        **runs[0],
+        **{name: float(np.mean([run[name] for run in runs])) for name in (*QUANTITIES.values(), "onset_time")},
+        **{name: max((run[name] for run in runs), key=abs) for name in ("energy_error", "time_step_ratio")},
+        "steps": sum(run["steps"] for run in runs),
+        "collapse_class": mode(run["collapse_class"] for run in runs),
+        "status": (diverged or [run["status"] for run in runs])[0],
     }
 
 
