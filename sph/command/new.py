@@ -45,8 +45,9 @@ geometry:
   file: {ground}
   base: {base:g} # m, elevation of the model's base; deeper than any slip surface
   downhill: {downhill}
-# A rigid box with frictionless sides, which reflects every wave; absorbing lets them out: put sides on level ground beyond the debris
-walls: {{base: no_slip, sides: free_slip}}
+# Waves leave through base and sides, and the motion is that of the bedrock's outcrop; put the sides on level ground beyond the debris.
+# base: no_slip, sides: free_slip is a rigid box, which traps them
+walls: {{base: absorbing, sides: absorbing}}
 soil:
   density: {density:g} # kg/m3                                         REPLACE
   youngs_modulus: {modulus:.4g} # kPa, 2 (1 + nu) rho V_s^2 with V_s = {speed:g} m/s  REPLACE

@@ -25,6 +25,7 @@ from sph.scene.configuration import Section, dotted, key, merge
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
+from sph.scene.scheme import RESOLVED
 from sph.scene.soil import Soil
 from sph.solver.run import Result, run
 from sph.stability.search import Trial
@@ -74,7 +75,10 @@ def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
 
 
 def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
-    """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe."""
+    """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe.
+
+    Absorbing walls hold no load that stays; a no-slip base and free-slip sides stand in their place.
+    """
     if scene.gravity.acceleration == 0:
         raise ValueError("gravity.acceleration: 0 m/s2: without gravity every slope stands")
     if scene.prescribed_velocity_gradient is not None:
@@ -113,6 +117,8 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         "numerics.adaptive_step": {"courant": COURANT},
         "numerics.artificial_viscosity.alpha": VISCOSITY,
     }
+    if "absorbing" in (scene.walls.base, scene.walls.sides):  # holds no load that stays: a rigid base and sides on rollers instead
+        changes |= {"walls.base": RESOLVED["walls"]["base"], "walls.sides": RESOLVED["walls"]["sides"], "walls.bedrock": None}
     if scene.numerics.smoothing_length > SMOOTHING_RATIO * spacing:
         changes |= {"numerics.smoothing_ratio": SMOOTHING_RATIO, "numerics.smoothing_length_is": "half_support"}
     return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)

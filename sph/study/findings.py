@@ -111,7 +111,7 @@ CODES: dict[str, Code] = {
     "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
     "no-process-zone": Code(WARNING, "soil fails over no length; a note in the paper's scheme, which has none"),
     "soil-not-replaced": Code(WARNING, "the soil is that which `sph new` wrote"),
-    "rigid-box": Code(NOTE, "a rigid box, which reflects every wave"),
+    "rigid-box": Code(WARNING, "a rigid box, which traps the waves: the slope is shaken harder than on a site that lets them out"),
     "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
     "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
     "short-process-zone": Code(WARNING, "the length over which soil fails is shorter than three spacings"),
@@ -209,7 +209,8 @@ def of_choices(scene: Scene) -> list[Finding]:
         )
     if _is_rigid(scene) and highest_frequency(scene):
         wanted = "absorbing where the site lets waves out"
-        found.append(finding("rigid-box", "a rigid box reflects every wave", _box(scene), wanted, "walls.base and walls.sides"))
+        what = "a rigid box traps the waves, so that the slope is shaken harder than on a site that lets them out"
+        found.append(finding("rigid-box", what, _box(scene), wanted, "walls.base and walls.sides"))
     if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
         wanted = "that of a shear test: 0 in loose soil, a part of the friction angle in dense soil"
         found.append(finding("no-dilation", "soil with friction keeps its volume as it shears", "0 degree", wanted, "soil.dilation_angle"))

@@ -40,7 +40,7 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
     scene, study = write_new(GROUND, RECORD, tmp_path)
     keys = yaml.safe_load(scene.read_text(encoding="utf-8"))
-    assert keys["walls"] == {"base": "no_slip", "sides": "free_slip"} and keys["soil"]["dilation_angle"] == 0.0
+    assert keys["walls"] == {"base": "absorbing", "sides": "absorbing"} and keys["soil"]["dilation_angle"] == 0.0
     assert set(keys["coupling"]["initiation"]) == {"slip", "length"}
     for line in ("walls:", "dilation_angle:", "initiation:"):
         at = next(number for number, text in enumerate(scene.read_text(encoding="utf-8").splitlines()) if text.strip().startswith(line))

@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.stability.extrapolation import extrapolate, extrapolated, two_spacings
 from sph.stability.safety import ACCELERATIONS, FACTORS, STRENGTH_RATIOS, factor_of_safety
 from sph.stability.search import Trial, around
-from sph.stability.standing import FailureRule
+from sph.stability.standing import FailureRule, static_scene
 
 EXACT = 1.234
 SLOPE = 0.1
@@ -95,3 +96,13 @@ def test_values_around_one(values: tuple[float, ...], near: float) -> None:
 def test_values_beyond_the_ends_and_none() -> None:
     assert around(FACTORS, None, 7) == (FACTORS, 7)
     assert around(ACCELERATIONS, 0.0, 0) == (ACCELERATIONS, 0)
+
+
+def test_absorbing_walls_are_tested_as_walls_that_stand() -> None:
+    """They hold no load that stays, and a constant acceleration is one."""
+    bedrock = {"density": 2400.0, "s_wave_speed": 900.0, "p_wave_speed": 1600.0}
+    free = make_scene(merge(scene(2.0).model_dump(), {"walls": {"base": "absorbing", "sides": "absorbing", "bedrock": bedrock}}))
+    held = static_scene(free, FailureRule(), acceleration=1.0)
+    assert (held.walls.base, held.walls.sides, held.walls.bedrock) == ("no_slip", "free_slip", None)
+    half = make_scene(merge(scene(2.0).model_dump(), {"walls": {"base": "absorbing", "sides": "free_slip"}}))
+    assert static_scene(half, FailureRule()).walls == held.walls

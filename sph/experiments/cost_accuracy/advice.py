@@ -17,6 +17,7 @@ from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, read_trade,
 from sph.scene.geometry import SLOPES
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
+from sph.scene.scheme import RESOLVED
 from sph.scene.strict_json import parse_json
 from sph.study.tables import EXPECTED
 
@@ -89,8 +90,8 @@ HEIGHT = 25.0
 
 
 def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
-    """For a slope that is computed as the resolution study's but for spacing, damping and initiation: the finest variant with no more rows
-    of particles over its height than the scene's slope has; none where the scene is coarser than all."""
+    """For a slope that is computed as the resolution study's but for spacing, damping, initiation and walls that absorb: the finest variant
+    with no more rows of particles over its height than the scene's slope has; none where the scene is coarser than all."""
     if not isinstance(scene.geometry, SLOPES) or scene.coupling.initiation is None:
         return []
 
@@ -99,7 +100,10 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
         coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "initiation"}
         return settings_text(keys | {"numerics": numerics, "coupling": coupling, "damping": None})  # each slope has a damping of its own
 
-    own, spacing = rest(scheme(scene)), HEIGHT * scene.numerics.spacing / scene.geometry.slope_height
+    how = scheme(scene)
+    if scene.walls.base == scene.walls.sides == "absorbing":
+        how |= {"walls": RESOLVED["walls"]}  # the error is that of the moving soil
+    own, spacing = rest(how), HEIGHT * scene.numerics.spacing / scene.geometry.slope_height
     alike = [
         (parse_json(variant.scheme).get("numerics", {}).get("spacing", 1.0), variant)
         for variant in variants
