@@ -98,7 +98,10 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
         "Fragility",
         "The chance that the slope reaches a class at an intensity, over the motions of the search.",
         "snakemake --cores 2 fragility",
-        tables={"*/trigger/fragility_fit.csv": "Lognormal fits, and what they say"},
+        tables={
+            "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
+            "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
+        },
         figures={"*/trigger/figures/fragility.png": Drawing("Fragility", "Probability of each class against the intensity.")},
     ),
     Section(

@@ -1,8 +1,8 @@
 # Purpose: the shaking that triggers failure: critical intensities (`snakemake --cores 2 trigger`), the ends of their brackets at
 #          another fidelity (`snakemake --cores 2 confirm`), maps over some dimensions and the intensity (`snakemake --cores 2 maps`).
 # Inputs:  config/trigger.yaml (config: experiments); stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
-# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv (of the paper's study), confirm.csv, maps.csv, cells.csv, shares.csv,
-#          figures/*; <folder>/trigger/<case>: stages and runs
+# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv (of the paper's study), fragility_*.csv, exceedance.csv, confirm.csv,
+#          maps.csv, cells.csv, shares.csv, figures/*; <folder>/trigger/<case>: stages and runs
 from sph.figures.trigger import MAPS
 from sph.experiments.trigger.design import SEARCHED
 from sph.paper.study import PaperStudy
@@ -31,7 +31,8 @@ rule fragility:
         lambda wildcards: expand(
             "{folder}/trigger/{file}",
             folder=TRIGGER().folder,
-            file=["trigger.csv", "points.csv", "fragility_fit.csv"],
+            file=["trigger.csv", "points.csv", "fragility_fit.csv"]
+            + ["fragility_measures.csv"],
         ),
 
 
@@ -182,6 +183,29 @@ rule fragility_table:
         note=lambda wildcards: f"{TRIGGER().note} · brackets to {TRIGGER().tolerance}",
     script:
         "../scripts/trigger/measure_fragility.py"
+
+
+rule fragility_measures:
+    """Fit fragility curves in other measures of the shaking, and compare their dispersions."""
+    input:
+        critical="{folder}/trigger/trigger.csv",
+    output:
+        report(
+            "{folder}/trigger/fragility_measures.csv",
+            caption="../report/fragility.rst",
+            category="Fragility",
+            labels={"shows": "measures of the shaking"},
+        ),
+    log:
+        "{folder}/trigger/logs/measures.log",
+    params:
+        sources=ANALYSIS,
+        scenes=lambda wildcards: TRIGGER().shaken,
+        periods=lambda wildcards: TRIGGER().trigger.periods,
+        highest=lambda wildcards: TRIGGER().trigger.intensity.highest,
+        searched=lambda wildcards: TRIGGER().dimensions,
+    script:
+        "../scripts/trigger/compare_measures.py"
 
 
 rule trigger_claim:

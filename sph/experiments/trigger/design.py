@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import pandas as pd
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from sph.experiments.base import Label, Overrides, check_file_names, file_name
 from sph.experiments.trigger.refinement import Place, Span
@@ -94,6 +94,9 @@ class Trigger(Section):
     tolerance: float = key("largest width of the bracket of a critical intensity", "that of the intensity", gt=0, le=1e4)
     classes: Classes = key("classes whose critical intensities are searched", default=("collapse",), min_length=1)
     at: At = key("values at which they are searched, by dimension, every combination; none: at the scene's own", default={})
+    periods: tuple[Annotated[float, Field(gt=0, le=100)], ...] = key(
+        "periods at which the fragility is compared in the spectral acceleration, with 5 % damping", "s", default=(), max_length=50
+    )
     confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=None)
     maps: Maps | None = key("maps over some dimensions and the intensity; null: none", default=None)
 
@@ -327,6 +330,16 @@ class TriggerPlan:
         """Scene of every case, shaken at the largest intensity."""
         strongest = {self.trigger.intensity.dimension: f"{self.trigger.intensity.highest:.6g}"}
         return {case: self.plans[folder].scene(**strongest) for case, folder in self.searched.items()}
+
+    @property
+    def shaken(self) -> dict[tuple[str, ...], Planned]:
+        """Scenes shaken at the largest intensity, by case and the values of the other dimensions in their order."""
+        found = {}
+        for lattice in self.lattices("trigger"):
+            point = dict(zip(self.names, lattice.labels((float(self.trigger.intensity.cells),)), strict=True))
+            others = (value for name, value in point.items() if name != self.trigger.intensity.dimension)
+            found[lattice.case, *others] = planned(self.plans[self.searched[lattice.case]].scene(**point))
+        return found
 
     @property
     def one_slope(self) -> bool:
