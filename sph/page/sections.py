@@ -102,7 +102,10 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
             "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
             "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
         },
-        figures={"*/trigger/figures/fragility.png": Drawing("Fragility", "Probability of each class against the intensity.")},
+        figures={
+            "*/trigger/figures/fragility.png": Drawing("Fragility", "Probability of each class against the intensity."),
+            "*/trigger/figures/exceedance.png": Drawing("Exceedance", "Share of the motions that exceed a run-out or a displacement."),
+        },
     ),
     Section(
         "Sensitivity",

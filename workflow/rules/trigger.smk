@@ -32,7 +32,7 @@ rule fragility:
             "{folder}/trigger/{file}",
             folder=TRIGGER().folder,
             file=["trigger.csv", "points.csv", "fragility_fit.csv"]
-            + ["fragility_measures.csv"],
+            + ["fragility_measures.csv", "exceedance.csv"],
         ),
 
 
@@ -206,6 +206,35 @@ rule fragility_measures:
         searched=lambda wildcards: TRIGGER().dimensions,
     script:
         "../scripts/trigger/compare_measures.py"
+
+
+rule exceedance:
+    """Share of the motions whose run-out or displacement exceeds a length: table and figure."""
+    input:
+        points="{folder}/trigger/points.csv",
+    output:
+        csv=report(
+            "{folder}/trigger/exceedance.csv",
+            caption="../report/exceedance.rst",
+            category="Fragility",
+            labels={"shows": "exceedance of run-out and displacement"},
+        ),
+        png=report(
+            "{folder}/trigger/figures/exceedance.png",
+            caption="../report/exceedance.rst",
+            category="Fragility",
+            labels={"shows": "figure of the exceedance"},
+        ),
+        pdf="{folder}/trigger/figures/exceedance.pdf",
+    log:
+        "{folder}/trigger/logs/exceedance.log",
+    params:
+        sources=DRAWING,
+        scenes=lambda wildcards: TRIGGER().shaken,
+        searched=lambda wildcards: TRIGGER().dimensions,
+        note=lambda wildcards: TRIGGER().note,
+    script:
+        "../scripts/trigger/measure_exceedance.py"
 
 
 rule trigger_claim:
