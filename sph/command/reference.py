@@ -36,6 +36,7 @@ from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
+from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import confirm_columns, critical_columns
 from sph.experiments.trigger.design import Searched, Trigger
 from sph.experiments.trigger.efficiency import MEASURE_COLUMNS
@@ -408,6 +409,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "curves_variables": lambda: _variables(curve_columns("m s-2")),
     "measures_variables": lambda: _variables(MEASURE_COLUMNS),
     "exceedance_variables": lambda: _variables(exceedance_columns("m s-2")),
+    "annual_variables": lambda: _variables(annual_columns("m s-2")),
     "points_variables": lambda: _variables(point_columns(_searched().all)),
     "confirm_variables": lambda: _variables(confirm_columns(_searched())),
     "cells_variables": lambda: _variables(cell_columns(_searched())),

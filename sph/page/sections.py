@@ -100,6 +100,7 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
         "snakemake --cores 2 fragility",
         tables={
             "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
+            "*/trigger/fragility_annual.csv": "How often a year, with the hazard of the site",
             "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
         },
         figures={

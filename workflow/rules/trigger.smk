@@ -32,7 +32,8 @@ rule fragility:
             "{folder}/trigger/{file}",
             folder=TRIGGER().folder,
             file=["trigger.csv", "points.csv", "fragility_fit.csv"]
-            + ["fragility_measures.csv", "exceedance.csv"],
+            + ["fragility_measures.csv", "exceedance.csv"]
+            + ["fragility_annual.csv"] * bool(TRIGGER().hazard_file),
         ),
 
 
@@ -206,6 +207,31 @@ rule fragility_measures:
         searched=lambda wildcards: TRIGGER().dimensions,
     script:
         "../scripts/trigger/compare_measures.py"
+
+
+rule fragility_annual:
+    """How often a year each class is reached, from the fragility and the hazard of the site."""
+    input:
+        critical="{folder}/trigger/trigger.csv",
+        hazard=lambda wildcards: TRIGGER().hazard_file,
+    output:
+        report(
+            "{folder}/trigger/fragility_annual.csv",
+            caption="../report/fragility.rst",
+            category="Fragility",
+            labels={"shows": "annual frequencies"},
+        ),
+    log:
+        "{folder}/trigger/logs/annual.log",
+    params:
+        sources=ANALYSIS,
+        span=lambda wildcards: (
+            TRIGGER().trigger.intensity.lowest,
+            TRIGGER().trigger.intensity.highest,
+        ),
+        searched=lambda wildcards: TRIGGER().dimensions,
+    script:
+        "../scripts/trigger/measure_annual.py"
 
 
 rule exceedance:
