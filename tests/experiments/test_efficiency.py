@@ -14,7 +14,7 @@ import yaml
 from sph.experiments.trigger.critical import BRACKETED, UNDECIDED
 from sph.experiments.trigger.design import Searched, load_trigger
 from sph.experiments.trigger.efficiency import ARIAS, PGA, PGV, measures_table, motion_measures, read_measures
-from sph.experiments.trigger.fragility import Conversion, resampled
+from sph.experiments.trigger.fragility import CONFIDENCE, TAILS, Conversion, resampled
 from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.gravity import GRAVITY
@@ -101,6 +101,20 @@ def test_one_factor_for_all_motions_only_shifts_the_samples() -> None:
     own = resampled(*ends, resamples=50)
     squared = resampled(*ends, resamples=50, conversion=Conversion(np.full(20, 3.0), 2.0))
     np.testing.assert_allclose(squared, np.stack([3.0 * own[:, 0] ** 2, 2.0 * own[:, 1]], axis=1), rtol=1e-6)
+
+
+@pytest.mark.long
+def test_the_intervals_cover_the_truth_of_a_measure_that_was_not_searched() -> None:
+    # Searched in peak acceleration in cells of 0.5 m/s2, true in velocity: of 200 intervals the share that holds beta is binomial.
+    holds, count = 0, 200
+    for seed in range(count):
+        velocities = 0.3 * np.exp(0.2 * np.random.default_rng(100 + seed).normal(size=12))
+        table, at_reference = searched(velocities, 0.5)
+        conversion = Conversion(at_reference / REFERENCE, 1.0)
+        samples = resampled(table["lower"].to_numpy(), table["upper"].to_numpy(), resamples=200, seed=seed, conversion=conversion)
+        low, high = np.nanquantile(samples[:, 1], TAILS)
+        holds += low <= 0.2 <= high
+    assert abs(holds / count - CONFIDENCE) < 3.0 * math.sqrt(CONFIDENCE * (1.0 - CONFIDENCE) / count)
 
 
 def test_measures_of_a_sine_are_those_of_its_formula(small_slope: Any) -> None:
