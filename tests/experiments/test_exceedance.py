@@ -11,7 +11,7 @@ import pytest
 
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.exceedance import exceedance, read_exceedance
-from sph.figures.exceedance import figure_exceedance
+from sph.figures.reach import figure_reach
 from sph.measures.metrics import UNDETERMINED
 from sph.scene.schema import Scene
 from sph.study.dimensions import Dimension
@@ -67,7 +67,7 @@ def test_a_shape_without_a_slope_has_no_run_out() -> None:
 
 def test_the_figure_counts_and_stands_over_the_section(small_slope: Any) -> None:
     scene: Scene = small_slope({})
-    figure = figure_exceedance(exceedance(FOUR, SEARCHED), SEARCHED, {"as it is": scene}, "note")
+    figure = figure_reach(exceedance(FOUR, SEARCHED), SEARCHED, {"as it is": scene}, "note")
     runout, displacement, section = figure.axes
     assert runout.get_xlabel() == "run-out (m)" and displacement.get_xlabel() == "displacement of the probe (m)"
     (legend,) = figure.subfigs[0].legends
@@ -83,4 +83,4 @@ def test_the_figure_counts_and_stands_over_the_section(small_slope: Any) -> None
 
 def test_nothing_to_draw_is_refused() -> None:
     with pytest.raises(ValueError, match="no row"):
-        figure_exceedance(exceedance(FOUR.iloc[:0], SEARCHED), SEARCHED, {})
+        figure_reach(exceedance(FOUR.iloc[:0], SEARCHED), SEARCHED, {})

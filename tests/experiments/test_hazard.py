@@ -128,7 +128,7 @@ def test_what_is_no_hazard_curve_is_refused(tmp_path: Path, text: str, wanted: s
     assert "site.csv: " in str(refused.value) and wanted in str(refused.value)
 
 
-def search(folder: Path, hazard: str) -> TriggerPlan:
+def search(folder: Path, hazard: str | None) -> TriggerPlan:
     study = load_study(read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml"), [ROOT])
     keys: dict[str, Any] = {"cases": {"as it is": {}}, "intensity": {"lowest": 1.0, "highest": 4.0, "cells": 2}, "tolerance": 0.5}
     (folder / "mine.yaml").write_text(yaml.safe_dump({**keys, "hazard": hazard}))
@@ -138,6 +138,8 @@ def search(folder: Path, hazard: str) -> TriggerPlan:
 def test_the_curve_of_a_search_is_checked_before_any_run(tmp_path: Path) -> None:
     (tmp_path / "site.csv").write_text("amplitude (g),rate\n0.1,0.01\n0.4,0.0002\n")
     assert search(tmp_path, "site.csv").hazard_file == str(tmp_path / "site.csv")
+    with pytest.raises(ValueError, match="hazard: null, there are no annual frequencies"):
+        _ = search(tmp_path, None).hazard_file
     with pytest.raises(ValueError, match="hazard: no file 'none.csv'"):
         search(tmp_path, "none.csv")
     (tmp_path / "site.csv").write_text("amplitude (m/s2),rate\n0.1,0.01\n0.4,0.0002\n")

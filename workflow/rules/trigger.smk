@@ -33,7 +33,7 @@ rule fragility:
             folder=TRIGGER().folder,
             file=["trigger.csv", "points.csv", "fragility_fit.csv"]
             + ["fragility_measures.csv", "exceedance.csv"]
-            + ["fragility_annual.csv"] * bool(TRIGGER().hazard_file),
+            + ["fragility_annual.csv"] * bool(TRIGGER().trigger.hazard),
         ),
 
 

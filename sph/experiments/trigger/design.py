@@ -222,7 +222,7 @@ class TriggerPlan:
 
     def __init__(self, trigger: Trigger, study: Plan, origin: str, folders: Sequence[Path]) -> None:
         self.trigger, self._study, self.origin = trigger, study, origin
-        self.hazard_file = str(found_file(folders, trigger.hazard, f"{origin}: hazard")) if trigger.hazard else ""
+        self._hazard_file = found_file(folders, trigger.hazard, f"{origin}: hazard") if trigger.hazard else None
         self.fidelity = trigger.fidelity or study.study.fidelity
         self.plans: dict[str, Plan] = {}
         self.folders: dict[tuple[str, str], str] = {}
@@ -254,7 +254,7 @@ class TriggerPlan:
             for line in (line for search in searches for line in self.lattices(search)):
                 for ends in itertools.product(*((0.0, float(span.cells)) for span in line.spans.values())):
                     plan.built(**dict(zip(self.names, line.labels(ends), strict=True)))
-        if self.hazard_file:
+        if self._hazard_file:
             self._check_hazard(read_hazard(self.hazard_file, self.dimensions.intensity.unit))
 
     def _check_hazard(self, hazard: Hazard) -> None:
@@ -273,6 +273,15 @@ class TriggerPlan:
         if self.trigger.maps is None:
             raise ValueError(f"{self.origin}: maps: null, there is nothing to map")
         return self.trigger.maps
+
+    @property
+    def hazard_file(self) -> str:
+        """The file of the hazard curve; ValueError where there is none."""
+        if self._hazard_file is None:
+            raise ValueError(
+                f"{self.origin}: hazard: null, there are no annual frequencies; delete fragility_annual.csv of an earlier search"
+            )
+        return str(self._hazard_file)
 
     @property
     def confirm(self) -> dict[str, Any]:

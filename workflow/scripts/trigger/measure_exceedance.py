@@ -6,7 +6,7 @@ from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.exceedance import exceedance
 from sph.experiments.trigger.points import Key, read_points
 from sph.figures import save
-from sph.figures.exceedance import figure_exceedance
+from sph.figures.reach import figure_reach
 from sph.jobs.log import Job, job_log
 from sph.scene.schema import Scene
 from sph.study.planned import Planned
@@ -23,7 +23,7 @@ def measure_exceedance(
     for (case, *_), scene in scenes.items():
         by_case.setdefault(case, []).append(scene.build())
     of_one_ground = {case: built[0] for case, built in by_case.items() if all(each.geometry == built[0].geometry for each in built)}
-    save(figure_exceedance(table, searched, of_one_ground, note), *pictures)
+    save(figure_reach(table, searched, of_one_ground, note), *pictures)
 
 
 if __name__ == "__main__":
