@@ -36,8 +36,11 @@ from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
+from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import confirm_columns, critical_columns
 from sph.experiments.trigger.design import Searched, Trigger
+from sph.experiments.trigger.efficiency import MEASURE_COLUMNS
+from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
@@ -404,6 +407,9 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "trigger_variables": lambda: _variables(critical_columns(_searched())),
     "fragility_variables": lambda: _variables(fit_columns("m s-2")),
     "curves_variables": lambda: _variables(curve_columns("m s-2")),
+    "measures_variables": lambda: _variables(MEASURE_COLUMNS),
+    "exceedance_variables": lambda: _variables(exceedance_columns("m s-2")),
+    "annual_variables": lambda: _variables(annual_columns("m s-2")),
     "points_variables": lambda: _variables(point_columns(_searched().all)),
     "confirm_variables": lambda: _variables(confirm_columns(_searched())),
     "cells_variables": lambda: _variables(cell_columns(_searched())),

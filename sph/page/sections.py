@@ -96,10 +96,18 @@ MAPS = Section(
 OF_EVERY_STUDY: tuple[Section, ...] = (
     Section(
         "Fragility",
-        "The chance that the slope reaches a class at an intensity, over the motions of the search.",
+        "The chance that the slope reaches a class at an intensity, and how far it goes, over the motions of the search.",
         "snakemake --cores 2 fragility",
-        tables={"*/trigger/fragility_fit.csv": "Lognormal fits, and what they say"},
-        figures={"*/trigger/figures/fragility.png": Drawing("Fragility", "Probability of each class against the intensity.")},
+        tables={
+            "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
+            "*/trigger/fragility_annual.csv": "How often a year, with the hazard of the site",
+            "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
+            "*/trigger/exceedance.csv": "Share of the motions that exceed a run-out or a displacement",
+        },
+        figures={
+            "*/trigger/figures/fragility.png": Drawing("Fragility", "Probability of each class against the intensity."),
+            "*/trigger/figures/exceedance.png": Drawing("Exceedance", "Share of the motions that exceed a run-out or a displacement."),
+        },
     ),
     Section(
         "Sensitivity",

@@ -36,6 +36,8 @@ KEYS = (
     "numerics.time_step",
 )
 """Beginnings of the scene keys that the page shows at once, beside the table of layers."""
+SENTENCE = "sentence"
+"""Column of a CSV file that says in words what the row holds."""
 MOST_NUMBERS = 12
 """Most numbers that the page shows of a list of them: those of a line or a record are counted."""
 MOST_VALUES = 12
@@ -56,6 +58,7 @@ class Table(NamedTuple):
     rows: Sequence[Sequence[str]]
     note: str = ""
     source: str = ""  # file it was read from
+    sentences: Sequence[str] = ()  # what its rows say, which stands above it
 
     @property
     def wordy(self) -> bool:
@@ -64,7 +67,10 @@ class Table(NamedTuple):
 
 
 def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()) -> Table:
-    """Table of a CSV file, numbers to four digits, headings with the units that are declared; ValueError names a file that is none."""
+    """Table of a CSV file, numbers to four digits, headings with the units that are declared; ValueError names a file that is none.
+
+    The column of sentences is taken out of it, each with the case of its row where there are several.
+    """
     try:
         with open(path, newline="", encoding="utf-8") as file:
             head, *rows = csv.reader(file, strict=True)
@@ -72,11 +78,16 @@ def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()
         raise ValueError(f"{path}: cannot be read as a table: {error}; delete it and run again what wrote it") from error
     if any(len(row) != len(head) for row in rows):
         raise ValueError(f"{path}: cannot be read as a table: its rows have not all {len(head)} columns; run again what wrote it")
+    sentences = list[str]()
+    if SENTENCE in head:
+        at, case = head.index(SENTENCE), head.index("case") if "case" in head else None
+        several = case is not None and len({row[case] for row in rows}) > 1
+        sentences = [f"{row[case]}: {row[at]}" if several and case is not None else row[at] for row in rows[:MOST_ROWS]]
+        head, *rows = (row[:at] + row[at + 1 :] for row in (head, *rows))
     note = f"The first {MOST_ROWS} of {len(rows)} rows." if len(rows) > MOST_ROWS else ""
     units = {row.name: f"{row.name} ({row.units})" for row in variables if row.units != "1"}
-    return Table(
-        caption, [units.get(name, name) for name in head], [[short(cell) for cell in row] for row in rows[:MOST_ROWS]], note, str(path)
-    )
+    shown = [[short(cell) for cell in row] for row in rows[:MOST_ROWS]]
+    return Table(caption, [units.get(name, name) for name in head], shown, note, str(path), sentences)
 
 
 def short(cell: str) -> str:

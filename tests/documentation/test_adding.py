@@ -54,7 +54,7 @@ import pandas as pd
 from sph.figures import STUDY_FIGURES, caption, save
 from sph.page.sections import SECTIONS
 save(STUDY_FIGURES["exceedance"](pd.DataFrame({"displacement_magnitude": [0.1, 2.0, None, 5.0]}), []), "exceedance.png")
-shown = [drawing for section in SECTIONS for pattern, drawing in section.figures.items() if pattern.endswith("/exceedance.png")]
+shown = [drawing for section in SECTIONS for pattern, drawing in section.figures.items() if pattern.endswith("}/figures/exceedance.png")]
 assert len(shown) == 1 and caption(STUDY_FIGURES["exceedance"]).startswith("Share of the runs")
 """,
     "An experiment": """

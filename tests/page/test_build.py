@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from made import FOLDER, RIGHT, TITLE, listed_study, made_study
+from PIL import Image
 
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
@@ -138,6 +139,25 @@ def test_a_section_names_its_command_until_its_files_exist(study: StudyFiles) ->
     after = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text
     assert "snakemake --cores 2 sensitivity" not in after and "0.1235" in after
     assert after.count("results/made/up/sensitivity/morris.csv") == after.count("results/made/other/sensitivity/morris.csv") == 1
+
+
+def test_the_fragility_is_said_before_its_tables(study: StudyFiles) -> None:
+    assert "snakemake --cores 2 fragility" in Words(build_page(study)).text
+    folder = Path(FOLDER, "trigger")
+    (folder / "figures").mkdir(parents=True)
+    (folder / "fragility_fit.csv").write_text("case,median,sentence\nas it is,3.123456789,A 50 % chance at 3.12.\n")
+    (folder / "fragility_annual.csv").write_text(f"case,frequency,sentence\nwet,0.02,Once in 50 years.\ndry,0.01,{HOSTILE}\n")
+    (folder / "exceedance.csv").write_text("case,exceeded\nas it is,1\n")
+    for name in ("fragility", "exceedance"):
+        Image.new("RGB", (40, 30), "white").save(folder / "figures" / f"{name}.png")
+    page = build_page(study._replace(files=existing(FOLDER, study.sections)))
+    section = Words(page[page.index('<section id="fragility">') : page.index('<section id="sensitivity">')])
+    assert "snakemake" not in section.text and HOSTILE in section.text
+    places = [section.text.index(words) for words in ("A 50 % chance at 3.12.", "wet: Once in 50 years.", "dry: ", "3.123")]
+    assert places == sorted(places) and section.text.count("Once in 50 years.") == 1, "no column of the table, whose CSV holds it"
+    assert [attrs["alt"].partition(":")[0] for tag, attrs in section.elements if tag == "img"] == ["Fragility", "Exceedance"]
+    for name in ("fragility_fit.csv", "fragility_annual.csv", "exceedance.csv"):
+        assert f"{folder}/{name}" in section.text
 
 
 def test_the_order_of_the_runs_does_not_matter(study: StudyFiles) -> None:

@@ -101,8 +101,10 @@ def test_values_beyond_the_ends_and_none() -> None:
 def test_absorbing_walls_are_tested_as_walls_that_stand() -> None:
     """They hold no load that stays, and a constant acceleration is one."""
     bedrock = {"density": 2400.0, "s_wave_speed": 900.0, "p_wave_speed": 1600.0}
-    free = make_scene(merge(scene(2.0).model_dump(), {"walls": {"base": "absorbing", "sides": "absorbing", "bedrock": bedrock}}))
+    free = make_scene(
+        merge(scene(2.0).model_dump(), {"walls": {"base": "absorbing", "sides": "absorbing", "bedrock": bedrock, "layers": 3}})
+    )
     held = static_scene(free, FailureRule(), acceleration=1.0)
     assert (held.walls.base, held.walls.sides, held.walls.bedrock) == ("no_slip", "free_slip", None)
-    half = make_scene(merge(scene(2.0).model_dump(), {"walls": {"base": "absorbing", "sides": "free_slip"}}))
+    half = make_scene(merge(scene(2.0).model_dump(), {"walls": {"base": "absorbing", "sides": "free_slip", "layers": 3}}))
     assert static_scene(half, FailureRule()).walls == held.walls

@@ -14,8 +14,11 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.experiments.trigger.annual import read_annual
 from sph.experiments.trigger.critical import BRACKETED, confirm_columns, critical_columns, read_critical
 from sph.experiments.trigger.design import Searched
+from sph.experiments.trigger.efficiency import ARIAS, PGA, PGV, read_measures
+from sph.experiments.trigger.exceedance import read_exceedance
 from sph.experiments.trigger.maps import read_shares
 from sph.experiments.trigger.points import names, read_points
 from sph.scene.configuration import merge
@@ -30,6 +33,8 @@ TRIGGER: dict[str, Any] = {
     "cases": {"as it is": {}, "fixed sides": {"walls": {"sides": "fixed"}}},
     "intensity": {"lowest": 0.0, "highest": 16.0, "cells": 2},
     "tolerance": 4.0,
+    "periods": [0.5],
+    "hazard": "site.csv",
     "at": {"S_R": ["0.1"], "gamma": ["100"]},
     "confirm": {"at": {"S_R": ["0.1"]}, "cases": ["as it is"]},
     "maps": {
@@ -51,11 +56,12 @@ FOLDER = "results/small/draft/trigger"
 SEARCHED = Searched(
     (Dimension("S_R", "-", "", False), Dimension("gamma", "1/s", "", False), Dimension("amplitude", "m/s2", "", False)), "amplitude"
 )
-TARGETS = ("trigger", "confirm", "maps")
+TARGETS = ("trigger", "confirm", "maps", "fragility")
 
 
 def write(folder: Path, **changes: Any) -> tuple[str, ...]:
     (folder / "trigger.yaml").write_text(yaml.safe_dump(merge(TRIGGER, changes), sort_keys=False))
+    (folder / "site.csv").write_text("amplitude (m/s2),annual frequency\n1,0.01\n20,0.0001\n")
     return (*write_config(folder, **CHANGES), "--")
 
 
@@ -121,8 +127,16 @@ def test_maps_hold_the_corners(searched: Path) -> None:
     assert shares["collapse_class"].tolist() == ["minor"] * 2 + ["damaged"] * 2 + ["collapse"] * 2
 
 
+def test_one_motion_has_no_fragility_but_a_length(searched: Path) -> None:
+    measures, annual = read_measures(searched / FOLDER / "fragility_measures.csv"), read_annual(searched / FOLDER / "fragility_annual.csv")
+    assert set(measures["measure"]) == {PGA, PGV, ARIAS, "spectral acceleration at 0.5 s"} and measures["dispersion"].isna().all()
+    assert annual["case"].tolist() == list(TRIGGER["cases"]) and annual["frequency"].isna().all() and set(annual["last"]) == {20.0}
+    table = read_exceedance(searched / FOLDER / "exceedance.csv")
+    assert set(table["intensity"]) >= {0.0, 8.0, 16.0} and set(table["motions"]) == {1}
+
+
 def test_figures_are_drawn(searched: Path) -> None:
-    for name in ("trigger", "shares", "map-class", "map-displacement", "map-runout", "map-failed"):
+    for name in ("trigger", "fragility", "exceedance", "shares", "map-class", "map-displacement", "map-runout", "map-failed"):
         picture = searched / FOLDER / "figures" / f"{name}.png"
         assert picture.read_bytes().startswith(b"\x89PNG") and picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
 

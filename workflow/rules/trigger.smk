@@ -1,8 +1,8 @@
 # Purpose: the shaking that triggers failure: critical intensities (`snakemake --cores 2 trigger`), the ends of their brackets at
 #          another fidelity (`snakemake --cores 2 confirm`), maps over some dimensions and the intensity (`snakemake --cores 2 maps`).
 # Inputs:  config/trigger.yaml (config: experiments); stages and runs of its cases (simulate.smk); the sources of analysis and drawing.
-# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv (of the paper's study), confirm.csv, maps.csv, cells.csv, shares.csv,
-#          figures/*; <folder>/trigger/<case>: stages and runs
+# Outputs: <folder>/trigger: rounds/*.csv, trigger.nc, trigger.csv, points.csv, claim.csv (of the paper's study), fragility_*.csv, exceedance.csv, confirm.csv,
+#          maps.csv, cells.csv, shares.csv, figures/*; <folder>/trigger/<case>: stages and runs
 from sph.figures.trigger import MAPS
 from sph.experiments.trigger.design import SEARCHED
 from sph.paper.study import PaperStudy
@@ -31,7 +31,9 @@ rule fragility:
         lambda wildcards: expand(
             "{folder}/trigger/{file}",
             folder=TRIGGER().folder,
-            file=["trigger.csv", "points.csv", "fragility_fit.csv"],
+            file=["trigger.csv", "points.csv", "fragility_fit.csv"]
+            + ["fragility_measures.csv", "exceedance.csv"]
+            + ["fragility_annual.csv"] * bool(TRIGGER().trigger.hazard),
         ),
 
 
@@ -182,6 +184,83 @@ rule fragility_table:
         note=lambda wildcards: f"{TRIGGER().note} · brackets to {TRIGGER().tolerance}",
     script:
         "../scripts/trigger/measure_fragility.py"
+
+
+rule fragility_measures:
+    """Fit fragility curves in other measures of the shaking, and compare their dispersions."""
+    input:
+        critical="{folder}/trigger/trigger.csv",
+    output:
+        report(
+            "{folder}/trigger/fragility_measures.csv",
+            caption="../report/fragility.rst",
+            category="Fragility",
+            labels={"shows": "measures of the shaking"},
+        ),
+    log:
+        "{folder}/trigger/logs/measures.log",
+    params:
+        sources=ANALYSIS,
+        scenes=lambda wildcards: TRIGGER().shaken,
+        periods=lambda wildcards: TRIGGER().trigger.periods,
+        highest=lambda wildcards: TRIGGER().trigger.intensity.highest,
+        searched=lambda wildcards: TRIGGER().dimensions,
+    script:
+        "../scripts/trigger/compare_measures.py"
+
+
+rule fragility_annual:
+    """How often a year each class is reached, from the fragility and the hazard of the site."""
+    input:
+        critical="{folder}/trigger/trigger.csv",
+        hazard=lambda wildcards: TRIGGER().hazard_file,
+    output:
+        report(
+            "{folder}/trigger/fragility_annual.csv",
+            caption="../report/fragility.rst",
+            category="Fragility",
+            labels={"shows": "annual frequencies"},
+        ),
+    log:
+        "{folder}/trigger/logs/annual.log",
+    params:
+        sources=ANALYSIS,
+        span=lambda wildcards: (
+            TRIGGER().trigger.intensity.lowest,
+            TRIGGER().trigger.intensity.highest,
+        ),
+        searched=lambda wildcards: TRIGGER().dimensions,
+    script:
+        "../scripts/trigger/measure_annual.py"
+
+
+rule exceedance:
+    """Share of the motions whose run-out or displacement exceeds a length: table and figure."""
+    input:
+        points="{folder}/trigger/points.csv",
+    output:
+        csv=report(
+            "{folder}/trigger/exceedance.csv",
+            caption="../report/exceedance.rst",
+            category="Fragility",
+            labels={"shows": "exceedance of run-out and displacement"},
+        ),
+        png=report(
+            "{folder}/trigger/figures/exceedance.png",
+            caption="../report/exceedance.rst",
+            category="Fragility",
+            labels={"shows": "figure of the exceedance"},
+        ),
+        pdf="{folder}/trigger/figures/exceedance.pdf",
+    log:
+        "{folder}/trigger/logs/exceedance.log",
+    params:
+        sources=DRAWING,
+        scenes=lambda wildcards: TRIGGER().shaken,
+        searched=lambda wildcards: TRIGGER().dimensions,
+        note=lambda wildcards: TRIGGER().note,
+    script:
+        "../scripts/trigger/measure_exceedance.py"
 
 
 rule trigger_claim:

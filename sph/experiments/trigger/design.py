@@ -16,9 +16,10 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import pandas as pd
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from sph.experiments.base import Label, Overrides, check_file_names, file_name
+from sph.experiments.trigger.hazard import Hazard, read_hazard
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
@@ -94,6 +95,16 @@ class Trigger(Section):
     tolerance: float = key("largest width of the bracket of a critical intensity", "that of the intensity", gt=0, le=1e4)
     classes: Classes = key("classes whose critical intensities are searched", default=("collapse",), min_length=1)
     at: At = key("values at which they are searched, by dimension, every combination; none: at the scene's own", default={})
+    periods: tuple[Annotated[float, Field(gt=0, le=100)], ...] = key(
+        "periods at which the fragility is compared in the spectral acceleration, with 5 % damping", "s", default=(), max_length=50
+    )
+    hazard: str | None = key(
+        "file of the site's hazard curve, relative to the working folder or the workflow's: a line of names, then rows of the "
+        "intensity that is searched and the annual frequency with which it is exceeded; null: none",
+        default=None,
+        min_length=1,
+        max_length=1000,
+    )
     confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=None)
     maps: Maps | None = key("maps over some dimensions and the intensity; null: none", default=None)
 
@@ -209,8 +220,9 @@ def label_among(written: Iterable[str], value: str) -> str:
 class TriggerPlan:
     """A configuration with the study it belongs to: folders, plans of every case and fidelity, lattices."""
 
-    def __init__(self, trigger: Trigger, study: Plan, origin: str) -> None:
+    def __init__(self, trigger: Trigger, study: Plan, origin: str, folders: Sequence[Path]) -> None:
         self.trigger, self._study, self.origin = trigger, study, origin
+        self._hazard_file = found_file(folders, trigger.hazard, f"{origin}: hazard") if trigger.hazard else None
         self.fidelity = trigger.fidelity or study.study.fidelity
         self.plans: dict[str, Plan] = {}
         self.folders: dict[tuple[str, str], str] = {}
@@ -242,6 +254,18 @@ class TriggerPlan:
             for line in (line for search in searches for line in self.lattices(search)):
                 for ends in itertools.product(*((0.0, float(span.cells)) for span in line.spans.values())):
                     plan.built(**dict(zip(self.names, line.labels(ends), strict=True)))
+        if self._hazard_file:
+            self._check_hazard(read_hazard(self.hazard_file, self.dimensions.intensity.unit))
+
+    def _check_hazard(self, hazard: Hazard) -> None:
+        """ValueError for a curve of which no part was searched: it is in another unit, or of another intensity."""
+        span, ends = self.trigger.intensity, (hazard.intensity[0], hazard.intensity[-1])
+        if not (ends[0] < span.highest and ends[1] > span.lowest):
+            unit = self.dimensions.intensity.shown_unit
+            raise ValueError(
+                f"{self.origin}: hazard: {self.hazard_file}: runs from {ends[0]:.3g} to {ends[1]:.3g} {unit} of {span.dimension}, the "
+                f"search from {span.lowest:.3g} to {span.highest:.3g}: they have nothing in common"
+            )
 
     @property
     def maps(self) -> Maps:
@@ -249,6 +273,15 @@ class TriggerPlan:
         if self.trigger.maps is None:
             raise ValueError(f"{self.origin}: maps: null, there is nothing to map")
         return self.trigger.maps
+
+    @property
+    def hazard_file(self) -> str:
+        """The file of the hazard curve; ValueError where there is none."""
+        if self._hazard_file is None:
+            raise ValueError(
+                f"{self.origin}: hazard: null, there are no annual frequencies; delete fragility_annual.csv of an earlier search"
+            )
+        return str(self._hazard_file)
 
     @property
     def confirm(self) -> dict[str, Any]:
@@ -329,6 +362,16 @@ class TriggerPlan:
         return {case: self.plans[folder].scene(**strongest) for case, folder in self.searched.items()}
 
     @property
+    def shaken(self) -> dict[tuple[str, ...], Planned]:
+        """Scenes shaken at the largest intensity, by case and the values of the other dimensions in their order."""
+        found = {}
+        for lattice in self.lattices("trigger"):
+            point = dict(zip(self.names, lattice.labels((float(self.trigger.intensity.cells),)), strict=True))
+            others = (value for name, value in point.items() if name != self.trigger.intensity.dimension)
+            found[lattice.case, *others] = planned(self.plans[self.searched[lattice.case]].scene(**point))
+        return found
+
+    @property
     def one_slope(self) -> bool:
         """Whether all runs of a case share their gravity stage: one slope, whose yield acceleration is searched."""
         return all(self.plans[folder].one_slope for folder in self.searched.values())
@@ -366,7 +409,7 @@ def names_in(columns: Iterable[str]) -> list[str]:
 
 def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
     """Validate the configuration, and scenes at the ends of its lattices; ValueError names file, key and value."""
-    return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path)
+    return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path, folders)
 
 
 def plan_of(study: Plan, trigger: Callable[[], TriggerPlan], folder: str) -> Plan:

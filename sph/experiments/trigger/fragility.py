@@ -125,19 +125,44 @@ def _likelihood(ends: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarra
     return between.sum(axis=1), gradient, curvature
 
 
-def resampled(lower: np.ndarray, upper: np.ndarray, resamples: int = RESAMPLES, seed: int = SEED) -> np.ndarray:
+class Conversion(NamedTuple):
+    """What a measure of the shaking is for an intensity x that a motion is scaled to: factor x^power."""
+
+    factor: np.ndarray
+    """(n,) of every motion"""
+    power: float
+
+    def measured(self, intensity: np.ndarray) -> np.ndarray:
+        """The measure at intensities (..., n); 0 and infinity stay."""
+        return self.factor * intensity**self.power
+
+    def intensity(self, measured: np.ndarray) -> np.ndarray:
+        """The intensity at values (..., n) of the measure."""
+        return (measured / self.factor) ** (1.0 / self.power)
+
+
+AS_SEARCHED = Conversion(np.array(1.0), 1.0)
+"""The intensity that is searched is the measure."""
+
+
+def resampled(
+    lower: np.ndarray, upper: np.ndarray, resamples: int = RESAMPLES, seed: int = SEED, conversion: Conversion = AS_SEARCHED
+) -> np.ndarray:
     """Median and dispersion (resamples, 2) that samples like the brackets (n,) leave possible; NaN where there is no fit.
+
+    The brackets are of the intensity that is searched, median and dispersion of the measure that ``conversion`` makes of it.
 
     Parametric bootstrap: n values are drawn from the fit and bracketed as those given, see ``bracketed_alike``.  With the fit of a sample
     (theta*, beta*) and the own one, ln(theta* / theta) / beta* and beta* / beta depend on n alone where values are known exactly; solved
     for the unknown median and dispersion they give intervals that hold for few motions also, where quantiles of theta* and beta*
     themselves are too narrow.
     """
-    fit = fitted(lower, upper)
+    fit = fitted(conversion.measured(lower), conversion.measured(upper))
     if math.isnan(fit.median):
         return np.full((resamples, 2), math.nan)
     values = fit.median * np.exp(fit.dispersion * np.random.default_rng(seed).normal(size=(resamples, lower.size)))
-    median, dispersion = fits(*bracketed_alike(values, lower, upper)).T
+    ends = bracketed_alike(conversion.intensity(values), lower, upper)
+    median, dispersion = fits(*map(conversion.measured, ends)).T
     ratio = fit.dispersion / dispersion
     return np.stack([fit.median * (fit.median / median) ** ratio, fit.dispersion * ratio], axis=1)
 
@@ -206,8 +231,13 @@ FIT = tuple(names(fit_columns("1")))
 
 def brackets(rows: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
     """Ends (n,) of the brackets in rows of the table of critical intensities; 0 and infinity where open.  All diverged: left out."""
-    known = rows[rows["outcome"] != UNDECIDED]
+    known = decided(rows)
     return known["lower"].fillna(0.0).to_numpy(float), known["upper"].fillna(math.inf).to_numpy(float)
+
+
+def decided(rows: pd.DataFrame) -> pd.DataFrame:
+    """Those of the rows that have a bracket, open or not."""
+    return rows[rows["outcome"] != UNDECIDED]
 
 
 def curve_columns(units: str) -> tuple[Variable, ...]:

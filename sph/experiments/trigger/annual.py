@@ -1,0 +1,95 @@
+"""How often a year the slope reaches each class: the fragility over the hazard of the site."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from sph.experiments.trigger.fragility import CONFIDENCE, SEED, TAILS, Lognormal, brackets, fitted, resampled
+from sph.experiments.trigger.hazard import Hazard, annual_frequency
+from sph.experiments.trigger.points import CASE_COLUMN, names
+from sph.storage.trajectory import Variable
+from sph.study.tables import number_column, read_csv, text_column
+
+PER_YEAR = "year-1"
+RARE = 1e-3
+"""Probability at the first row of the hazard curve below which weaker shaking is not worth a word."""
+
+
+def annual_columns(units: str) -> tuple[Variable, ...]:
+    """The columns of the annual frequencies, with the unit of the intensity."""
+    return (
+        CASE_COLUMN,
+        text_column("collapse_class", "the class, or a worse one, that is reached"),
+        number_column(
+            "frequency", PER_YEAR, "annual frequency with which it is reached by shaking within the hazard curve; NaN without a fit"
+        ),
+        number_column(
+            "frequency_lower",
+            PER_YEAR,
+            f"lower end of its {CONFIDENCE:.0%} interval by the samples of the fit; the hazard is taken as known",
+        ),
+        number_column("frequency_upper", PER_YEAR, "upper end"),
+        number_column(
+            "share_searched", "1", "part of the frequency from intensities between the lowest and the highest that were searched"
+        ),
+        number_column("first", units, "first intensity of the hazard curve; weaker shaking is left out"),
+        number_column("probability_at_first", "1", "probability that the class is reached there: weaker shaking has less"),
+        number_column("last", units, "last intensity of the hazard curve; stronger shaking is left out"),
+        number_column("beyond_last", PER_YEAR, "annual frequency of stronger shaking: the most that it adds"),
+        text_column("sentence", "the result in words"),
+    )
+
+
+ANNUAL = tuple(names(annual_columns("1")))
+"""Names of these columns."""
+
+
+def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest: float, unit: str, seed: int = SEED) -> pd.DataFrame:
+    """One row a case and class, from critical intensities (``read_critical``) searched between two ends, in a ``unit`` as printed."""
+    rows = []
+    searched = hazard.between(lowest, highest)
+    for (case, name), found in critical.groupby(["case", "collapse_class"], sort=False):
+        lower, upper = brackets(found)
+        fit, row = fitted(lower, upper), dict.fromkeys(ANNUAL, math.nan) | {"case": case, "collapse_class": name}
+        row |= {"first": hazard.intensity[0], "last": hazard.intensity[-1], "beyond_last": hazard.frequency[-1]}
+        if not math.isnan(fit.median):
+            samples = resampled(lower, upper, seed=seed)
+            kept = samples[~np.isnan(samples[:, 0])]
+            own = annual_frequency(np.array([fit]), hazard)[0]
+            low, high = np.quantile(annual_frequency(kept, hazard), TAILS) if len(kept) else (math.nan, math.nan)
+            row |= {"frequency": own, "frequency_lower": low, "frequency_upper": high}
+            row |= {"share_searched": annual_frequency(np.array([fit]), searched)[0] / own if own > 0.0 else math.nan}
+            row |= {"probability_at_first": float(Lognormal(*fit).exceedance(hazard.intensity[:1])[0])}
+        rows.append(row | {"sentence": sentence(row, unit)})
+    return pd.DataFrame(rows, columns=list(ANNUAL))
+
+
+def sentence(row: dict[str, object], unit: str) -> str:
+    """What a row says."""
+    reach = f"class {row['collapse_class']}" + ("" if row["collapse_class"] == "collapse" else " or worse")
+    frequency, low, high, first, at_first, last, beyond = (
+        float(str(row[name]))
+        for name in ("frequency", "frequency_lower", "frequency_upper", "first", "probability_at_first", "last", "beyond_last")
+    )
+    if math.isnan(frequency):
+        return f"Without a fit there is no annual frequency of {reach}."
+    weaker = ""
+    if at_first >= RARE:
+        weaker = f" Weaker shaking than {first:.3g} {unit}".rstrip() + f", at which the chance is {at_first:.2g}, is left out."
+    years = f", once in {1.0 / frequency:.3g} years on average" if frequency > 0.0 else ""
+    return (
+        f"Under these assumptions and this hazard curve the slope reaches {reach} {frequency:.2g} times a year ({low:.2g} to {high:.2g}, "
+        f"{CONFIDENCE:.0%} interval of the fit){years}."
+        + weaker
+        + f" Stronger shaking than {last:.3g} {unit}".rstrip()
+        + f" adds at most {beyond:.2g} a year."
+    )
+
+
+def read_annual(path: Path | str) -> pd.DataFrame:
+    """Table of annual frequencies from its CSV; ValueError names a file that is none."""
+    return read_csv(path, annual_columns("1"), "the annual frequencies")

@@ -1,0 +1,71 @@
+"""How far it goes: the share of the motions whose run-out or displacement exceeds a length, at given intensities of the shaking.
+
+An empirical curve, no distribution is fitted.  It is taken at the intensities at which all values of the search were run, the ends of its
+first cells at least: those at which only some were run are near their critical intensities, a choice that would distort the share.
+A diverged run has no length: it may exceed any, and counts in the upper share alone.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from sph.experiments.trigger.design import Searched
+from sph.experiments.trigger.points import CASE_COLUMN, label_columns, names
+from sph.measures.metrics import UNDETERMINED
+from sph.storage.trajectory import Variable
+from sph.study.tables import count_column, number_column, read_csv, text_column
+
+LENGTHS = ("runout", "displacement_magnitude")
+"""The metrics whose exceedance is counted."""
+
+
+def exceedance_columns(units: str) -> tuple[Variable, ...]:
+    """The columns of the exceedance, with the unit of the intensity."""
+    return (
+        CASE_COLUMN,
+        number_column("intensity", units, "intensity of the shaking, one at which all values of the search were run"),
+        text_column("metric", " or ".join(LENGTHS)),
+        number_column("exceeded", "m", "the length: 0, and each that a run has"),
+        count_column("motions", "runs at this intensity, one of every motion or other value"),
+        count_column("exceeding", "those with a larger value"),
+        count_column("diverged", "diverged ones, whose value is not known"),
+        count_column("still_moving", "others that are still moving at their end: their value may become larger"),
+        number_column("share_lower", "1", "exceeding over motions: no diverged run exceeds the length"),
+        number_column("share_upper", "1", "exceeding and diverged over motions: all of them do"),
+    )
+
+
+EXCEEDANCE = tuple(names(exceedance_columns("1")))
+"""Names of these columns."""
+
+
+def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
+    """One row a case, intensity, metric and length, from the points of a search (``read_points``).
+
+    No rows for a metric that runs of a case lack without having diverged, as the run-out of a shape without a slope.
+    """
+    at, rows = names(label_columns(searched.others)), []
+    for case, line in points.groupby("case", sort=False):
+        values, of_class = len(line[at].drop_duplicates()), line["collapse_class"] != UNDETERMINED
+        known = [name for name in LENGTHS if line.loc[of_class, name].notna().all()]
+        for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
+            if len(runs) < values:
+                continue
+            diverged = runs["collapse_class"] == UNDETERMINED
+            moving = int((~diverged & (runs["still_moving"] > 0)).sum())
+            for name in known:
+                lengths = runs.loc[~diverged, name].to_numpy(float)
+                for length in np.unique(np.append(lengths, 0.0)):
+                    exceeding = int((lengths > length).sum())
+                    counts = (len(runs), exceeding, int(diverged.sum()), moving)
+                    shares = (exceeding / len(runs), (exceeding + int(diverged.sum())) / len(runs))
+                    rows.append((case, intensity, name, float(length), *counts, *shares))
+    return pd.DataFrame(rows, columns=list(EXCEEDANCE))
+
+
+def read_exceedance(path: Path | str) -> pd.DataFrame:
+    """Table from its CSV; ValueError names a file that is none."""
+    return read_csv(path, exceedance_columns("1"), "the exceedance")

@@ -1,0 +1,102 @@
+"""The hazard of a site: annual frequency H(x) with which an intensity x of the shaking is exceeded, from a file, and what it makes of a
+fragility.
+
+The annual frequency of an event with the probability P(x) at the intensity x is the integral of P |dH| (Cornell 1968, Bulletin of the
+Seismological Society of America 58 (5), 1583-1606; McGuire 2004, Seismic Hazard and Risk Analysis, EERI).
+"""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.special import log_ndtr, ndtr  # type: ignore[import-untyped]
+
+from sph.scene.cells import cells, names
+from sph.scene.configuration import one_line, read_text
+from sph.scene.ground_motion.units import unit_of_column
+
+
+class Hazard(NamedTuple):
+    """A hazard curve, linear in the logarithms between its rows."""
+
+    intensity: np.ndarray
+    """(n,) increasing"""
+    frequency: np.ndarray
+    """(n,) 1/year, never increasing"""
+
+    def at(self, intensity: float) -> float:
+        """The frequency at an intensity between the first and the last, 1/year."""
+        return float(np.exp(np.interp(math.log(intensity), np.log(self.intensity), np.log(self.frequency))))
+
+    def between(self, lowest: float, highest: float) -> Hazard:
+        """The part of the curve between two intensities, of which some lies in its range."""
+        low, high = max(lowest, float(self.intensity[0])), min(highest, float(self.intensity[-1]))
+        inside = (self.intensity > low) & (self.intensity < high)
+        rows = [low, *self.intensity[inside], high]
+        return Hazard(np.array(rows), np.array([self.at(row) for row in rows]))
+
+
+def read_hazard(path: Path | str, unit: str) -> Hazard:
+    """The curve in a file whose first line has names: intensities, and the annual frequency with which each is exceeded.
+
+    ``unit`` of the intensity; where it is m/s2, the name of the first column says its unit of acceleration in brackets, such as g.
+    Raises ValueError with file, line and what is wanted.
+    """
+    try:
+        lines = [line for line in read_text(Path(path)).splitlines() if line.strip() and not line.lstrip().startswith("#")]
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path}: cannot be read as a hazard curve: {error}") from error
+    head = names(lines[0], lines[1]) if len(lines) > 1 else []
+    if len(head) != 2 or not all(name[:1].isalpha() for name in head):
+        raise ValueError(f"{path}: the first line must name two columns, as 'intensity,annual frequency', and rows must follow it")
+    size = _size(path, head[0]) if unit == "m/s2" else 1.0
+    rows = list[tuple[float, float]]()
+    for line in lines[1:]:
+        try:
+            intensity, frequency = map(float, cells(line))
+        except ValueError as error:
+            raise ValueError(f"{path}: {one_line(line, 60)!r}: two numbers are wanted, intensity and annual frequency") from error
+        if not (0.0 < intensity < math.inf and 0.0 < frequency < math.inf):
+            raise ValueError(f"{path}: {one_line(line, 60)!r}: both numbers must be above 0")
+        if rows and not (size * intensity > rows[-1][0] and frequency <= rows[-1][1]):
+            raise ValueError(f"{path}: {one_line(line, 60)!r}: intensities must increase from row to row, and frequencies must not")
+        rows.append((size * intensity, frequency))
+    if len(rows) < 2:
+        raise ValueError(f"{path}: holds {len(rows)} row; a hazard curve has at least two")
+    return Hazard(*np.array(rows).T)
+
+
+def _size(path: Path | str, name: str) -> float:
+    try:
+        size = unit_of_column(name)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
+    if size is None:
+        raise ValueError(f"{path}: the name of the first column, {name!r}, must say the unit, as 'amplitude (g)' or 'amplitude (m/s2)'")
+    return size
+
+
+def annual_frequency(fits: np.ndarray, hazard: Hazard) -> np.ndarray:
+    """Integral of P |dH| over the hazard curve (m,), 1/year, of lognormal fragilities with medians and dispersions (m, 2).
+
+    Between two rows H = c x^-k.  By parts, with the density p of the fragility,
+
+        integral of P |dH| = -[P H] + c integral of x^-k p dx
+                           = -[P H] + c exp(-k mu + k^2 beta^2 / 2) [Phi((ln x - mu + k beta^2) / beta)],   mu = ln theta
+
+    in which brackets are values at the upper row less those at the lower.
+    """
+    logs, levels = np.log(hazard.intensity), np.log(hazard.frequency)
+    slope = -np.diff(levels) / np.diff(logs)
+    mu, beta = np.log(fits[:, :1]), fits[:, 1:]
+    reach = (logs - mu) / beta
+    by_parts = np.diff(ndtr(reach) * hazard.frequency, axis=1)
+    low, high = reach[:, :-1] + slope * beta, reach[:, 1:] + slope * beta
+    turned = low > 0.0  # in the upper tail the difference is that of the other side
+    below, above = np.where(turned, -high, low), np.where(turned, -low, high)
+    between = log_ndtr(above) + np.log1p(-np.exp(log_ndtr(below) - log_ndtr(above)))
+    moment = np.exp(levels[:-1] + slope * (logs[:-1] - mu) + 0.5 * (slope * beta) ** 2 + between)
+    return np.sum(moment - by_parts, axis=1)

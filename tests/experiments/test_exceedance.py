@@ -1,0 +1,86 @@
+"""Shares of motions that exceed a length, counted by hand."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from sph.experiments.trigger.design import Searched
+from sph.experiments.trigger.exceedance import exceedance, read_exceedance
+from sph.figures.reach import figure_reach
+from sph.measures.metrics import UNDETERMINED
+from sph.scene.schema import Scene
+from sph.study.dimensions import Dimension
+from sph.study.tables import write_csv
+
+SEARCHED = Searched((Dimension("amplitude", "m/s2", "", False), Dimension("seed", "-", "", False)), "amplitude")
+NOT_KNOWN = math.nan
+
+
+def points(runouts: dict[str, list[float]], case: str = "as it is") -> pd.DataFrame:
+    """Runs of motions 1, 2, ... at amplitudes; those without a run-out diverged, displacements are half of it."""
+    rows = [
+        {
+            "case": case, "amplitude": amplitude, "seed": str(seed), "still_moving": int(math.isnan(runout) or seed == 2),
+            "collapse_class": UNDETERMINED if math.isnan(runout) else "damaged", "runout": runout, "displacement_magnitude": 0.5 * runout,
+        }
+        for amplitude, values in runouts.items()
+        for seed, runout in enumerate(values, start=1)
+    ]  # fmt: skip
+    return pd.DataFrame(rows)
+
+
+FOUR = points({"9": [4.0, NOT_KNOWN, 2.0, 8.0], "1": [0.0, 0.0, 2.0, 0.0], "5": [1.0, 2.0]})
+"""Four motions at 1 and 9 m/s2, two of them at 5 between."""
+
+
+def test_the_shares_are_those_counted(tmp_path: Path) -> None:
+    table = exceedance(FOUR, SEARCHED)
+    write_csv(table, tmp_path / "exceedance.csv")
+    pd.testing.assert_frame_equal(read_exceedance(tmp_path / "exceedance.csv"), table)
+    assert list(dict.fromkeys(table["intensity"])) == [1.0, 9.0], "not all motions were run at 5"
+    runout = table[table["metric"] == "runout"]
+    strong = runout[runout["intensity"] == 9.0]
+    assert strong["exceeded"].tolist() == [0.0, 2.0, 4.0, 8.0] and strong["exceeding"].tolist() == [3, 2, 1, 0]
+    assert strong["share_lower"].tolist() == [0.75, 0.5, 0.25, 0.0] and strong["share_upper"].tolist() == [1.0, 0.75, 0.5, 0.25]
+    assert set(strong["motions"]) == {4} and set(strong["diverged"]) == {1} and set(strong["still_moving"]) == {0}
+    weak = runout[runout["intensity"] == 1.0]
+    assert weak["exceeded"].tolist() == [0.0, 2.0] and weak["exceeding"].tolist() == [1, 0] and set(weak["still_moving"]) == {1}
+    displacement = table[(table["metric"] == "displacement_magnitude") & (table["intensity"] == 9.0)]
+    assert displacement["exceeded"].tolist() == [0.0, 1.0, 2.0, 4.0]
+
+
+def test_what_all_diverged_may_be_any() -> None:
+    table = exceedance(points({"1": [1.0, 2.0], "9": [NOT_KNOWN, NOT_KNOWN]}), SEARCHED)
+    (row,) = table[(table["intensity"] == 9.0) & (table["metric"] == "runout")].to_dict("records")
+    assert (row["exceeded"], row["share_lower"], row["share_upper"]) == (0.0, 0.0, 1.0)
+
+
+def test_a_shape_without_a_slope_has_no_run_out() -> None:
+    table = exceedance(FOUR.assign(runout=math.nan), SEARCHED)
+    assert set(table["metric"]) == {"displacement_magnitude"}
+
+
+def test_the_figure_counts_and_stands_over_the_section(small_slope: Any) -> None:
+    scene: Scene = small_slope({})
+    figure = figure_reach(exceedance(FOUR, SEARCHED), SEARCHED, {"as it is": scene}, "note")
+    runout, displacement, section = figure.axes
+    assert runout.get_xlabel() == "run-out (m)" and displacement.get_xlabel() == "displacement of the probe (m)"
+    (legend,) = figure.subfigs[0].legends
+    assert [text.get_text() for text in legend.get_texts()] == ["1 m/s²: 4 motions, 1 still moving", "9 m/s²: 4 motions, 1 diverged (band)"]
+    (above,) = section.child_axes
+    toe, line = scene.geometry.toe[0], above.lines[1]
+    assert line.get_xdata().tolist() == [toe, toe - 2.0, toe - 4.0, toe - 8.0, 0.0]
+    assert line.get_ydata().tolist() == [0.75, 0.5, 0.25, 0.0, 0.0]
+    figure.canvas.draw()
+    shown, there = (ax.transData.transform((toe, 0.0))[0] for ax in (section, above))
+    assert shown == pytest.approx(there, abs=0.5), "pixels: one place is above itself"
+
+
+def test_nothing_to_draw_is_refused() -> None:
+    with pytest.raises(ValueError, match="no row"):
+        figure_reach(exceedance(FOUR.iloc[:0], SEARCHED), SEARCHED, {})

@@ -1,0 +1,147 @@
+"""Annual frequencies from fragilities and hazard curves, against numerical integration and closed forms."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+import yaml
+from scipy.integrate import quad  # type: ignore[import-untyped]
+
+from sph.experiments.trigger.annual import annual_table, read_annual
+from sph.experiments.trigger.critical import BRACKETED, NEVER
+from sph.experiments.trigger.design import TriggerPlan, load_trigger
+from sph.experiments.trigger.fragility import Lognormal
+from sph.experiments.trigger.hazard import Hazard, annual_frequency, read_hazard
+from sph.paper.study import load_study
+from sph.scene.configuration import read_yaml
+from sph.study.tables import write_csv
+
+ROOT = Path(__file__).resolve().parents[2]
+SITE = Hazard(np.array([0.2, 0.5, 1.0, 2.0, 5.0, 10.0]), np.array([0.2, 0.06, 0.06, 8e-3, 5e-4, 1e-5]))
+"""One segment is flat: no shaking has its peak there."""
+
+
+def integrated(fit: Lognormal, hazard: Hazard) -> float:
+    """Integral of P |dH| by quadrature in ln x, a row at a time."""
+    total = 0.0
+    for low, high in zip(range(len(hazard.intensity) - 1), range(1, len(hazard.intensity)), strict=True):
+        ends = np.log(hazard.intensity[[low, high]])
+        k = -np.diff(np.log(hazard.frequency[[low, high]]))[0] / np.diff(ends)[0]
+
+        def rate(log: float, k: float = k, start: float = ends[0], level: float = hazard.frequency[low]) -> float:
+            return float(fit.exceedance(np.array([math.exp(log)]))[0]) * k * level * math.exp(-k * (log - start))
+
+        total += quad(rate, *ends, epsabs=0.0, epsrel=1e-12, points=[math.log(fit.median)], limit=500)[0]
+    return total
+
+
+@pytest.mark.parametrize(
+    "fit", [Lognormal(3.0, 0.4), Lognormal(0.3, 1.2), Lognormal(8.0, 0.05), Lognormal(40.0, 0.6), Lognormal(0.01, 0.3)]
+)
+def test_the_closed_form_is_the_integral(fit: Lognormal) -> None:
+    found = annual_frequency(np.array([fit]), SITE)
+    assert found[0] == pytest.approx(integrated(fit, SITE), rel=1e-6)
+
+
+def test_a_power_law_over_all_intensities() -> None:
+    # H = c x^-k from 0 to infinity: c theta^-k exp(k^2 beta^2 / 2), Cornell's closed form.
+    wide = np.array([1e-6, 1.0, 1e6])
+    found = annual_frequency(np.array([[2.0, 0.3], [3.0, 0.5]]), Hazard(wide, 1e-2 * wide**-2.5))
+    assert found == pytest.approx(
+        [1e-2 * 2.0**-2.5 * math.exp(0.5 * (2.5 * 0.3) ** 2), 1e-2 * 3.0**-2.5 * math.exp(0.5 * (2.5 * 0.5) ** 2)]
+    )
+
+
+def test_a_threshold_is_exceeded_as_often_as_the_hazard_says() -> None:
+    at_three = 8e-3 * (3.0 / 2.0) ** (math.log(5e-4 / 8e-3) / math.log(2.5))  # log-log between 2 and 5
+    assert SITE.at(3.0) == pytest.approx(at_three)
+    found = annual_frequency(np.array([[3.0, 1e-4]]), SITE)[0]
+    assert found == pytest.approx(at_three - 1e-5, rel=1e-3), "but for what is beyond the last row"
+
+
+def test_the_parts_of_a_curve_add_up() -> None:
+    parts = [annual_frequency(np.array([[3.0, 0.4]]), SITE.between(low, high))[0] for low, high in ((0.0, 1.5), (1.5, 99.0))]
+    assert sum(parts) == pytest.approx(annual_frequency(np.array([[3.0, 0.4]]), SITE)[0], rel=1e-9)
+
+
+def critical(count: int = 12) -> pd.DataFrame:
+    values = 3.0 * np.exp(0.4 * np.random.default_rng(2).normal(size=count))
+    lower = 0.25 * np.floor(values / 0.25)
+    return pd.DataFrame({"case": "as it is", "collapse_class": "damaged", "lower": lower, "upper": lower + 0.25, "outcome": BRACKETED})
+
+
+def test_the_table_says_how_often_and_what_is_left_out(tmp_path: Path) -> None:
+    table = annual_table(critical(), SITE, 1.0, 5.0, "m/s²")
+    write_csv(table, tmp_path / "annual.csv")
+    pd.testing.assert_frame_equal(read_annual(tmp_path / "annual.csv"), table)
+    (row,) = table.to_dict("records")
+    # The fit is 3 and 0.4 within its sampling error, so the frequency that of these within the interval.
+    assert row["frequency_lower"] < integrated(Lognormal(3.0, 0.4), SITE) < row["frequency_upper"]
+    assert row["frequency_lower"] < row["frequency"] < row["frequency_upper"]
+    assert (row["first"], row["last"], row["beyond_last"]) == (0.2, 10.0, 1e-5) and row["probability_at_first"] < 1e-6
+    assert 0.9 < row["share_searched"] < 1.0
+    assert (
+        "reaches class damaged or worse" in row["sentence"] and "Stronger shaking than 10 m/s² adds at most 1e-05 a year" in row["sentence"]
+    )
+    assert f"once in {1.0 / row['frequency']:.3g} years" in row["sentence"] and "Weaker" not in row["sentence"]
+    (late,) = annual_table(critical(), SITE.between(2.0, 10.0), 1.0, 5.0, "m/s²")["sentence"]
+    assert "Weaker shaking than 2 m/s², at which the chance is" in late
+
+
+def test_without_a_fit_there_is_no_frequency() -> None:
+    never = critical(3).assign(outcome=NEVER, lower=5.0, upper=math.nan)
+    (row,) = annual_table(never, SITE, 1.0, 5.0, "m/s²").to_dict("records")
+    assert math.isnan(row["frequency"]) and row["sentence"] == "Without a fit there is no annual frequency of class damaged or worse."
+
+
+def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:
+    (tmp_path / "site.csv").write_text("# of the code's map\namplitude (g),annual frequency\n0.1,0.01\n0.2,0.002\n")
+    found = read_hazard(tmp_path / "site.csv", "m/s2")
+    np.testing.assert_allclose(found.intensity, [0.981, 1.962])
+    assert found.frequency.tolist() == [0.01, 0.002]
+    (tmp_path / "arias.csv").write_text("Arias;frequency\n0,5;0,01\n2;0,001\n")
+    assert read_hazard(tmp_path / "arias.csv", "m/s").intensity.tolist() == [0.5, 2.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"),
+    [
+        ("amplitude,rate\n1,0.1\n2,0.01\n", "'amplitude', must say the unit, as 'amplitude"),
+        ("amplitude (g),rate\n1,0.1\n", "1 row; a hazard curve has at least two"),
+        ("amplitude (g),rate\n1,0.1\n1,0.01\n", "'1,0.01': intensities must increase"),
+        ("amplitude (g),rate\n1,0.1\n2,0.2\n", "'2,0.2': intensities must increase from row to row, and frequencies must not"),
+        ("amplitude (g),rate\n0,0.1\n2,0.01\n", "'0,0.1': both numbers must be above 0"),
+        ("amplitude (g),rate\n1,0.1\n2,none\n", "'2,none': two numbers are wanted"),
+        ("0.1,0.1\n0.2,0.01\n", "the first line must name two columns"),
+        ("", "the first line must name two columns"),
+    ],
+)
+def test_what_is_no_hazard_curve_is_refused(tmp_path: Path, text: str, wanted: str) -> None:
+    (tmp_path / "site.csv").write_text(text)
+    with pytest.raises(ValueError) as refused:
+        read_hazard(tmp_path / "site.csv", "m/s2")
+    assert "site.csv: " in str(refused.value) and wanted in str(refused.value)
+
+
+def search(folder: Path, hazard: str | None) -> TriggerPlan:
+    study = load_study(read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml"), [ROOT])
+    keys: dict[str, Any] = {"cases": {"as it is": {}}, "intensity": {"lowest": 1.0, "highest": 4.0, "cells": 2}, "tolerance": 0.5}
+    (folder / "mine.yaml").write_text(yaml.safe_dump({**keys, "hazard": hazard}))
+    return load_trigger("mine.yaml", study, [folder, ROOT])
+
+
+def test_the_curve_of_a_search_is_checked_before_any_run(tmp_path: Path) -> None:
+    (tmp_path / "site.csv").write_text("amplitude (g),rate\n0.1,0.01\n0.4,0.0002\n")
+    assert search(tmp_path, "site.csv").hazard_file == str(tmp_path / "site.csv")
+    with pytest.raises(ValueError, match="hazard: null, there are no annual frequencies"):
+        _ = search(tmp_path, None).hazard_file
+    with pytest.raises(ValueError, match="hazard: no file 'none.csv'"):
+        search(tmp_path, "none.csv")
+    (tmp_path / "site.csv").write_text("amplitude (m/s2),rate\n0.1,0.01\n0.4,0.0002\n")
+    with pytest.raises(ValueError, match=r"from 0\.1 to 0\.4 m/s² of amplitude, the search from 1 to 4: they have nothing in common"):
+        search(tmp_path, "site.csv")
