@@ -23,6 +23,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--scenes", type=int, default=500, help="scenes that the relations between answers are tried on, in the long tests")
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Files that run whole studies first, so that no worker waits for them at the end."""
+    items.sort(key=lambda item: not {"workflow", "study"} & set(item.path.parts))
+
+
 @pytest.fixture(scope="session")
 def small_slope() -> SceneBuilder:
     """Builder of ``SLOPE`` with dotted overrides."""

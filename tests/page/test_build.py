@@ -359,7 +359,7 @@ def test_the_scene_is_told_by_names_values_and_units() -> None:
     varied = {"layers.clay.soil.cohesion": "3, 10"}
     table = chosen_keys(scene_table(scene, varied))
     rows = {what: (value, unit) for what, value, unit, _ in table.rows}
-    assert rows["base of the walls"] == ("no-slip", "") and rows["spacing"] == ("1", "m")
+    assert rows["base of the walls"] == ("absorbing", "") and rows["spacing"] == ("1", "m")
     assert rows["points"][0] == f"{len(scene.geometry.points)} values"
     at_once = chosen_keys(
         scene_table(scene.model_copy(update={"coupling": scene.coupling.model_copy(update={"initiation": None})}), varied)

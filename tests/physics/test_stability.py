@@ -273,16 +273,15 @@ def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
     )
     for line, spacing in ((coarse, 1.0), (fine, 0.5)):
         assert line.startswith(f"factor of safety at {spacing:g} m: ") and f"{(trials['spacing'] == spacing).sum()} runs" in line
-    assert re.match(r"factor of safety: [\d.]+, extrapolated from spacings of 1 and 0.5 m; remaining error about 0\.", answered)
+    # Between so wide brackets F rises a little from 1 m to 0.5 m, and the critical strength ratio falls: neither is extrapolated.
+    assert re.match(r"factor of safety: [\d.]+, that at a spacing of 0.5 m, since .* from 1 m .*; remaining error about 0\.", answered)
     assert "0.1 H" in sentence and "5 sqrt(H/g)" in sentence
     assert list(trials.columns) == ["spacing", *Trial._fields]
 
     found = json.loads(call(tmp_path, "fos", *tilted, "--reduce", "S_R", "--json").stdout)
     coarse, fine = found["spacings"]
     assert found["quantity"] == "critical strength ratio" and (coarse["spacing"], fine["spacing"]) == (1.0, 0.5)
-    assert (
-        found["value"] == pytest.approx(2.0 * fine["value"] - coarse["value"]) and found["error"] > abs(found["value"] - fine["value"]) / 2
-    )
+    assert found["value"] == fine["value"] < coarse["value"] and found["error"] > coarse["value"] - fine["value"]
     assert fine["lower"] < fine["value"] < fine["upper"]
     assert found["runs"] == len(coarse["trials"]) + len(fine["trials"]) and found["rule"]["observation"] == 5.0
 
