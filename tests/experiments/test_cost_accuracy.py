@@ -289,6 +289,15 @@ class TestTable:
         assert (found["energy_error"], found["wall_time"], found["collapse_class"]) == (-4e-3, 7.0, "collapse")
         assert found["steps"] == 3 * first["steps"] and math.isnan(found["reproducible"])
 
+    @pytest.mark.parametrize(
+        ("shifts", "wanted"),
+        [([], r"numerics\.lattice_shift: \[\] must name a lattice"), ([0.0, "x"], "lattice_shift"), ([7.0], "lattice_shift")],
+    )
+    def test_lattices_that_are_none_are_refused(self, shifts: list[Any], wanted: str) -> None:
+        mean = {"about": "mean", "variants": {"2 m": {"numerics": {"spacing": 2.0, "lattice_shift": shifts}}}}
+        with pytest.raises(ValueError, match=f"trade.yaml: parameter '?mean'?, variant '2 m'.*{wanted}"):
+            trade_runs({"parameters": {"mean": mean}})
+
     def test_the_machine_has_a_name(self) -> None:
         assert "cores" in machine_class()
 

@@ -159,6 +159,8 @@ class TradeRuns:
         found = []
         for parameter, label, settings in self._variants():
             extent = trade.extent(parameter, label)
+            if not lattices(settings):
+                raise ValueError(f"{origin}: parameter {parameter!r}, variant {label!r}: numerics.lattice_shift: [] must name a lattice")
             for case in extent.cases or ():
                 own, how = [], {}
                 for shift, shifted in lattices(settings):
@@ -212,14 +214,15 @@ class TradeRuns:
 
 def is_mean(settings: Mapping[str, Any]) -> bool:
     """Whether scene keys name several lattices, over which results are averaged."""
-    return isinstance(settings.get("numerics", {}).get("lattice_shift"), list)
+    numerics = settings.get("numerics")
+    return isinstance(numerics, Mapping) and isinstance(numerics.get("lattice_shift"), list)
 
 
 def lattices(settings: Overrides) -> list[tuple[str, Overrides]]:
     """The lattices of a variant: the shift as text, empty where there is one alone, and the scene keys."""
     if not is_mean(settings):
         return [("", settings)]
-    return [(f"{shift:g}", merge(settings, {"numerics": {"lattice_shift": shift}})) for shift in settings["numerics"]["lattice_shift"]]
+    return [(str(shift), merge(settings, {"numerics": {"lattice_shift": shift}})) for shift in settings["numerics"]["lattice_shift"]]
 
 
 def scheme(scene: Scene) -> Overrides:
