@@ -16,7 +16,7 @@ from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
 from sph.figures.history import shade_shaking
 from sph.figures.profile import mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
-from sph.figures.style import GREY, WIDTH, add_note, colour_map, plain, styled
+from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
@@ -218,6 +218,7 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
     peak = abs(reference_amplitude(scene.motion)) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
+    also_in_g(ax, "y")
     _name_stages(ax, scene)
     ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(trajectory['ground_acceleration'].values).max()):.3g} m/s²", loc="left")
     add_note(figure, [scene], fidelity)

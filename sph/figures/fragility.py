@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.fragility import CONFIDENCE, brackets, steps
-from sph.figures.style import LINE_STYLES, WIDTH, class_colours, label_panels, plain, styled, write_note
+from sph.figures.style import LINE_STYLES, WIDTH, also_in_g, class_colours, label_panels, plain, styled, write_note
 from sph.measures.metrics import CLASSES
 
 
@@ -42,6 +42,8 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
         ax.set_xlim(left=0.0)
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title=f"curve, {CONFIDENCE:.0%} band, brackets")
     axes[-1].set_xlabel(plain(searched.intensity.label))
+    if searched.intensity.unit == "m/s2":
+        also_in_g(axes[0], "x")
     label_panels(axes, map(plain, cases))
     write_note(figure, note)
     return figure

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, plain, styled, write_note
+from sph.figures.style import LINE_STYLES, WIDTH, also_in_g, curve_colours, label_panels, plain, styled, write_note
 from sph.scene.ground_motion.measures import arias_share
 from sph.scene.ground_motion.processing import integral
 from sph.scene.ground_motion.spectrum import DAMPING, PERIODS, pseudo_acceleration
@@ -42,12 +42,13 @@ def figure_ground_motion(components: Mapping[str, np.ndarray], interval: float, 
     axes[LABELS[-1]].set(xlabel="time (s)", ylim=(0.0, 103.0), yticks=[0, 50, 100])
     axes["spectrum"].set(xscale="log", yscale="log", xlabel="period (s)", ylabel="pseudo-spectral acceleration (m/s²)")
     axes["spectrum"].set_xlim(PERIODS[0], PERIODS[-1])
-    for axis in (axes["spectrum"].xaxis, axes["spectrum"].yaxis):
+    for axis in (axes["spectrum"].xaxis, axes["spectrum"].yaxis, also_in_g(axes["spectrum"], "y")):
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter("")
     bottom, top = axes["spectrum"].get_ylim()
     axes["spectrum"].set_ylim(min(bottom, top / LEAST_RANGE), top)
     axes["spectrum"].grid(which="both", color="0.9", linewidth=0.4)
+    also_in_g(axes[LABELS[0]], "y")
     if len(components) > 1:
         axes["spectrum"].legend(loc="lower left")
     figure.align_ylabels([axes[label] for label in LABELS])

@@ -5,15 +5,17 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, ParamSpec
+from typing import Any, Literal, ParamSpec
 
 import matplotlib
 from cmcrameri import cm as crameri
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
 from sph.scene.schema import Scene
+from sph.scene.units import GRAVITY
 from sph.storage.files import whole
 
 WIDTH = 180 / 25.4
@@ -117,6 +119,25 @@ def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
     for number, (ax, title) in enumerate(pairs):
         letter = f"({chr(ord('a') + number)}) " if len(pairs) > 1 else ""
         ax.set_title(f"{letter}{title}", loc="left")
+
+
+def also_in_g(ax: Axes, axis: Literal["x", "y"]) -> Axis:
+    """A second scale, in g, opposite an axis that shows an acceleration in m/s2; it follows the first one's limits and kind."""
+    functions = (_in_g, _in_metres)
+    scale: Axis = (
+        ax.secondary_xaxis("top", functions=functions).xaxis if axis == "x" else ax.secondary_yaxis("right", functions=functions).yaxis
+    )
+    scale.axes.spines[scale.get_label_position()].set_visible(True)
+    scale.set_label_text("(g)")
+    return scale
+
+
+def _in_g(acceleration: Any) -> Any:
+    return acceleration / GRAVITY
+
+
+def _in_metres(multiple: Any) -> Any:
+    return multiple * GRAVITY
 
 
 def save(figure: Figure, *paths: Path | str) -> None:

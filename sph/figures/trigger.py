@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -22,6 +22,7 @@ from sph.figures.style import (
     GREY,
     LINE_STYLES,
     WIDTH,
+    also_in_g,
     class_colours,
     colour_map,
     curve_colours,
@@ -118,6 +119,7 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
             ax.set(xlabel=_axis(across)) if across else ax.set(xticks=[])
     for ax in axes[:, 0]:
         ax.set_ylabel(plain(f"critical {searched.intensity.label}"))
+    _add_g(axes[:, -1], searched)
     handles = [Line2D([], [], markersize=4, label=curve, **look) for look, curve in zip(looks, curves, strict=True) if curve]
     handles += [
         Line2D([], [], color=GREY, linewidth=1.0, linestyle=style, label=label)
@@ -128,6 +130,13 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
         figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), handlelength=3.0)
     write_note(figure, note)
     return figure
+
+
+def _add_g(axes: Iterable[Axes], searched: Searched) -> None:
+    """A scale in g at the right of panels with the intensity upwards, where that is an acceleration."""
+    for ax in axes:
+        if searched.intensity.unit == "m/s2":
+            also_in_g(ax, "y")
 
 
 def _estimates(searched: Searched) -> dict[str, str]:
@@ -204,6 +213,7 @@ def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tupl
         ax.set_xlabel(_axis(across))
     for ax in axes[:, 0]:
         ax.set_ylabel(plain(searched.intensity.label))
+    _add_g(axes[:, -1], searched)
     shown = [points[(points["case"] == case) & (points["plane"] == plane)] for case, plane in pairs]
     return figure, list(zip(axes.flat, shown, strict=True))
 

@@ -9,6 +9,7 @@ from typing import Any
 import pandas as pd
 import pytest
 import yaml
+from overprint import overprints
 
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
@@ -159,12 +160,15 @@ def test_a_search_over_any_dimensions_ends_in_tables_and_figures(tmp_path: Path)
         assert row["lower"] <= limit < row["upper"] <= row["lower"] + 0.5
     write_csv(table, tmp_path / "table.csv")
     pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
-    axes = figure_critical(table, searched).axes
-    assert len(axes) == 1 and "kPa" in axes[0].get_xlabel() and "m/s²" in axes[0].get_ylabel()
+    figure = figure_critical(table, searched)
+    (ax,) = figure.axes
+    assert "kPa" in ax.get_xlabel() and "m/s²" in ax.get_ylabel() and [scale.get_ylabel() for scale in ax.child_axes] == ["(g)"]
+    assert not overprints(figure)
     mapped = searched_points(plan, "maps", found)
     cells = map_cells(plan.lattices("maps"), mapped, ["collapse"], plan.levels("maps"), searched)
     shares = class_shares(cells, searched)
     assert cells.groupby("amplitude_lower")["share"].sum().max() <= 1.0 + 1e-9
+    assert not overprints(figure_class_map(mapped, searched)) and not overprints(figure_map(mapped, searched, MAPPED["runout"]))
     assert len(figure_class_map(mapped, searched).axes) == 1 and len(figure_shares(shares, searched).axes) == 3
 
 
