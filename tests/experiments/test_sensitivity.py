@@ -239,7 +239,11 @@ def space_filling(dimensions: int, count: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("function", "exact", "count"), [(ishigami, ISHIGAMI, 256), (g_function, g_indices(), 256)], ids=["Ishigami", "g-function"]
+    ("function", "exact", "count"),
+    [
+        pytest.param(ishigami, ISHIGAMI, 256, id="Ishigami"),
+        pytest.param(g_function, g_indices(), 256, id="g-function", marks=pytest.mark.long),
+    ],
 )
 def test_indices_agree_with_the_exact_ones_within_their_intervals(
     function: Callable[[np.ndarray], np.ndarray], exact: Sequence[np.ndarray], count: int

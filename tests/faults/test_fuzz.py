@@ -38,14 +38,15 @@ ANYTHING = {
 plain = settings(max_examples=100, deadline=None, phases=[Phase.reuse, Phase.generate], suppress_health_check=list(HealthCheck))
 
 
-def test_everything_a_user_can_write_is_carried_out_or_refused_by_name() -> None:
-    """Three hundred examples of every kind, the solver's first steps included."""
+@pytest.mark.parametrize("examples", [100, pytest.param(300, marks=pytest.mark.long)])
+def test_everything_a_user_can_write_is_carried_out_or_refused_by_name(examples: int) -> None:
+    """So many examples of every kind, the solver's first steps included."""
     script = Path(__file__).with_name("fuzz.py")
-    done = subprocess.run([sys.executable, str(script), "--examples", "300"], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, str(script), "--examples", f"{examples}"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     counts = {outcome.strip(): int(count.replace(",", "")) for count, outcome in re.findall(r"([\d,]+)  all +(.*)", done.stdout)}
-    assert sum(counts.values()) > 290
-    assert counts["accepted, run"] > 30, "the examples are refused too often to say anything of what comes after"
+    assert sum(counts.values()) > 0.96 * examples
+    assert counts["accepted, run"] > 0.1 * examples, "the examples are refused too often to say anything of what comes after"
 
 
 @pytest.mark.parametrize("name", MODELS)

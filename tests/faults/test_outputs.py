@@ -219,7 +219,7 @@ def test_a_log_is_utf8_whatever_is_written(tmp_path: Path) -> None:
 # ---------------------------------------------------------------- who reads
 
 
-@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("unbuffered", ["", pytest.param("1", marks=pytest.mark.long)])
 def test_a_reader_that_has_enough(unbuffered: str) -> None:
     for command in (["reference", "scene"], ["--help"]):
         reading, writing = os.pipe()
@@ -234,7 +234,7 @@ def test_a_reader_that_has_enough(unbuffered: str) -> None:
         assert (done.returncode, done.stderr) == (1, b"")
 
 
-@pytest.mark.parametrize("unbuffered", ["", "1"])
+@pytest.mark.parametrize("unbuffered", ["", pytest.param("1", marks=pytest.mark.long)])
 def test_output_that_is_lost_is_told(unbuffered: str) -> None:
     with open("/dev/full", "wb") as full:
         done = subprocess.run(

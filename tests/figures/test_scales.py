@@ -21,7 +21,9 @@ def test_an_acceleration_is_shown_in_g_as_well(axis: str, kind: str) -> None:
     scale = also_in_g(ax, axis)  # type: ignore[arg-type]
     FigureCanvasAgg(figure).draw()
     assert scale.get_label_text() == "(g)"
-    assert np.sort(scale.get_view_interval()) == pytest.approx([1.0 / GRAVITY, 2.0]) and scale.get_scale().endswith("log") == (kind == "log")
+    assert np.sort(scale.get_view_interval()) == pytest.approx([1.0 / GRAVITY, 2.0]) and scale.get_scale().endswith("log") == (
+        kind == "log"
+    )
 
 
 def test_a_ground_motion_is_drawn_in_both() -> None:

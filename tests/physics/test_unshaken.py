@@ -72,6 +72,7 @@ def framed() -> Callable[[float], xr.Dataset]:
     return made
 
 
+@pytest.mark.long
 def test_the_interval_of_frames_decides_no_number(framed: Callable[[float], xr.Dataset]) -> None:
     usual = framed(0.25)
     expected = measure(usual)

@@ -71,7 +71,7 @@ def test_what_costs_more(small_slope: Builder) -> None:
 
 
 def test_a_file_is_about_as_large_as_predicted(small_slope: Builder, tmp_path: Path) -> None:
-    scene = small_slope({"numerics.spacing": 2.5, "numerics.time_step": 5e-4, "outputs.frame_interval": 0.05})
+    scene = small_slope({"numerics.spacing": 2.5, "numerics.time_step": 2e-3, "outputs.frame_interval": 0.05})
     result = run_to_file(scene, tmp_path / "run.nc", say=lambda line: None)
     assert result.trajectory.sizes["frame"] == 61 and trajectory.read(tmp_path / "run.nc").attrs["status"] == "complete"
     found = cost(scene)

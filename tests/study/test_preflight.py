@@ -18,7 +18,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_digest, run_to_file
 from sph.solver.run import run
-from sph.stability.extrapolation import extrapolated
+from sph.stability.extrapolation import Extrapolated, extrapolated
 from sph.stability.newmark import sliding_block
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.standing import static_scene
@@ -133,7 +133,14 @@ def test_thin_layers_have_two_rows_in_the_quick_tests() -> None:
         assert quick_spacings(scene(**{"numerics.spacing": 0.4, "layers": clay})) == pytest.approx((1.0, expected))
 
 
-def test_each_slope_and_each_residual_strength_is_tested_once() -> None:
+def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    searched: list[Extrapolated] = []
+
+    def recorded(*arguments: Any, **options: Any) -> Extrapolated:
+        searched.append(extrapolated(*arguments, **options))
+        return searched[-1]
+
+    monkeypatch.setattr("sph.study.preflight.extrapolated", recorded)
     scenes = {f"{ratio}-{rate}": scene(**{"coupling.S_R": ratio, "coupling.gamma": rate}) for ratio in (0.3, 0.9) for rate in (1.0, 9.0)}
     said: list[str] = []
     rows = study_stability(scenes, said.append, ["factor-of-safety"])
@@ -144,10 +151,9 @@ def test_each_slope_and_each_residual_strength_is_tested_once() -> None:
         ("factor-of-safety", 4, "0.3-1.0"),
     ]
     assert len(said) == 4, "a slope, two residual strengths, a search"
-    slope = scenes["0.3-1.0"]
-    coarse, fine = quick_spacings(slope)
-    found = extrapolated(factor_of_safety, slope, QUICK_TOLERANCE, asked=(coarse, fine))
-    assert coarse / fine == pytest.approx(QUICK_RATIO), "the rule leaves no coarser one at this spacing"
+    (found,) = searched
+    assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(QUICK_RATIO)
+    assert all(search.upper - search.lower <= QUICK_TOLERANCE * search.value for search in found.searches)
     assert rows[-1].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, {found.how}")
 
 
@@ -182,7 +188,7 @@ def test_each_slope_is_searched() -> None:
 def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(quick_scene(scene()), DEFAULT_RULE)).seconds)
     scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}
-    rows = study_stability(scenes, lambda line: None, ["factor-of-safety"])
+    rows = study_stability(scenes, lambda line: None, [])
     assert ("stability-unknown", "0.9") in {(row.finding.code, row.first_run) for row in rows}
 
 

@@ -74,7 +74,8 @@ def write_config(folder: Path, **changes: Any) -> tuple[str, str]:
 def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
     """Folder of a finished small study."""
     folder = tmp_path_factory.mktemp("study")
-    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, "numerics.spacing": 2.5, "numerics.time_step": 5e-4})
+    numerics = {"numerics.spacing": 2.5, "numerics.smoothing_ratio": 1.3, "numerics.time_step": 5e-4}
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
     once = {"all": 1, "preflight": 1, "gravity": 1, "yield_acceleration": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
@@ -267,7 +268,7 @@ def test_a_branched_run_is_repeated_from_the_start(finished: Path, tmp_path: Pat
     assert {name: value for name, value in one.items() if name not in TIMINGS} == {
         name: value for name, value in other.items() if name not in TIMINGS
     }
-    assert one["displacement_magnitude"] > 0.1
+    assert one["displacement_magnitude"] > 0.05, "it slid"
 
 
 # ---------------------------------------------------------------- faults
@@ -352,7 +353,7 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     assert before and all(path.read_bytes() == data for path, data in before.items())
     # The remedy is the one that the line names.
     stage.unlink()
-    assert snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN).returncode == 0
+    assert planned_jobs(copied, *write_config(copied), "--", RUN) == {"trunk": 1, "simulate": 1}
 
 
 @pytest.mark.long
