@@ -14,7 +14,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from sph.experiments.cost_accuracy.design import PRESETS
 from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, Summary, non_dominated, summary
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled, write_note
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled, write_note, written
 
 MARKERS = "osD^v<>ph8PXdH*"
 """Markers of the parameters, beside their colours."""
@@ -104,7 +104,7 @@ def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure
                 ax.plot(0.0, row["extrapolated"], linestyle="", marker="*", markersize=9, color=look["color"], clip_on=False)
         ax.set(xlabel="particle spacing (m)", xlim=(0.0, None), ylim=(0.0, 1.08 * ax.dataLim.y1))
     label_panels(axes, [LABELS.get(quantity, quantity) for quantity in quantities])
-    handles = [Line2D([], [], label=case, **look) for look, case in zip(looks, cases, strict=True)]
+    handles = [Line2D([], [], label=written(case), **look) for look, case in zip(looks, cases, strict=True)]
     figure.legend(handles=handles, loc="outside upper center", ncols=len(cases), handlelength=3.2)
     write_note(figure, f"made on {table['machine'].iloc[0]}")
     return figure
