@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from test_sensitivity import METRIC, planned, sample_of, space_filling, unit_axes
+import yaml
+from test_sensitivity import CONFIG, METRIC, ROOT, SHIPPED, planned, sample_of, space_filling, unit_axes
 
 from sph.experiments.sensitivity.back_analysis import (
     ALONE,
@@ -28,11 +29,13 @@ from sph.experiments.sensitivity.back_analysis import (
     posterior_columns,
     problem_of,
 )
-from sph.experiments.sensitivity.design import Axis, Observation, Quantity, SobolSettings, chosen_points
+from sph.experiments.sensitivity.design import Axis, Observation, Quantity, SobolSettings, chosen_points, load_sensitivity
 from sph.experiments.sensitivity.posterior import CONFIDENCE, Prediction, Predictor, Target, alone, posterior, predictor
 from sph.experiments.sensitivity.surrogate import TRUSTED, sobol_tables
 from sph.figures.back_analysis import figure_back_analysis
 from sph.page.tables import csv_table
+from sph.paper.study import load_study
+from sph.scene.configuration import read_yaml
 from sph.study.tables import read_csv, write_csv
 
 HALF = 1.645
@@ -172,7 +175,7 @@ def test_a_table_says_what_is_known_only_with_the_others_and_what_not_at_all() -
     assert table["median"][1] == pytest.approx(10.0, rel=0.05), "the middle of the decades"
 
 
-def test_what_is_not_reached_is_said_with_the_nearest() -> None:
+def test_what_is_not_reached_is_said_with_the_nearest(tmp_path: Path) -> None:
     problem, (table, points, _) = analysed((-20.0, 0.0), 21.0, ["S_R"])
     row = table.iloc[0]
     assert row["determined"] == NOT_REACHED and math.isnan(row["median"]) and row["distance"] == pytest.approx(16.0, rel=0.03)
@@ -181,6 +184,9 @@ def test_what_is_not_reached_is_said_with_the_nearest() -> None:
         row["sentence"]
         == "Nothing within S_R 0.1 to 0.5 agrees with an observed run-out of 21 ± 1 m: the nearest is run-out 5 m at S_R 0.1."
     )
+    both = analysed((-20.0, 0.0), 21.0, ["S_R", "gamma"])[1][0]
+    write_csv(both, tmp_path / "both.csv")
+    assert len(both) == 2 and len(csv_table(tmp_path / "both.csv", "").sentences) == 1, "the page says it once"
     drawn = figure_back_analysis(
         table, analysed((-20.0, 0.0), 21.0, ["S_R"])[1][2], confirmed(problem, points, [5.0]), sampled((-20.0, 0.0)), problem
     )
@@ -273,6 +279,19 @@ def test_refusals_name_file_key_and_value(tmp_path: Path, back: dict[str, Any], 
 def test_a_factor_that_the_sample_does_not_vary_is_not_sought(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"back_analysis.over: 'gamma' is not one of S_R, height"):
         planned(tmp_path, {"sobol": {"factors": ["S_R", "height"]}, "back_analysis": RUNOUT | {"over": ["gamma"]}})
+
+
+def test_the_shipped_example_stands() -> None:
+    data = read_yaml(ROOT / "config" / "studies" / "back_analysis.yaml")
+    plan = load_sensitivity(data["experiments"]["sensitivity"], load_study(CONFIG | data, [ROOT]), [ROOT])
+    assert [axis.name for axis in plan.axes] == ["S_R", "gamma"] and plan.sought == () and plan.observations[0].error == 1.0
+
+
+def test_one_factor_is_enough(tmp_path: Path) -> None:
+    one = SHIPPED | {"factors": {"S_R": SHIPPED["factors"]["S_R"]}, "sobol": {"samples": 8, "factors": ["S_R"]}}
+    (tmp_path / "sensitivity.yaml").write_text(yaml.safe_dump(one))
+    plan = load_sensitivity("sensitivity.yaml", load_study(CONFIG, [ROOT]), [tmp_path])
+    assert len(plan.design("morris")) == 20 and len(plan.design("sobol", ["S_R"])) == 8
 
 
 def test_without_an_observation_the_key_to_write_is_named(tmp_path: Path) -> None:
