@@ -23,7 +23,7 @@ from sph.experiments.assumptions import LIMITS, run_name
 from sph.experiments.cost_accuracy.table import TRADE, measured_run
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.robustness import EXTREMES, measure_extreme
-from sph.experiments.sensitivity.design import SensitivityPlan, chosen_factors, load_sensitivity
+from sph.experiments.sensitivity.design import SensitivityPlan, load_sensitivity
 from sph.experiments.sensitivity.tables import sample_columns
 from sph.experiments.study_row import run_values
 from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
@@ -151,7 +151,7 @@ class Project:
             each.folder: functools.partial(self._scenes, each.name) for each in EXPERIMENTS.values()
         }
         alone[VALIDATION_FOLDER] = lambda: {name: run.scene for name, run in self.suite.runs.items()}
-        alone[f"{self.plan.folder}/sensitivity"] = lambda: self.sensitivity.all_scenes(self._factors)
+        alone[f"{self.plan.folder}/sensitivity"] = lambda: self.sensitivity.all_scenes(self.folder / self.plan.folder / "sensitivity")
         for folder, runs in alone.items():
             if Path(folder) in Path(file).parents:
                 if folder not in self._known:
@@ -177,11 +177,6 @@ class Project:
 
     def _files(self, plan: Plan, points: Mapping[str, Point]) -> dict[str, tuple[Plan, Point | None]]:
         return {f"{plan.folder}/stages/{SEARCH}.nc": (plan, None), **{file: (plan, point) for file, point in plan.files(points).items()}}
-
-    @property
-    def _factors(self) -> list[str]:
-        chosen = self.folder / self.plan.folder / "sensitivity" / "factors.json"
-        return chosen_factors(chosen) if chosen.is_file() else []
 
     def table(self, file: str) -> Table:
         """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""

@@ -32,6 +32,7 @@ from sph.experiments.cost_accuracy.design import PRESETS
 from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, summary
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.robustness import REFUSED, TIME_STEP, read_extremes
+from sph.experiments.sensitivity.back_analysis import BACK_ANALYSIS, MEASURED, PREDICTED
 from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
@@ -403,6 +404,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "sobol_variables": lambda: _variables(SOBOL),
     "cross_validation_variables": lambda: _variables(CROSS_VALIDATION),
     "confirmation_variables": lambda: _variables(CONFIRMED),
+    "back_variables": lambda: _variables(BACK_ANALYSIS),
+    "back_confirmed_variables": lambda: _variables((*PREDICTED, *MEASURED)),
     "trigger_keys": lambda: _keys(Trigger),
     "trigger_variables": lambda: _variables(critical_columns(_searched())),
     "fragility_variables": lambda: _variables(fit_columns("m s-2")),

@@ -1,7 +1,7 @@
 """The simulations of targets beside the study that have been started: trigger, maps, confirm and sensitivity (``sph status``).
 
 The rounds of a search follow from each other, so that its runs are known round by round; those of the sample of indices and of its
-confirmation are known once the screening has chosen the factors.
+confirmation are known once the screening has chosen the factors, those of a back-analysis once its points are.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import sph
 from sph.command.status import Job, Kind
-from sph.experiments.sensitivity.design import chosen_factors, load_sensitivity
+from sph.experiments.sensitivity.design import BACK_FILE, FACTORS_FILE, load_sensitivity
 from sph.experiments.trigger.design import load_trigger
 from sph.scene.schema import make_scene
 from sph.study.dimensions import point_name
@@ -25,7 +25,8 @@ def target_jobs(plan: Plan, folder: Path) -> list[Job]:
 
     ValueError names what is wrong with a configuration of theirs.
     """
-    tables = [table for name in ("trigger/rounds/*-wanted.csv", "sensitivity", "sensitivity/factors.json") for table in folder.glob(name)]
+    names = ("trigger/rounds/*-wanted.csv", "sensitivity", f"sensitivity/{FACTORS_FILE}", f"sensitivity/{BACK_FILE}")
+    tables = [table for name in names for table in folder.glob(name)]
     return list(_listed(plan, folder, tuple((table, table.stat().st_mtime_ns) for table in tables)))
 
 
@@ -57,8 +58,6 @@ def _sampled(plan: Plan, folder: Path, folders: Sequence[Path]) -> Iterator[Job]
     if not place.is_dir():
         return
     sensitivity = load_sensitivity(plan.experiment_file("sensitivity"), plan, folders, check=False)
-    factors = chosen_factors(place / "factors.json") if (place / "factors.json").is_file() else []
-    for design in ("morris", "tornado", "sobol", "confirm"):
-        for run in sensitivity.design(design, factors) if factors or design in ("morris", "tornado") else ():
-            scene = make_scene(sensitivity.scene(design, run, factors), f"{sensitivity.origin}: {design}/{run}")
-            yield Job(Kind.RUN, f"sensitivity {design}", f"{design}/{run}", f"runs/{design}/{run}.nc", scene, "sensitivity", "sensitivity")
+    for name, scene in sensitivity.all_scenes(place).items():
+        made = make_scene(scene, f"{sensitivity.origin}: {name}")
+        yield Job(Kind.RUN, f"sensitivity {name.partition('/')[0]}", name, f"runs/{name}.nc", made, "sensitivity", "sensitivity")

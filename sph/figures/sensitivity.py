@@ -11,20 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from sph.experiments.sensitivity.design import ENDS, Axis
+from sph.experiments.sensitivity.design import ENDS, Axis, metric_words
 from sph.experiments.sensitivity.surrogate import KINDS, TRUSTED
 from sph.figures.style import GREY, WIDTH, colour_map, curve_colours, label_panels, styled, write_note
 
 MARKERS = "osD^v<>phXP*"
 """Factors differ by these as well as by colour."""
-WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "area_moved_50cm": "area moved by 0.5 m"}
 GUIDES = {1.0: "σ = μ*", 0.1: "σ = 0.1 μ*"}
 """Slopes of the lines in the screening: above the first a factor acts unevenly or together with others, below the last evenly."""
 UNTRUSTED_COLOUR = "firebrick"
-
-
-def _words(metric: str) -> str:
-    return WORDS.get(metric, metric.replace("_", " "))
 
 
 def _panels(table: pd.DataFrame, height: float) -> tuple[Figure, dict[str, Axes]]:
@@ -97,7 +92,7 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
             lost = np.flatnonzero(np.isnan(reach))
             ax.plot(np.full(lost.size, base), lost + shift, linestyle="", marker="x", color=UNTRUSTED_COLOUR)
         ax.axvline(base, color="black", linewidth=0.8)
-        ax.set(xlabel=f"{_words(metric)}{_unit(rows['units'].iloc[0])}", yticks=np.arange(len(order)), yticklabels=[])
+        ax.set(xlabel=f"{metric_words(metric)}{_unit(rows['units'].iloc[0])}", yticks=np.arange(len(order)), yticklabels=[])
         ax.tick_params(axis="y", length=0)
         ax.spines["left"].set_visible(False)
         ax.margins(x=0.06, y=0.02)
@@ -109,7 +104,7 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
         ],
         fontsize=7,
     )
-    label_panels(axes.values(), [_words(metric) for metric in axes])
+    label_panels(axes.values(), [metric_words(metric) for metric in axes])
     handles = [Line2D([], [], color=colour, linewidth=6, label=f"{end} end of the range") for end, colour in colours.items()]
     handles.append(Line2D([], [], color="black", linewidth=0.8, label="scene as it is"))
     figure.legend(handles=handles, loc="outside upper center", ncols=3)
@@ -164,7 +159,7 @@ def _state(ax: Axes, text: str, verdict: str, corner: Literal["top", "bottom"]) 
 
 def _title(table: pd.DataFrame, metric: str) -> str:
     logarithmic = table[table["metric"] == metric]["quantity"].iloc[0] != metric
-    return f"{_words(metric)}{', log' if logarithmic else ''}"
+    return f"{metric_words(metric)}{', log' if logarithmic else ''}"
 
 
 @styled
@@ -186,6 +181,6 @@ def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: st
         ax.set(xlabel=f"computed{scale}", ylabel=f"predicted{scale}")
         text = f"Q² = {facts['q2']:.2f}, RMSE {_short(facts['rmse'])}{_bare(facts['units'])}"
         _state(ax, text, facts["verdict"], "bottom")
-    label_panels(axes.values(), [_words(metric) for metric in axes])
+    label_panels(axes.values(), [metric_words(metric) for metric in axes])
     write_note(figure, note)
     return figure

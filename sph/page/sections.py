@@ -127,6 +127,20 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
             "*/sensitivity/figures/cross_validation.png": Drawing("Cross-validation", "Predicted and computed answers of runs left out."),
         },
     ),
+    Section(
+        "Back-analysis",
+        "The values of the parameters that agree with what was observed.",
+        "snakemake --cores 2 back_analysis",
+        tables={
+            "*/sensitivity/back_analysis.csv": "Values and intervals, and what they say",
+            "*/sensitivity/back_confirmed.csv": "Runs at the best point and at the ends of the intervals",
+        },
+        figures={
+            "*/sensitivity/figures/back_analysis.png": Drawing(
+                "Back-analysis", "What was observed, the surrogate and the runs over the parameters sought."
+            )
+        },
+    ),
 )
 DOCS = {
     "Speed and accuracy": "docs/evidence/cost-accuracy.md",

@@ -83,6 +83,7 @@ def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()
         at, case = head.index(SENTENCE), head.index("case") if "case" in head else None
         several = case is not None and len({row[case] for row in rows}) > 1
         sentences = [f"{row[case]}: {row[at]}" if several and case is not None else row[at] for row in rows[:MOST_ROWS]]
+        sentences = list(dict.fromkeys(sentences))
         head, *rows = (row[:at] + row[at + 1 :] for row in (head, *rows))
     note = f"The first {MOST_ROWS} of {len(rows)} rows." if len(rows) > MOST_ROWS else ""
     units = {row.name: f"{row.name} ({row.units})" for row in variables if row.units != "1"}

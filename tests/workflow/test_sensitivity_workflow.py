@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 from sph.command.cli import app
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import SOBOL
+from sph.measures.metrics import measure
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.storage import trajectory
@@ -129,6 +130,34 @@ def test_a_larger_analysis_runs_only_what_is_new(analysed: Path, tmp_path: Path)
     after = {path: path.stat().st_mtime_ns for path in folder.glob(f"{FOLDER}/runs/**/*.nc")}
     assert len(after) == len(before) + 3 + 2 and before.items() <= after.items()
     assert len(pd.read_csv(folder / FOLDER / "samples" / "sobol.csv")) == 10
+
+
+def test_a_back_analysis_adds_its_own_runs_to_the_sample(analysed: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = Path(shutil.copytree(analysed, tmp_path / "back"))
+    result = snakemake(folder, "--dry-run", *written(folder), "--", "back_analysis")
+    text = result.stdout + result.stderr
+    assert result.returncode != 0 and "sensitivity.yaml: back_analysis: null: write what was observed" in text
+    seen = pd.read_csv(folder / FOLDER / "samples" / "sobol.csv")["displacement_magnitude"].median()
+    back = {"back_analysis": {"observed": {"displacement_magnitude": {"value": float(seen), "error": 0.2}}, "over": ["S_R"]}}
+    config = written(folder, back)
+    result = snakemake(folder, "--cores", "2", *config, "--", "back_analysis")
+    assert result.returncode == 0, result.stderr
+    place = folder / FOLDER
+    table, confirmed = pd.read_csv(place / "back_analysis.csv"), pd.read_csv(place / "back_confirmed.csv")
+    assert table["factor"].tolist() == ["S_R"] and 0.1 <= table["best"][0] <= 0.5
+    with xr.open_dataset(place / "back_analysis.nc") as ds:
+        assert ds["median"].values == pytest.approx(table["median"]) and "interval" in ds["lower"].attrs["long_name"]
+    assert len(list((place / "runs" / "back").rglob("*.nc"))) == len(confirmed) == (1 if table["median"].isna()[0] else 3)
+    for row in confirmed.to_dict("records"):
+        run = trajectory.read(place / "runs" / "back" / f"{row['run']}.nc")
+        scene = trajectory.scene_of(run)
+        assert (scene.coupling.S_R, scene.motion.amplitude) == (pytest.approx(row["S_R"]), row["amplitude"])
+        assert measure(run)["displacement_magnitude"] == pytest.approx(row["measured"])
+    assert (place / "figures" / "back_analysis.png").read_bytes().startswith(b"\x89PNG")
+    assert planned_jobs(folder, *config, "--", "back_analysis") == {}
+    monkeypatch.chdir(folder)
+    told = CliRunner().invoke(app, ["explain", f"{FOLDER}/samples/back.csv", "--configfile", "study.yaml"])
+    assert told.exit_code == 0 and f"{len(confirmed)} of {len(confirmed)} rows agree" in told.stdout, told.output
 
 
 def test_ranges_that_cannot_be_built_are_refused_before_any_job(analysed: Path) -> None:

@@ -1,5 +1,5 @@
 # Purpose: functions of wildcards that rules share: scenes of stages and runs, what they ask of a cluster, what a design varies.
-# Inputs:  the plans of studies and experiments; the factors chosen by the screening.
+# Inputs:  the plans of studies and experiments; the factors chosen by the screening and the points of a back-analysis.
 # Outputs: functions for the input, resources and params of rules
 from sph.experiments.base import Run
 from sph.study.cost import Needs, needs
@@ -43,19 +43,21 @@ def asking_run(wildcards):
     return experiment_run(wildcards)
 
 
-def factors_of(wildcards):
-    """The file that must be there before the scene of a run is known: of the factors that matter, where a design varies those."""
-    late = wildcards.experiment == SENSITIVITY and not wildcards.run.startswith(
-        ALL_FACTORS
-    )
-    return FACTORS if late else []
+def known_by(design):
+    """The file that must be there before the scenes of a design are known: of the factors that matter, or of the points of a back-analysis."""
+    if design in ALL_FACTORS:
+        return []
+    return BACK_POINTS if design == BACK else FACTORS
 
 
 def varied(design):
-    """Factors that a design varies beside those that vary all: the ones that matter, once they are known.
+    """What a design varies beside those that vary all: the factors that matter, or the points of a back-analysis, once they are known.
 
     No function of ``input``: Snakemake runs nothing again for a parameter that is made from it.
     """
     if design in ALL_FACTORS:
         return []
+    if design == BACK:
+        known = checkpoints.back_analysis_points.get().output.points
+        return chosen_points(known, DESIGNS().axes)
     return chosen_factors(checkpoints.sensitivity_factors.get().output[0])

@@ -1,14 +1,24 @@
-# Purpose: which factors decide the answer (`snakemake --cores 2 sensitivity`): screening, one at a time, indices.
+# Purpose: which factors decide the answer (`snakemake --cores 2 sensitivity`): screening, one at a time, indices; which values of theirs
+#          agree with what was observed (`snakemake --cores 2 back_analysis`).
 # Inputs:  config/sensitivity.yaml (config: experiments), the study's scene and fidelity; the sources of solver, analysis and drawing.
 # Outputs: results/<study>/<fidelity>/sensitivity: runs/<design>/*.nc, samples/*.csv, factors.json, morris.csv, tornado.csv, sobol.csv,
-#          cross_validation.csv, confirm.csv, sample.csv, sample.nc, figures/*
+#          cross_validation.csv, confirm.csv, back_analysis.csv, back_analysis.nc, back_points.csv, back_posterior.nc, back_confirmed.csv,
+#          sample.csv, sample.nc, figures/*
 import functools
 
-from sph.experiments.sensitivity.design import chosen_factors, load_sensitivity
+from sph.experiments.sensitivity.design import (
+    BACK,
+    BACK_FILE,
+    FACTORS_FILE,
+    chosen_factors,
+    chosen_points,
+    load_sensitivity,
+)
 from sph.experiments.sensitivity.tables import described
 
 SENSITIVITY = f"{RESULTS}/sensitivity"
-FACTORS = f"{SENSITIVITY}/factors.json"
+FACTORS = f"{SENSITIVITY}/{FACTORS_FILE}"
+BACK_POINTS = f"{SENSITIVITY}/{BACK_FILE}"
 ALL_FACTORS = ("morris", "tornado")  # designs that vary every factor
 SAMPLE_OF = {
     "morris": "morris",
@@ -29,7 +39,7 @@ RUN_OF[SENSITIVITY] = lambda name: Run(DESIGNS().run_scene(name, varied))
 
 
 wildcard_constraints:
-    design="morris|tornado|sobol|confirm",
+    design="morris|tornado|sobol|confirm|back",
 
 
 rule sensitivity:
@@ -45,12 +55,26 @@ rule sensitivity:
             figure=SAMPLE_OF,
             kind=["png", "pdf"],
         ),
+        lambda wildcards: (
+            rules.back_analysis.input if DESIGNS().settings.back_analysis else []
+        ),
+
+
+rule back_analysis:
+    """Which values of the factors agree with what was observed: tables and figure."""
+    input:
+        expand(
+            "{sensitivity}/{file}",
+            sensitivity=SENSITIVITY,
+            file=["back_analysis.csv", "back_analysis.nc", "back_confirmed.csv"]
+            + ["figures/back_analysis.png", "figures/back_analysis.pdf"],
+        ),
 
 
 rule sensitivity_measure:
     """Measure every run of a design."""
     input:
-        factors=lambda wildcards: [] if wildcards.design in ALL_FACTORS else FACTORS,
+        factors=lambda wildcards: known_by(wildcards.design),
         runs=lambda wildcards: [
             f"{SENSITIVITY}/runs/{wildcards.design}/{run}.nc"
             for run in DESIGNS().design(wildcards.design, varied(wildcards.design))
@@ -82,7 +106,8 @@ rule sensitivity_sample:
             "{sensitivity}/samples/{design}.csv",
             sensitivity=SENSITIVITY,
             design=["morris", "tornado", "sobol"]
-            + ["confirm"] * bool(DESIGNS().confirmed),
+            + ["confirm"] * bool(DESIGNS().confirmed)
+            + [BACK] * bool(DESIGNS().settings.back_analysis),
         ),
     output:
         nc=f"{SENSITIVITY}/sample.nc",
@@ -138,6 +163,7 @@ checkpoint sensitivity_factors:
         f"{SENSITIVITY}/logs/factors.log",
     params:
         factors=lambda wildcards: DESIGNS().settings.sobol.factors,
+        sought=lambda wildcards: DESIGNS().sought,
         share=lambda wildcards: DESIGNS().settings.sobol.share,
     script:
         "../scripts/sensitivity/choose_factors.py"
@@ -247,3 +273,69 @@ rule sensitivity_figure:
         fidelity=PLAN.study.fidelity,
     script:
         "../scripts/sensitivity/draw_sensitivity.py"
+
+
+checkpoint back_analysis_points:
+    """The values of the factors that agree with what was observed, and the points that runs confirm."""
+    input:
+        factors=FACTORS,
+        sample=f"{SENSITIVITY}/samples/sobol.csv",
+        indices=f"{SENSITIVITY}/sobol.csv",
+        validation=f"{SENSITIVITY}/cross_validation.csv",
+    output:
+        csv=report(
+            f"{SENSITIVITY}/back_analysis.csv",
+            caption="../report/back_analysis.rst",
+            category="Back-analysis",
+            labels={"shows": "values and intervals"},
+        ),
+        nc=f"{SENSITIVITY}/back_analysis.nc",
+        points=BACK_POINTS,
+        posterior=f"{SENSITIVITY}/back_posterior.nc",
+    log:
+        f"{SENSITIVITY}/logs/back_analysis.log",
+    params:
+        sources=ANALYSIS,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        sought=lambda wildcards: DESIGNS().sought,
+        observations=lambda wildcards: DESIGNS().observations,
+    script:
+        "../scripts/sensitivity/analyse_back.py"
+
+
+rule back_analysis_confirmed:
+    """Runs at the best point and at the ends of the intervals beside what was predicted there: table and figure."""
+    input:
+        factors=FACTORS,
+        sample=f"{SENSITIVITY}/samples/sobol.csv",
+        result=f"{SENSITIVITY}/back_analysis.csv",
+        points=BACK_POINTS,
+        posterior=f"{SENSITIVITY}/back_posterior.nc",
+        runs=f"{SENSITIVITY}/samples/{BACK}.csv",
+    output:
+        csv=report(
+            f"{SENSITIVITY}/back_confirmed.csv",
+            caption="../report/back_analysis.rst",
+            category="Back-analysis",
+            labels={"shows": "runs that confirm"},
+        ),
+        png=report(
+            f"{SENSITIVITY}/figures/back_analysis.png",
+            caption="../report/back_analysis.rst",
+            category="Back-analysis",
+            labels={"shows": "figure"},
+        ),
+        pdf=f"{SENSITIVITY}/figures/back_analysis.pdf",
+    log:
+        f"{SENSITIVITY}/logs/back_confirmed.log",
+    params:
+        sources=DRAWING,
+        axes=lambda wildcards: DESIGNS().axes,
+        quantities=lambda wildcards: DESIGNS().quantities,
+        sought=lambda wildcards: DESIGNS().sought,
+        observations=lambda wildcards: DESIGNS().observations,
+        described=lambda wildcards, input: described(input.sample),
+        fidelity=PLAN.study.fidelity,
+    script:
+        "../scripts/sensitivity/confirm_back.py"

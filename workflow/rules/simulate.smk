@@ -74,7 +74,11 @@ rule simulate:
 rule experiment_run:
     """Run a scene of an experiment from the start to the end, or search its limit by many runs, on one core."""
     input:
-        factors=factors_of,
+        factors=lambda wildcards: (
+            known_by(wildcards.run.partition("/")[0])
+            if wildcards.experiment == SENSITIVITY
+            else []
+        ),
     output:
         "{experiment}/runs/{run}.nc",
     log:

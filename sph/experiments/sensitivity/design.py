@@ -3,7 +3,8 @@
 Three designs.  *Morris* trajectories screen all factors (``elementary_effects``); *tornado* moves one factor at a time to
 both ends of its range; *Sobol'* fills the space of the factors that matter, others at the scene's own values, for a surrogate and its
 indices (``surrogate``).  Enlarging a design keeps its first runs: every trajectory has a seed of its own, and a longer
-scrambled Sobol' sequence begins as a shorter one.  Some points of the last design can be confirmed at another fidelity.
+scrambled Sobol' sequence begins as a shorter one.  Some points of the last design can be confirmed at another fidelity.  The points at
+which a back-analysis is confirmed by runs follow from its result (``back_analysis``).
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
+import pandas as pd
 from pydantic import Field, model_validator
 
 from sph.experiments.base import Label, Overrides, checked
@@ -37,6 +39,10 @@ ENDS = ("low", "high")
 """Ends of a factor's range, in the order of its bounds."""
 CONFIRM = "confirm"
 """Design of the runs that repeat others at another fidelity."""
+BACK = "back"
+"""Design of the runs that confirm a back-analysis."""
+FACTORS_FILE, BACK_FILE = "factors.json", "back_points.csv"
+"""Files that say what a design runs: the factors that matter, and the points of ``BACK``."""
 
 SAMPLE: tuple[Variable, ...] = (
     text_column("run", "file of the run under runs/, without suffix"),
@@ -124,16 +130,35 @@ class Confirm(Section):
     points: int = key("how many, the first of the Sobol' sample", ge=1, le=1000)
 
 
+class Observed(Section):
+    """What was observed of a metric."""
+
+    value: float = key("observed value, in the metric's unit")
+    error: float = key("standard deviation of the observation, in the same unit", gt=0)
+
+
+class BackAnalysis(Section):
+    """Which values of the factors agree with what was observed."""
+
+    observed: dict[Name, Observed] = key("what was observed, by metrics that are analysed", min_length=1)
+    over: tuple[str, ...] | None = key(
+        "factors whose values are sought; all others keep the scene's own; null: those that the Sobol' sample varies",
+        min_length=1,
+        default=None,
+    )
+
+
 class Sensitivity(Section):
     """The configuration."""
 
     overrides: Overrides = key("scene keys of every run, over those of the fidelity", default={})
     seed: int = key("seed of trajectories, sequence, cross-validation and draws", ge=0, le=2**31, default=1)
-    factors: dict[Name, Factor] = key("the factors, by name", min_length=2, max_length=12)
+    factors: dict[Name, Factor] = key("the factors, by name", min_length=1, max_length=12)
     metrics: dict[Name, Analysed] = key("the metrics that are analysed, by their names in study.csv", min_length=1, max_length=6)
     morris: MorrisSettings = key("screening of all factors by elementary effects", default=MorrisSettings())
     sobol: SobolSettings = key("indices of the factors that matter", default=SobolSettings())
     confirm: Confirm | None = key("points repeated at another fidelity", default=None)
+    back_analysis: BackAnalysis | None = key("values of the factors that agree with an observation", default=None)
 
     @model_validator(mode="after")
     def _known(self) -> Sensitivity:
@@ -148,6 +173,13 @@ class Sensitivity(Section):
             raise ValueError(f"factors: two of them set the key {next(path for path in paths if paths.count(path) > 1)}")
         if self.confirm and self.confirm.points > self.sobol.samples:
             raise ValueError(f"confirm.points: {self.confirm.points} is more than sobol.samples: {self.sobol.samples}")
+        if self.back_analysis:
+            check_known("back_analysis.observed", self.back_analysis.observed, self.metrics)
+            check_known("back_analysis.over", self.back_analysis.over, self.sobol.factors or self.factors)
+            for name, observed in self.back_analysis.observed.items():
+                least = self.metrics[name].log_offset
+                if least is not None and observed.value <= -least:
+                    raise ValueError(f"back_analysis.observed.{name}.value: {observed.value:g} must be above -log_offset, {-least:g}")
         return self
 
 
@@ -200,8 +232,39 @@ class Quantity(NamedTuple):
         """What is analysed, from metrics (n,); NaN stays NaN."""
         return values if self.log_offset is None else np.log10(values + self.log_offset)
 
+    def metric_of(self, analysed: np.ndarray) -> np.ndarray:
+        """Metrics (n,) from what is analysed."""
+        return analysed if self.log_offset is None else 10.0**analysed - self.log_offset
+
+
+class Observation(NamedTuple):
+    """An observed metric."""
+
+    quantity: Quantity
+    value: float
+    error: float
+    """its standard deviation"""
+
+    @property
+    def analysed(self) -> tuple[float, float]:
+        """Value and standard deviation of what is analysed; of a logarithm the latter to first order."""
+        offset = self.quantity.log_offset
+        error = self.error if offset is None else self.error / ((self.value + offset) * math.log(10.0))
+        return float(self.quantity.of(np.array(self.value))), error
+
+
+WORDS = {"displacement_magnitude": "displacement of A", "runout": "run-out", "area_moved_50cm": "area moved by 0.5 m"}
+"""Metrics that are not read as they are written."""
+
+
+def metric_words(metric: str) -> str:
+    """A metric as it is read."""
+    return WORDS.get(metric, metric.replace("_", " "))
+
 
 Point = tuple[float, ...]
+Chosen = Sequence[str] | Mapping[str, Point]
+"""What a design varies beside those that vary all: the names of the factors, or of ``BACK`` the points themselves."""
 
 
 class SensitivityPlan:
@@ -223,31 +286,52 @@ class SensitivityPlan:
         own, other = self.fidelities
         return self.settings.confirm.points if self.settings.confirm and other != own else 0
 
-    def design(self, design: str, chosen: Sequence[str] = ()) -> dict[str, Point]:
+    @property
+    def observations(self) -> list[Observation]:
+        """What was observed; ValueError where nothing was."""
+        if self.settings.back_analysis is None:
+            example = "back_analysis: {observed: {runout: {value: 21.0, error: 1.0}}}"
+            raise ValueError(f"{self.origin}: back_analysis: null: write what was observed, like {example}")
+        quantities = {quantity.metric: quantity for quantity in self.quantities}
+        return [Observation(quantities[name], seen.value, seen.error) for name, seen in self.settings.back_analysis.observed.items()]
+
+    @property
+    def sought(self) -> Sequence[str]:
+        """Factors that are sought whichever others matter."""
+        return (self.settings.back_analysis and self.settings.back_analysis.over) or ()
+
+    def design(self, design: str, chosen: Chosen = ()) -> dict[str, Point]:
         """Values of the factors of every run of a design, by name; ``chosen`` factors are varied in 'sobol' and 'confirm'."""
         if design in self._designs:
             return self._designs[design]
+        if isinstance(chosen, Mapping):
+            return dict(chosen)
         return dict(itertools.islice(self._sobol(chosen), self.confirmed if design == CONFIRM else None))
 
-    def scene(self, design: str, run: str, chosen: Sequence[str] = ()) -> dict[str, Any]:
+    def scene(self, design: str, run: str, chosen: Chosen = ()) -> dict[str, Any]:
         """Scene of a run of a design, as a mapping."""
         return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
 
-    def run_scene(self, name: str, chosen: Callable[[str], Sequence[str]]) -> dict[str, Any]:
-        """Scene of a run by its file, ``<design>/<run>``; ``chosen`` gives the factors that a design varies."""
+    def run_scene(self, name: str, chosen: Callable[[str], Chosen]) -> dict[str, Any]:
+        """Scene of a run by its file, ``<design>/<run>``; ``chosen`` gives what a design varies."""
         design, _, run = name.partition("/")
         return self.scene(design, run, chosen(design))
 
-    def all_scenes(self, chosen: Sequence[str]) -> dict[str, dict[str, Any]]:
-        """Scene of every run that is known with these factors chosen, by its file below ``runs``, without suffix."""
-        designs = (*self._designs, *(("sobol", CONFIRM) if chosen else ()))
+    def all_scenes(self, folder: Path) -> dict[str, dict[str, Any]]:
+        """Scene of every run that is known by what lies in the folder of results, by its file below ``runs``, without suffix."""
+        factors, points = folder / FACTORS_FILE, folder / BACK_FILE
+        known: dict[str, Chosen] = dict.fromkeys(self._designs, ())
+        if factors.is_file():
+            known |= dict.fromkeys(("sobol", CONFIRM), chosen_factors(factors))
+        if points.is_file() and self.settings.back_analysis:
+            known[BACK] = chosen_points(points, self.axes)
         return {
             f"{design}/{run}": scene
-            for design in designs
+            for design, chosen in known.items()
             for run, scene in zip(self.design(design, chosen), self.scenes(design, chosen), strict=True)
         }
 
-    def scenes(self, design: str, chosen: Sequence[str] = ()) -> list[dict[str, Any]]:
+    def scenes(self, design: str, chosen: Chosen = ()) -> list[dict[str, Any]]:
         """Scenes of all runs of a design, in their order."""
         return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]
 
@@ -329,6 +413,14 @@ class SensitivityPlan:
 def chosen_factors(path: Path | str | Sequence[str]) -> list[str]:
     """Names in the file of the factors that matter; none where there is no file."""
     return parse_json(Path(path).read_text(encoding="utf-8")) if isinstance(path, (str, Path)) else []
+
+
+def chosen_points(path: Path | str | Sequence[str], axes: Sequence[Axis]) -> dict[str, Point]:
+    """Points of ``BACK`` in their file, by name, a value a factor; none where there is no file."""
+    if not isinstance(path, (str, Path)):
+        return {}
+    table = pd.read_csv(path).set_index("run")[[axis.name for axis in axes]]
+    return {str(run): tuple(map(float, values)) for run, values in zip(table.index, table.to_numpy(), strict=True)}
 
 
 def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:

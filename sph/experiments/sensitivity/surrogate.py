@@ -69,6 +69,13 @@ CROSS_VALIDATION: tuple[Variable, ...] = (
 Function = Callable[[np.ndarray], np.ndarray]
 
 
+def known_runs(sample: pd.DataFrame, axes: Sequence[Axis], quantity: Quantity) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which runs (n,) of a sample have a value of the quantity, and of those the shares (m, d) of the ranges and the values (m,)."""
+    values = quantity.of(sample[quantity.metric].to_numpy())
+    known = np.isfinite(values)
+    return known, np.column_stack([axis.share(sample[axis.name].to_numpy()[known]) for axis in axes]), values[known]
+
+
 def fit_surrogate(shares: np.ndarray, values: np.ndarray) -> Any:
     """Gaussian process through values (n,) at shares of the ranges (n, d)."""
     gaussian, kernels = of_extra("sklearn.gaussian_process", "sensitivity"), of_extra("sklearn.gaussian_process.kernels", "sensitivity")
@@ -155,11 +162,9 @@ def sobol_tables(
     indices: list[dict[str, Any]] = []
     validation = [pd.DataFrame(columns=[column.name for column in CROSS_VALIDATION])]
     for quantity in quantities:
-        values = quantity.of(sample[quantity.metric].to_numpy())
-        known = np.isfinite(values)
-        if known.sum() < settings.folds:
-            raise ValueError(f"{quantity.metric}: {known.sum()} runs with a value are too few for sobol.folds: {settings.folds}")
-        values, shares = values[known], np.column_stack([axis.share(sample[axis.name].to_numpy()[known]) for axis in axes])
+        known, shares, values = known_runs(sample, axes, quantity)
+        if values.size < settings.folds:
+            raise ValueError(f"{quantity.metric}: {values.size} runs with a value are too few for sobol.folds: {settings.folds}")
         words = {"metric": quantity.metric, "quantity": quantity.text, "units": quantity.unit}
         rows = [words | counts | {"factor": axis.name, "verdict": f"{UNTRUSTED}: all runs have the same value"} for axis in axes]
         if np.ptp(values) > 0.0:

@@ -10,9 +10,12 @@ from sph.storage.files import whole
 from sph.study.tables import read_csv
 
 
-def choose_factors(paths_to_tables: Sequence[str], factors: Sequence[str] | None, share: float, path_to_names: str) -> None:
-    """Those given, or those that the table of the screening, the only path, finds."""
+def choose_factors(
+    paths_to_tables: Sequence[str], factors: Sequence[str] | None, sought: Sequence[str], share: float, path_to_names: str
+) -> None:
+    """Those given, or those that the table of the screening, the only path, finds, with those sought."""
     names = list(factors) if factors else influential(read_csv(paths_to_tables[0], MORRIS, "a screening"), share)
+    names += [name for name in sought if name not in names]
     with whole(path_to_names) as temporary:
         Path(temporary).write_text(to_json(names) + "\n", encoding="utf-8")
 
@@ -23,6 +26,7 @@ if __name__ == "__main__":
         choose_factors(
             snakemake.input,
             snakemake.params.factors,
+            snakemake.params.sought,
             snakemake.params.share,
             snakemake.output[0],
         )
