@@ -228,6 +228,8 @@ def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
 def motion_name(scene: Scene) -> str:
     """The scene's motion in words: its kind, of a record the file."""
     file = getattr(scene.motion, "file", None)
+    if (made := getattr(scene.motion, "stochastic", None)) is not None:
+        return f"synthetic motion, seed {made.seed}"
     return plain(f"record {Path(file).name}" if file else scene.motion.kind.replace("_", " "))
 
 

@@ -108,8 +108,14 @@ def shown_unit(unit: str) -> str:
     return PRINTED[unit] if unit in PRINTED else re.sub(r"(?<=[a-z])[23]", lambda power: "²³"[int(power[0]) - 2], unit)
 
 
-WORDS = {"S_R": "S_R", "gamma": "γ", "youngs_modulus": "Young's modulus", "poisson_ratio": "Poisson's ratio"}
-"""Last parts of keys that are not read as they are written."""
+WORDS = {
+    "S_R": "S_R",
+    "gamma": "γ",
+    "youngs_modulus": "Young's modulus",
+    "poisson_ratio": "Poisson's ratio",
+    "stochastic": "synthetic motion",
+}
+"""Parts of keys that are not read as they are written."""
 UNNAMED = ("soil", "coupling", "numerics", "geometry", "region", "uncertain", "variables")
 """Sections that the name of a key does without."""
 
@@ -121,7 +127,7 @@ def readable(name: str) -> str:
     owners = [section for section in sections if section not in UNNAMED]
     if not owners:
         return word
-    return f"{word} of {'' if owners[0] == 'layers' else 'the '}{owners[-1].replace('_', ' ')}"
+    return f"{word} of {'' if owners[0] == 'layers' else 'the '}{WORDS.get(owners[-1], owners[-1].replace('_', ' '))}"
 
 
 def scene_key(name: str) -> str:

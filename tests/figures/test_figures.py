@@ -31,15 +31,18 @@ from sph.figures import (
     plot_trajectory,
     save,
 )
-from sph.figures.arrangement import layer_colours
+from sph.figures.arrangement import layer_colours, motion_name
 from sph.figures.profile import field_norm
 from sph.figures.scene import figure_scene
 from sph.figures.style import LINE_STYLES, curve_colours
 from sph.measures.fields import FIELDS, displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.scene.schema import load_scene
 from sph.solver.particles import SOIL, place_particles
 from sph.storage.trajectory import Status, scene_of
 from sph.study.dimensions import Dimension
+
+CONFIG = Path(__file__).resolve().parents[2] / "config"
 
 BLOCK = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
 
@@ -137,6 +140,11 @@ def test_motion_is_the_stored_one_with_its_stages(slid: xr.Dataset) -> None:
     assert {"gravity", "shaking", "no shaking"} <= set(shown)
     still = texts(figure_motion(synthetic(overrides={"motion": {"kind": "none"}}))).split("\n")
     assert "shaking" not in still and "gravity" in still
+
+
+def test_a_synthetic_motion_is_no_record() -> None:
+    assert motion_name(load_scene(CONFIG / "scenes" / "gentle_motions.yaml")) == "synthetic motion, seed 1"
+    assert motion_name(load_scene(CONFIG / "scenes" / "gentle_layered.yaml")) == "record synthetic.csv"
 
 
 def test_motion_downwards_points_downwards() -> None:

@@ -140,6 +140,16 @@ def test_the_page_is_as_wide_as_the_window(browser: Browser, size: tuple[int, in
     assert browser.run("return document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_no_drawing_is_cut_at_its_lower_edge(browser: Browser, size: tuple[int, int]) -> None:
+    browser.open(*size)
+    for name in ("profile", "curve"):
+        last_row = (
+            f"const c = document.getElementById('{name}'); return [...c.getContext('2d').getImageData(0, c.height - 1, c.width, 1).data]"
+        )
+        assert set(browser.run(last_row)) == {255}, name
+
+
 def test_a_diverged_run_says_so(browser: Browser) -> None:
     browser.open(*DESK)
     browser.choose("S_R", "0.50")

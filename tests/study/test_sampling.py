@@ -130,6 +130,7 @@ def test_a_study_of_another_scene_stands_alone() -> None:
         ("layers.clay.S_R", "S_R of clay"),
         ("layers.clay.region.top", "top of clay"),
         ("motion.frequency", "frequency of the motion"),
+        ("motion.stochastic.seed", "seed of the synthetic motion"),
         ("coupling.initiation.slip", "slip of the initiation"),
         ("numerics.kernel", "kernel"),
     ],

@@ -18,7 +18,9 @@ from scipy.stats import goodness_of_fit, norm  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
 from sph.experiments.trigger.points import CASE_COLUMN, names
+from sph.scene.units import GRAVITY
 from sph.storage.trajectory import Variable
+from sph.study.dimensions import shown_unit
 from sph.study.tables import count_column, number_column, read_csv, text_column
 
 RESAMPLES = 1000
@@ -288,15 +290,18 @@ OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "und
 
 
 def sentence(row: dict[str, object], unit: str) -> str:
-    """What a row says."""
+    """What a row says, with the ``unit`` as it is printed; accelerations in g as well."""
     reach = f"reach class {row['collapse_class']}" + ("" if row["collapse_class"] == "collapse" else " or worse")
     counted = f"{row['motions']} motions, {row['never']} of which never reach it up to the highest intensity"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
     if math.isnan(median):
         return f"The brackets of {counted}, do not determine the shaking at which the slope has a 50 % chance to {reach}."
-    span = f" ({low:.3g} to {high:.3g}, {CONFIDENCE:.0%} interval)"
     level = f"{median:.3g} {unit}".rstrip()
-    return f"Under these assumptions the slope has a 50 % chance to {reach} at {level}{span}; {counted}."
+    if unit == shown_unit("m/s2"):
+        low, high, unit = low / GRAVITY, high / GRAVITY, "g"
+        level = f"{level} or {median / GRAVITY:.3g} g"
+    span = f"{low:.3g} to {high:.3g} {unit}".rstrip()
+    return f"Under these assumptions the slope has a 50 % chance to {reach} at {level} ({span}, {CONFIDENCE:.0%} interval); {counted}."
 
 
 def read_fits(path: Path | str) -> pd.DataFrame:
