@@ -54,7 +54,7 @@
     const ink = canvas.getContext("2d");
     ink.scale(scale, scale);
     ink.fillStyle = "#fff";
-    ink.fillRect(0, 0, width, height);
+    ink.fillRect(0, 0, width, height + 1); // the last row of pixels is whole
     ink.font = FONT;
     return ink;
   }
@@ -133,7 +133,7 @@
     const canvas = byId("profile"), width = canvas.parentElement.clientWidth;
     const box = { x: 58, y: 22, w: width - 70, h: 0 }; // room for the name of a probe at the top
     box.h = (box.w * (study.upper - study.lower)) / (study.right - study.left); // equal aspect
-    const ink = pen(canvas, box.y + box.h + 110);
+    const ink = pen(canvas, box.y + box.h + 104);
     const { n, places, scene: own } = chosen.run, bins = study.colours.map(() => []);
     // The axes are those of the survey; a slope that falls to the right does so.
     const along = (x) => own.origin[0] + own.direction * x, ends = [along(study.left), along(study.right)].sort((one, other) => one - other);
