@@ -91,6 +91,12 @@ class TestResolution:
         settings["walls"] = {"base": "absorbing", "sides": "absorbing"}
         assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
 
+    def test_a_slope_that_is_too_coarse_is_told_from_which_spacing_on_there_is_an_expectation(self) -> None:
+        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 1.01}}
+        assert expected_sentence(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)).endswith(
+            "the coarsest that was is 1 m on a slope of this height"
+        )
+
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
         for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.2}}):
             settings = merge({"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 0.5}}, other)

@@ -90,8 +90,16 @@ HEIGHT = 25.0
 
 
 def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
-    """For a slope that is computed as the resolution study's but for spacing, damping, initiation and walls that absorb: the finest variant
-    with no more rows of particles over its height than the scene's slope has; none where the scene is coarser than all."""
+    """The finest variant with no more rows of particles over its height than a scene's slope has, if it is computed alike; none where the
+    scene is coarser than all."""
+    spacing = HEIGHT * scene.numerics.spacing / scene.geometry.slope_height if isinstance(scene.geometry, SLOPES) else math.inf
+    no_finer = [(at, variant) for at, variant in _alike(scene, variants) if at >= spacing * (1.0 - 1e-9)]
+    return [min(no_finer, key=lambda pair: pair[0])[1]._replace(scheme=ANY_SPACING)] if no_finer else []
+
+
+def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summary]]:
+    """The variants, with their spacings (m), of the resolution study that are computed as a scene of a slope is but for spacing, damping,
+    initiation and walls that absorb."""
     if not isinstance(scene.geometry, SLOPES) or scene.coupling.initiation is None:
         return []
 
@@ -103,24 +111,29 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
     how = scheme(scene)
     if scene.walls.base == scene.walls.sides == "absorbing":
         how |= {"walls": RESOLVED["walls"]}  # the error is that of the moving soil
-    own, spacing = rest(how), HEIGHT * scene.numerics.spacing / scene.geometry.slope_height
-    alike = [
+    own = rest(how)
+    return [
         (parse_json(variant.scheme).get("numerics", {}).get("spacing", 1.0), variant)
         for variant in variants
         if rest(parse_json(variant.scheme)) == own
         and variant.changes == "accuracy"
         and not (variant.reference or is_mean(parse_json(variant.scheme)))
     ]
-    no_finer = [(at, variant) for at, variant in alike if at >= spacing * (1.0 - 1e-9)]
-    return [min(no_finer, key=lambda pair: pair[0])[1]._replace(scheme=ANY_SPACING)] if no_finer else []
 
 
 def expected_sentence(scene: Scene) -> str:
     """What the shipped table says of a scene, in words."""
-    if shipped_table(scene.scheme) is None:
+    table = shipped_table(scene.scheme)
+    if table is None:
         return NOT_MEASURED_YET
-    expected = expected_error(scene)
-    return expected.sentence() if expected else "not measured: no variant of the cost-accuracy study has these numerics"
+    expected = expected_error(scene, table)
+    if expected:
+        return expected.sentence()
+    if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
+        coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
+        if scene.numerics.spacing > coarsest:
+            return f"not measured at this spacing: the coarsest that was is {coarsest:.3g} m on a slope of this height"
+    return "not measured: no variant of the cost-accuracy study has these numerics"
 
 
 def expected_metrics(scene: Scene) -> dict[str, float]:
