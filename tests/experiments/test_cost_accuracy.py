@@ -88,8 +88,9 @@ class TestResolution:
         assert (found and found.variant) == variant
         settings["layers"] = {"clay": {"region": {"kind": "elevation", "top": 5.0}, "soil": {"cohesion": 50.0}}}
         assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "what is simulated, not how"
-        settings["walls"] = {"base": "absorbing", "sides": "absorbing"}
-        assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
+        for base in ("absorbing", "no_slip"):
+            settings["walls"] = {"base": base, "sides": "absorbing"}
+            assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
         for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.2}}):
