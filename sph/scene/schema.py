@@ -324,8 +324,11 @@ class Scene(Section):
             raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
         if isinstance(self.motion, ConstantAcceleration):
             raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
-        if sides.absorbs and not (base.grips and not base.reflects or base.absorbs):
-            raise ValueError(f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a fixed or absorbing base")
+        if sides.absorbs and not (base.grips or base.reflects or base.absorbs):
+            raise ValueError(
+                f"walls.base: {walls.base} with walls.sides: absorbing, "
+                "whose free field stands on a fixed, no_slip, contact or absorbing base"
+            )
         if sides.absorbs and self.coupling.initial_state == "fluid":
             raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
 

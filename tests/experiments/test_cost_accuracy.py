@@ -88,8 +88,9 @@ class TestResolution:
         assert (found and found.variant) == variant
         settings["layers"] = {"clay": {"region": {"kind": "elevation", "top": 5.0}, "soil": {"cohesion": 50.0}}}
         assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "what is simulated, not how"
-        settings["walls"] = {"base": "absorbing", "sides": "absorbing"}
-        assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
+        for base in ("absorbing", "no_slip"):
+            settings["walls"] = {"base": base, "sides": "absorbing"}
+            assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
 
     def test_a_slope_that_is_too_coarse_is_told_from_which_spacing_on_there_is_an_expectation(self) -> None:
         settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 1.01}}

@@ -87,7 +87,8 @@ BAD = [
         {"walls.sides": "absorbing", "motion": {"kind": "constant", "amplitude": 1.0, "start": 1.0, "ramp": 0.0}},
         ["motion.kind: constant", "walls.sides: absorbing"],
     ),
-    ({"walls.sides": "absorbing", "walls.base": "none"}, ["walls.base: none", "walls.sides: absorbing", "fixed or absorbing"]),
+    ({"walls.sides": "absorbing", "walls.base": "none"}, ["walls.base: none", "walls.sides: absorbing", "contact or absorbing"]),
+    ({"walls.sides": "absorbing", "walls.base": "free_slip", "walls.layers": 2}, ["walls.base: free_slip", "walls.sides: absorbing"]),
     ({"walls.sides": "absorbing", "coupling.initial_state": "fluid"}, ["coupling.initial_state: fluid", "walls.sides: absorbing"]),
     ({"walls.sides": "periodic", "geometry.width": 6.1}, ["geometry.width: 6.1 m", "multiple", "numerics.spacing (0.5 m)"]),
     ({"walls.sides": "periodic", "geometry.width": 2.5}, ["geometry.width: 2.5 m", "twice the kernel's reach", "2.9 m"]),
@@ -177,6 +178,7 @@ TERM_OPTIONS = {
     "layers": [{"layers": {"cover": {"region": {"kind": "depth"}}}}],
     "absorbing_walls": [ABSORBING, ABSORBING | {"walls.bedrock": {"density": 2e3, "s_wave_speed": 1e3, "p_wave_speed": 2e3}}],
     "absorbing_walls free_field": [{"walls.sides": "absorbing"}, ABSORBING | {"walls.sides": "absorbing"}],
+    "absorbing_walls free_field no_slip": [{"walls.sides": "absorbing", "walls.base": "no_slip"}],
 }
 FREE = [
     {},

@@ -10,8 +10,11 @@ import pytest
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.boundaries.absorbing import lattice_rows, layer_weights, make_absorbing, make_free_field
+from sph.solver.integration import make_lists
 from sph.solver.particles import BASE, SIDE, SOIL, place_particles
 from sph.solver.physics.kernels import make_kernel
+from sph.solver.state import initial_state
+from sph.solver.terms import make_terms
 
 SLOPE: dict[str, Any] = {
     "scheme": "paper",
@@ -93,6 +96,26 @@ def test_columns_stand_on_the_base_of_the_model(base: str, fixed: int) -> None:
     assert term.drag.any() == (base == "absorbing")
     assert np.count_nonzero(particles.kind[: particles.first_fixed] == BASE) == (0 if fixed else np.count_nonzero(particles.kind == BASE))
     assert np.all(particles.kind[: particles.n_soil] == SOIL)
+
+
+@pytest.mark.parametrize("base", ["no_slip", "contact"])
+@pytest.mark.parametrize("correction", [None, {"min_determinant": 0.1}], ids=["plain", "corrected"])
+def test_columns_see_a_no_slip_base_as_the_soil_does(base: str, correction: dict[str, float] | None) -> None:
+    # Nodes are the rows of soil alone, beside the sides' particles of their row; b and correction are those of the last column of soil.
+    scene = slope({"walls.base": base, "numerics.gradient_correction": correction, "numerics.precision": "double"})
+    particles = place_particles(scene)
+    kernel = make_kernel("cubic_spline", 2.6)
+    term, boundary = make_free_field(scene, particles, kernel, 1e-3), make_absorbing(scene, particles, kernel, 1e-3)
+    assert term.begin.tolist() == [0, 3, 3 + 8] and term.mobile.all() and not term.drag.any()
+    side = np.flatnonzero(boundary.side[0])
+    x, y = (getattr(particles, name)[particles.n_soil :][side] for name in ("x", "y"))
+    np.testing.assert_array_equal(boundary.node[side], np.floor(y / 2.0) + 3 * (x > 0))
+    pairs = make_lists(initial_state(particles, scene), make_terms(scene, particles))[1]
+    x, y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
+    last = np.flatnonzero(x == x.max())[np.argsort(y[x == x.max()])]  # further from the slope's face than the kernel reaches
+    np.testing.assert_allclose(term.wall[3:], pairs.wall[last, 1] / scene.soil.density, rtol=1e-9, atol=1e-12)
+    if correction:
+        np.testing.assert_allclose(term.correction[3:], pairs.correction[last, 2], rtol=1e-9)
 
 
 def test_layers_count_where_they_meet_the_boundary() -> None:

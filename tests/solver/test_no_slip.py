@@ -116,9 +116,3 @@ def test_too_few_layers_are_refused() -> None:
         match=r"walls\.layers: 1 layers do not fill the kernel's support of 2\.6 m; a no-slip, contact or free-slip wall needs 2",
     ):
         make_scene(merge(BLOCK, {"walls": {"layers": 1}}))
-
-
-def test_the_free_field_needs_another_base() -> None:
-    walls = {"base": "no_slip", "sides": "absorbing", "top": "none", "layers": 4}
-    with pytest.raises(ValueError, match=r"walls\.base: no_slip with walls\.sides: absorbing"):
-        make_scene(merge(BLOCK, {"walls": walls}))

@@ -109,7 +109,7 @@ def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summa
         return settings_text(keys | {"numerics": numerics, "coupling": coupling, "damping": None})  # each slope has a damping of its own
 
     how = scheme(scene)
-    if scene.walls.base == scene.walls.sides == "absorbing":
+    if scene.walls.sides == "absorbing" and scene.walls.base in ("absorbing", RESOLVED["walls"]["base"]):
         how |= {"walls": RESOLVED["walls"]}  # the error is that of the moving soil
     own = rest(how)
     return [

@@ -18,7 +18,12 @@ along, which feel only what differs from the column's velocity v_ff, and with it
 among them; so the waves that come up are left alone and what the slope sends out is taken.  A column is linear: elastic, with Rayleigh
 damping and with what artificial viscosity amounts to there.  Horizontal and vertical motion do not know of each other in it.  It is the
 sum of the lattice's rows, the same operator as that of a model with periodic sides, whose waves travel as the model's do at any
-resolution; nodes are the rows, boundary rows of the base among them.
+resolution; nodes are the rows, boundary rows of the base among them.  The particles of a no-slip base have no state, so that its rows are
+no nodes: the lowest rows of soil see it as the soil does (``sph.solver.boundaries.no_slip``), with twice its rows' gradients as b_k,
+
+    strain rate_k gains -v_k b_k,    a_k gains sigma_k b_k / rho_k.
+
+A contact base is to the columns what a no-slip base is; they do not lift off it.
 
 Each traction is spread over the layers by w_i as the kernel would spread the stress of the particles that are missing outside:
 w_i is the sum of their kernel gradients.  Of the energy of a pulse five spacings wide 0.28 % then stay in a column, and 1.1 % at h = 2.3
@@ -73,6 +78,7 @@ class FreeField(NamedTuple):
 
     begin: np.ndarray  # (3,) first node of each column, and the end of the last
     gradient: np.ndarray  # (2 reach + 1,) volume times the sum of a row's kernel gradients, by its number above the node's own, 1/m
+    wall: np.ndarray  # (nodes,) twice that sum over the rows of a no-slip base, 1/m
     viscosity: np.ndarray  # (2, 2 reach + 1) volume times the row's ``Rows.viscosity``, 1/m
     density: np.ndarray  # (nodes,)
     modulus: np.ndarray  # (2, nodes) in shear, and in compression without strain beside it, Pa
@@ -123,12 +129,17 @@ def ground_rows(scene: Scene, particles: Particles) -> tuple[int, int]:
     )
 
 
+def _rows_below(scene: Scene) -> int:
+    """Rows of the base that are nodes of the columns: all, or none where its particles have no state."""
+    return 0 if scene.walls.kinds.base.reflects else scene.walls.layers
+
+
 def free_field_nodes(scene: Scene, particles: Particles) -> tuple[int, int]:
     """Nodes of the left and the right column, none without absorbing sides."""
     if not scene.walls.kinds.sides.absorbs:
         return 0, 0
     left, right = ground_rows(scene, particles)
-    return left + scene.walls.layers, right + scene.walls.layers
+    return left + _rows_below(scene), right + _rows_below(scene)
 
 
 class Ground(NamedTuple):
@@ -171,7 +182,7 @@ def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel, dt: float
         base=base * _below(scene, layer).impedance,
         side=side * _soil(scene, layer).impedance[::-1],
         outward=np.where(right, side, -side),
-        node=np.where(side > 0.0, row + layers + right * free_field_nodes(scene, particles)[0], 0),
+        node=np.where(side > 0.0, row + _rows_below(scene) + right * free_field_nodes(scene, particles)[0], 0),
     )
 
 
@@ -180,11 +191,11 @@ def make_free_field(scene: Scene, particles: Particles, kernel: Kernel, dt: floa
     nodes = free_field_nodes(scene, particles)
     walls, numerics, dx = scene.walls, scene.numerics, scene.numerics.spacing
     rows = lattice_rows(kernel, dx)
-    row = np.concatenate([np.arange(count) for count in nodes])
-    layer = layer_index(scene, np.repeat([0.0, scene.geometry.width], nodes), (row - walls.layers + 0.5) * dx)
-    soil, wall = _soil(scene, layer), row < walls.layers
-    weights = np.append(layer_weights(kernel, dx, walls.layers), 0.0)[np.minimum(row, walls.layers)]
-    yields = walls.kinds.base.absorbs
+    row = np.concatenate([np.arange(count) - _rows_below(scene) for count in nodes])
+    layer = layer_index(scene, np.repeat([0.0, scene.geometry.width], nodes), (row + 0.5) * dx)
+    soil, fixed = _soil(scene, layer), (row < 0) & (not walls.kinds.base.absorbs)
+    weights = np.append(layer_weights(kernel, dx, walls.layers), 0.0)[np.minimum(row + walls.layers, walls.layers)]
+    wall = dx * dx * _no_slip_base(scene, rows, row)
     # With linear reconstruction the motion of a column, smooth as it is, is left alone.
     plain = numerics.artificial_viscosity if ARTIFICIAL_VISCOSITY.wanted(scene) else None
     shear_modulus = soil.density * soil.s_wave_speed**2
@@ -192,15 +203,22 @@ def make_free_field(scene: Scene, particles: Particles, kernel: Kernel, dt: floa
     return FreeField(
         begin=np.cumsum((0, *nodes)),
         gradient=dx * dx * rows.gradient,
+        wall=wall,
         viscosity=dx * dx * rows.viscosity,
         density=soil.density,
         modulus=np.array([shear_modulus, modulus]),
         beside=1.0 - 2.0 * shear_modulus / modulus,
         impedance=(0.0 if plain is None else plain.alpha) * soil.impedance[1],
         correction=np.concatenate([_correction(scene, rows, count) for count in nodes]),
-        drag=yields * weights * _below(scene, layer).impedance / (soil.density * dx),
-        mobile=np.where(wall & (not yields), 0.0, 1.0),
+        drag=walls.kinds.base.absorbs * weights * _below(scene, layer).impedance / (soil.density * dx),
+        mobile=np.where(fixed, 0.0, 1.0),
     )
+
+
+def _no_slip_base(scene: Scene, rows: Rows, row: np.ndarray) -> np.ndarray:
+    """Twice the gradients (rows,) of all rows of a no-slip base, 1/m3; ``row`` counts from the first row of soil."""
+    below = np.append(np.cumsum(rows.gradient[: rows.reach])[::-1], 0.0)
+    return 2.0 * scene.walls.kinds.base.reflects * below[np.clip(row, 0, rows.reach)]
 
 
 def _correction(scene: Scene, rows: Rows, count: int) -> np.ndarray:
@@ -208,10 +226,9 @@ def _correction(scene: Scene, rows: Rows, count: int) -> np.ndarray:
     wanted = scene.numerics.gradient_correction
     if wanted is None:
         return np.ones(count)
-    inside = np.ones(count)
-    moment_x, moment_y = (
-        scene.numerics.spacing**2 * np.convolve(inside, moment)[rows.reach :][:count] for moment in (rows.moment_x, rows.moment_y)
-    )
+    dx, row = scene.numerics.spacing, np.arange(count)
+    moment_x, moment_y = (dx * dx * np.convolve(np.ones(count), moment)[rows.reach :][:count] for moment in (rows.moment_x, rows.moment_y))
+    moment_y -= dx * dx * _no_slip_base(scene, rows, row) * (row + 0.5) * dx  # of a velocity that falls linearly to the face
     return np.where(moment_x * moment_y >= wanted.min_determinant, 1.0 / moment_y, 1.0)
 
 
@@ -256,7 +273,8 @@ def strain_free_field(term, rayleigh, state, dt, team):  # type: ignore[no-untyp
                 for side in range(2):
                     first, last = term.begin[side], term.begin[side + 1]
                     for k in range(first, last):
-                        strain_rate = viscous = 0.0
+                        strain_rate = -column[VELOCITY, k] * term.wall[k]
+                        viscous = 0.0
                         for j in range(max(first, k - reach), min(last, k + reach + 1)):
                             dv = column[VELOCITY, j] - column[VELOCITY, k]
                             g = term.gradient[j - k + reach]
@@ -268,7 +286,7 @@ def strain_free_field(term, rayleigh, state, dt, team):  # type: ignore[no-untyp
                         column[STRESS, k] = column[ELASTIC_STRESS, k] + damping * stress_rate
                         column[ACCELERATION, k] = viscous / term.density[k]
                     for k in range(first, last):
-                        force = 0.0
+                        force = column[STRESS, k] * term.correction[k] * term.wall[k]
                         for j in range(max(first, k - reach), min(last, k + reach + 1)):
                             stress = column[STRESS, k] * term.correction[k] + column[STRESS, j] * term.correction[j]
                             force += stress * term.gradient[j - k + reach]
