@@ -41,7 +41,7 @@ def configured(folder: Path, study: dict[str, Any]) -> tuple[str, str]:
 def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
     """Folder of three finished studies."""
     folder = tmp_path_factory.mktemp("free")
-    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, "numerics.smoothing_ratio": 1.3})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
         "grid": {"gravity": 2, "trunk": 4, "simulate": 4},
