@@ -62,9 +62,9 @@ def stability_number(slope_angle: float, friction_angle: float, base_depth: floa
     """gamma H / c at which a slope fails, from angles in degrees and the depth of a rigid base below the toe over H.
 
     The spiral ends at the toe or before it, and stays above the base.  ValueError for a slope that is not steeper than its
-    friction angle, or not within 90 degrees, and for friction angles and depths below 0.
+    friction angle and has no r_u, or is not within 90 degrees, and for friction angles and depths below 0.
     """
-    if not 0.0 <= friction_angle < slope_angle <= 90.0:
+    if not (0.0 <= friction_angle < 90.0 and 0.0 < slope_angle <= 90.0 and (friction_angle < slope_angle or wet.r_u > 0.0)):
         raise ValueError(f"slope_angle: {slope_angle} degrees, must lie above friction_angle: {friction_angle} (0 or more) and within 90")
     if not base_depth >= 0.0:
         raise ValueError(f"base_depth: {base_depth} H, must be 0 or more")
@@ -150,8 +150,8 @@ def endless_factor(
 
 
 def _surplus(slope_angle: float, height: float, unit_weight: float, cohesion: float, phi: float, base_depth: float, wet: Wet) -> float:
-    """Cohesion over what the slope needs, less 1; a slope no steeper than its friction angle has all it needs."""
-    if phi >= slope_angle:
+    """Cohesion over what the slope needs, less 1; a slope no steeper than its friction angle needs none, unless its water has an r_u."""
+    if phi >= slope_angle and wet.r_u == 0.0:
         return math.inf
     return stability_number(slope_angle, phi, base_depth / height, wet) * cohesion / (unit_weight * height) - 1.0
 
@@ -201,11 +201,15 @@ def _work_of_water(angle: np.ndarray, tangent: float, ground: Sequence[tuple[flo
 
 
 def _moment_below(x: np.ndarray, y: np.ndarray, level: float) -> float:
-    """Integral of x dA over the part of a polygon, clockwise or not, that lies below a level: that of x min(y, level) dx around it."""
+    """Integral of x dA over the part of a polygon, clockwise or not, that lies below a level: that of x min(y, level) dx around it.
+
+    Negative where that part lies towards the toe from the pole and holds the body.
+    """
     height = np.minimum(y, level)
     next_x, next_height = np.roll(x, -1), np.roll(height, -1)
     middle = 0.25 * (x + next_x) * (height + next_height)
-    return abs(float(np.sum((x * height + 4.0 * middle + next_x * next_height) * (next_x - x)) / 6.0))
+    clockwise = np.sign(np.sum((y + np.roll(y, -1)) * (next_x - x)))
+    return float(clockwise * np.sum((x * height + 4.0 * middle + next_x * next_height) * (next_x - x)) / 6.0)
 
 
 def _sector(start: float, end: float, tangent: float) -> float:

@@ -8,7 +8,16 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from sph.stability.limit_analysis import POINTS, Wet, _work_of_water, endless_factor, limit_factor, limit_strength_ratio, stability_number
+from sph.stability.limit_analysis import (
+    POINTS,
+    Wet,
+    _moment_below,
+    _work_of_water,
+    endless_factor,
+    limit_factor,
+    limit_strength_ratio,
+    stability_number,
+)
 
 CHEN = {
     (90.0, 0.0): 3.83,
@@ -84,6 +93,32 @@ def test_a_slope_under_water_has_its_buoyant_weight(friction_angle: float) -> No
 
 def test_water_below_the_spirals_does_not_matter() -> None:
     assert stability_number(60.0, 20.0, 0.0, Wet(weight=0.5, level=0.0)) == pytest.approx(stability_number(60.0, 20.0, 0.0), rel=1e-3)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_soil_towards_the_toe_from_the_pole_holds_the_body(turned: bool) -> None:
+    """A rectangle from x = -3 to 1, 2 high, of which the lower half lies below the level: 4 m2 at x = -1."""
+    x, y = np.array([-3.0, 1.0, 1.0, -3.0]), np.array([-2.0, -2.0, 0.0, 0.0])
+    order = slice(None, None, -1) if turned else slice(None)
+    assert _moment_below(x[order], y[order], -1.0) == pytest.approx(-4.0, rel=1e-12)
+
+
+def test_a_gentle_slope_is_least_safe_at_partial_drawdown() -> None:
+    """Griffiths and Lane (1999): the factor of safety falls below that of the dry slope while the water is low."""
+
+    def factor(lowered: float) -> float:
+        return limit_factor(26.565, 10.0, 20e3, 10e3, 20.0, 0.0, Wet(weight=0.49, level=1.0 - lowered))
+
+    factors = [factor(lowered) for lowered in (0.0, 0.25, 0.5, 0.75)]
+    assert factors == sorted(factors, reverse=True)
+    assert factors[-1] < 0.99 * factor(1.0)
+
+
+def test_pore_pressure_fells_a_slope_flatter_than_its_friction() -> None:
+    """Charts of Bishop and Morgenstern (1960) for 4:1, c/(gamma H) = 0.025 and D = 1.25: 1.97 - 1.78 r_u."""
+    slope = (math.degrees(math.atan(0.25)), 31.0, 16e3, 12.5e3, 20.0, 0.25 * 31.0)
+    for r_u in (0.0, 0.35):
+        assert limit_factor(*slope, Wet(r_u=r_u)) == pytest.approx(1.97 - 1.78 * r_u, rel=0.025)
 
 
 def test_pore_pressure_without_friction_does_no_work() -> None:
