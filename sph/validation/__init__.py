@@ -5,8 +5,8 @@
 * ``columns``: V1 gravity column, V2 waves, V3 shear column
 * ``solids``: V4 plate, V5 rings, V12 block on an incline
 * ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column
-* ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V17 and V18 both against limit analysis,
-  V19 endless slopes, V21 with water
+* ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V16 drawdown and a chart, V17 and V18 both
+  against limit analysis, V19 endless slopes, V21 with water
 * ``wet_column``: V20 columns with water
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy
@@ -43,7 +43,7 @@ from sph.validation.flows import (
     measure_slump,
 )
 from sph.validation.level import Draw, Measure
-from sph.validation.slopes import draw_limits, draw_search, measure_limits, measure_search
+from sph.validation.slopes import draw_drawdown, draw_limits, draw_search, measure_drawdown, measure_limits, measure_search
 from sph.validation.solids import draw_incline, draw_plate, draw_rings, measure_incline, measure_plate, measure_rings
 from sph.validation.wet_column import draw_wet_columns, measure_wet_columns
 
@@ -63,6 +63,7 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V13": (measure_simple_shear, draw_simple_shear),
     "V14": (measure_return, draw_return),
     "V15": (measure_conservation, draw_conservation),
+    "V16": (measure_drawdown, draw_drawdown),
     "V17": (measure_limits, draw_limits),
     "V18": (measure_limits, draw_limits),
     "V19": (measure_limits, draw_limits),

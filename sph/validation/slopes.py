@@ -1,10 +1,11 @@
-"""V9, V10, V17 to V19 and V21: slopes that just stand."""
+"""V9, V10, V16 to V19 and V21: slopes that just stand."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 from matplotlib.figure import Figure
 
 from sph.figures.style import WIDTH, curve_colours, styled
@@ -19,6 +20,8 @@ from sph.validation.level import Found, Level, Result
 
 PUBLISHED_FACTOR = 1.385
 """Factor of safety of V9: Griffiths and Lane's and Bishop and Morgenstern's lie at 1.37 to 1.40."""
+CHART_FACTOR = 1.35
+"""Factor of safety of V16's 4:1 slope by the charts of Bishop and Morgenstern (1960), m = 1.97 and n = 1.78 as GEO-SLOPE reads them."""
 LIMITS = {"factor_of_safety": limit_factor, "critical_strength_ratio": limit_strength_ratio}
 """Limit analysis of what a search finds."""
 
@@ -79,6 +82,54 @@ def _beside_limit(result: Result) -> Found:
     water_text = "" if wet == DRY else f", r_u = {wet.r_u:g}" if wet.r_u else f", water {wet.level:g} H above the toe"
     text = f"{symbol}, {slope.slope_angle:g}°, φ = {soil.friction_angle:g}°{water_text}"
     return Found(text, "1", float(data.attrs["value"]), limit)
+
+
+def measure_drawdown(level: Level) -> dict[str, Found]:
+    """Limits of a slope at several levels of its water, the level of the lowest, and that of a slope with r_u beside the charts."""
+    found = measure_limits(level)
+    chart = found["chart"]
+    drawn = {name: limit for name, limit in found.items() if name != "chart"}
+    lowered = np.array([_drawdown(level[name].scene) for name in drawn])
+    computed, reference = np.array([(limit.computed, limit.reference) for limit in drawn.values()]).T
+    return {
+        **drawn,
+        "lowest": Found("L/H of the lowest F", "1", lowest_between(lowered, computed), lowest_between(lowered, reference)),
+        "chart": Found(f"{chart.text}, charts", "1", chart.computed, CHART_FACTOR),
+    }
+
+
+def lowest_between(x: np.ndarray, y: np.ndarray) -> float:
+    """Where the parabola through the lowest of some points (n,) and its two neighbours is lowest; an end that is lowest itself."""
+    order = np.argsort(x)
+    x, y = x[order], y[order]
+    lowest = int(np.argmin(y))
+    if lowest in (0, len(x) - 1):
+        return float(x[lowest])
+    near = slice(lowest - 1, lowest + 2)
+    square, slope, _ = np.polyfit(x[near], y[near], 2)
+    return float(-slope / (2.0 * square))
+
+
+def _drawdown(scene: Scene) -> float:
+    """Depth L of the water's level below the crest over H."""
+    return 1.0 - _wet(scene).level
+
+
+@styled
+def draw_drawdown(levels: Mapping[str, Level]) -> Figure:
+    """Factor of safety against the depth of the water's level below the crest, beside limit analysis."""
+    figure = Figure(figsize=(0.65 * WIDTH, 2.9), layout="constrained")
+    ax = figure.subplots()
+    for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
+        found = {name: limit for name, limit in measure_limits(level).items() if name != "chart"}
+        lowered = [_drawdown(level[name].scene) for name in found]
+        ax.plot(
+            lowered, [limit.computed for limit in found.values()], color=colour, marker=marker, markersize=4, linewidth=0.7, label=label
+        )
+    ax.plot(lowered, [limit.reference for limit in found.values()], color="black", linewidth=0.9, label="limit analysis")
+    ax.set(xlabel="depth of the water level below the crest, L/H", ylabel="factor of safety")
+    ax.legend(title="spacing")
+    return figure
 
 
 def _wet(scene: Scene) -> Wet:
