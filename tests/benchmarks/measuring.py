@@ -30,9 +30,14 @@ AT_REST: dict[str, Any] = {
 far enough for pairs to be renewed."""
 
 
+def scene_of(path: Path, overrides: Mapping[str, Any], settings: list[str] | None = None) -> Scene:
+    """A scene file with other values for some keys in dotted form, and some more as KEY=VALUE."""
+    return load_scene(path, dotted({**overrides, **dict(setting.split("=", 1) for setting in settings or [])}))
+
+
 def paper(overrides: Mapping[str, Any], settings: list[str] | None = None) -> Scene:
-    """The paper's scene with other values for some keys in dotted form, and some more as KEY=VALUE."""
-    return load_scene(PAPER, dotted({**overrides, **dict(setting.split("=", 1) for setting in settings or [])}))
+    """The paper's scene, likewise."""
+    return scene_of(PAPER, overrides, settings)
 
 
 def at_rest(spacing: float, threads: int = 1) -> Simulation:

@@ -1,6 +1,6 @@
-"""Speed of the solver's core: ``python tests/benchmarks/speed.py [--duration S] [--json FILE]``.
+"""Speed of the solver's core: ``python tests/benchmarks/speed.py [--scene FILE] [--duration S] [--json FILE]``.
 
-Runs the paper's scene (2,404 particles, support 4.6 m, about 60 neighbours) to the end of a full
+Runs the paper's scene (2,404 particles, support 4.6 m, about 60 neighbours), or another one, to the end of a full
 collapse, S_R 0.10 and gamma 100, and reports particle-steps/s and directed neighbour interactions/s
 averaged over the run, start of the gravity stage to arrest.  At a few moments the run is interrupted
 and the parts of a time step are timed one by one on its state; this time is taken off again.
@@ -16,10 +16,11 @@ import copy
 import platform
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-from measuring import command_line, hand_out, medians, paper
+from measuring import PAPER, command_line, hand_out, medians, scene_of
 
 from sph.scene.schema import Scene
 from sph.solver.integration import kick_and_drift, make_lists
@@ -77,15 +78,15 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
 
 
 def renewals(run: Simulation) -> float:
-    """How often in a time step pairs are renewed, over the next ``PROBED_STEPS``."""
+    """How often in a time step pairs are renewed, over the next ``PROBED_STEPS`` of the scene, at most once in each of these."""
     probe = twin(run)
-    steps = min(PROBED_STEPS, run.loading.time.size - 1 - run.step)
+    steps = min(PROBED_STEPS, (run.loading.time.size - 1) // run.substeps - run.step)
     count = 0
     for _ in range(steps):
         before = probe.state.x_pairs.copy(), probe.state.y_pairs.copy()
         probe.advance_steps(1)
         count += not (np.array_equal(before[0], probe.state.x_pairs) and np.array_equal(before[1], probe.state.y_pairs))
-    return count / steps if steps else 0.0
+    return count / (steps * run.substeps) if steps else 0.0
 
 
 def time_parts(run: Simulation) -> dict[str, float]:
@@ -114,11 +115,12 @@ class Watch:
         self.samples: dict[str, list[dict[str, float]]] = {stage: [] for stage in STAGES}
         self.away = 0.0
         self.elastic_wall = 0.0
+        self.elastic_steps = 0
 
     def __call__(self, progress: Progress) -> None:
         stage = STAGES[progress.time > self.elastic_end]
         if stage == "elastic":
-            self.elastic_wall = progress.elapsed - self.away
+            self.elastic_wall, self.elastic_steps = progress.elapsed - self.away, self.run.steps_made
         if self.due and progress.time >= self.due[0]:
             start = time.perf_counter()
             self.samples[stage].append(time_parts(self.run))
@@ -173,11 +175,10 @@ def measure(scene: Scene, moments: int) -> dict[str, Any]:
     result = started.go(report=watch)
     attrs = result.trajectory.attrs
     particles = result.trajectory.sizes["particle"]
-    elastic_steps = scene.steps(scene.gravity.duration)
     wall = float(attrs["wall_time_s"]) - watch.away
     stages = {
-        "elastic": split(watch.samples["elastic"], elastic_steps, watch.elastic_wall),
-        "collapse": split(watch.samples["collapse"], run.step - elastic_steps, wall - watch.elastic_wall),
+        "elastic": split(watch.samples["elastic"], watch.elastic_steps, watch.elastic_wall),
+        "collapse": split(watch.samples["collapse"], run.steps_made - watch.elastic_steps, wall - watch.elastic_wall),
     }
     whole = joined(stages)
     particle_steps = int(attrs["particle_steps"])
@@ -223,6 +224,7 @@ def table(found: dict[str, Any]) -> str:
 def main(arguments: list[str] | None = None) -> None:
     """Parse the command line, measure, print a table and write JSON."""
     parser = command_line(__doc__)
+    parser.add_argument("--scene", type=Path, default=PAPER, help="scene file (default: the paper's)")
     parser.add_argument("--duration", type=float, help="simulated time, s (default: the scene's)")
     parser.add_argument("--moments", type=int, default=6, help="how often the parts are timed in each stage")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="another value for a key of the scene")
@@ -230,7 +232,7 @@ def main(arguments: list[str] | None = None) -> None:
     overrides: dict[str, Any] = {"coupling.S_R": 0.10, "coupling.gamma": 100.0}
     if options.duration is not None:
         overrides["duration"] = options.duration
-    found = measure(paper(overrides, options.set), options.moments)
+    found = measure(scene_of(options.scene, overrides, options.set), options.moments)
     hand_out(found, table(found), options.json)
 
 
