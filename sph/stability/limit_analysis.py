@@ -1,4 +1,4 @@
-"""Upper bound of a homogeneous slope's stability by limit analysis: a rigid body that turns on a logarithmic spiral; and endless slopes.
+"""Upper bound of a homogeneous slope's stability by limit analysis: a rigid body that turns on a logarithmic spiral; and infinite slopes.
 
 Chen, W. F. (1975), "Limit Analysis and Soil Plasticity", Elsevier, chapter 9: soil above the spiral
 
@@ -129,7 +129,7 @@ def endless_factor(
     dilation_angle: float,
     r_u: float = 0.0,
 ) -> float:
-    """Factor of safety of an endless slope on a rough base at a depth (m) normal to it; closed form, arguments as of ``limit_factor``.
+    """Factor of safety of an infinite slope on a rough base at a depth (m) normal to it; closed form, arguments as of ``limit_factor``.
 
     Along the base the soil resists with c_s + sigma tan(phi_s), where (Davis 1968)
 

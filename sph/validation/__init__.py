@@ -6,7 +6,7 @@
 * ``solids``: V4 plate, V5 rings, V12 block on an incline
 * ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column
 * ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V16 drawdown and a chart, V17 and V18 both
-  against limit analysis, V19 endless slopes, V21 with water
+  against limit analysis, V19 infinite slopes, V21 with water
 * ``wet_column``: V20 columns with water
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy

@@ -74,7 +74,11 @@ def _beside_limit(result: Result) -> Found:
         tilt, water = result.scene.gravity.inclination, result.scene.water
         ratio = 0.0 if water is None else water.r_u or 0.0
         limit = endless_factor(tilt, slope.height, weight, soil.cohesion_si, soil.friction_angle, soil.dilation_angle, ratio)
-        text = f"F, {tilt:g}°, φ = {soil.friction_angle:g}°, ψ = {soil.dilation_angle:g}°" + (f", r_u = {ratio:g}" if ratio else "")
+        text = f"F, infinite slope of {tilt:g}°, φ = {soil.friction_angle:g}°, ψ = {soil.dilation_angle:g}°"
+        if water is not None:
+            text += f", r_u = {ratio:g} {water.pressure}"
+        if result.scene.walls.base != "no_slip":
+            text += f", {result.scene.walls.base} base"
         return Found(text, "1", float(data.attrs["value"]), limit)
     depth, wet = slope.base_depth, _wet(result.scene)
     limit = LIMITS[by](slope.slope_angle, slope.slope_height, weight, soil.cohesion_si, soil.friction_angle, depth, wet)
