@@ -133,6 +133,7 @@ def test_thin_layers_have_two_rows_in_the_quick_tests() -> None:
         assert quick_spacings(scene(**{"numerics.spacing": 0.4, "layers": clay})) == pytest.approx((1.0, expected))
 
 
+@pytest.mark.long
 def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytest.MonkeyPatch) -> None:
     searched: list[Extrapolated] = []
 
