@@ -60,7 +60,7 @@ def answer(
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         levels(table, dimensions, probe),
-        list(map(_raised, _warnings(table, scene, rows))),
+        list(map(_raised, _warnings(table, scene, probe, rows))),
     )
 
 
@@ -168,7 +168,7 @@ def _span(low: float, high: float, words: Callable[[float], str]) -> str:
     return " to ".join(dict.fromkeys((words(low), words(high))))
 
 
-def _warnings(table: pd.DataFrame, scene: Scene, rows: Sequence[Row]) -> list[str]:
+def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]) -> list[str]:
     runs, found = len(table), list[str]()
 
     def say(count: Any, text: str) -> None:
@@ -181,6 +181,11 @@ def _warnings(table: pd.DataFrame, scene: Scene, rows: Sequence[Row]) -> list[st
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no numbers.")
     say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
+    say(
+        (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
+        f"move {probe} by less than one spacing of the particles, {scene.numerics.spacing:g} m: take so small a displacement for its order of "
+        "magnitude. The expected error below was measured on slopes that move by metres.",
+    )
     found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
     return [*found, f"Expected error: {expected_sentence(scene) if same else 'differs, see all runs'}."]
