@@ -110,13 +110,17 @@ def draw_ground(ax: Axes, scene: Scene) -> None:
     ax.add_patch(Polygon(outline, facecolor="none", edgecolor="black", linewidth=1.0))
 
 
-def draw_water(ax: Axes, scene: Scene) -> None:
-    """The phreatic line, over the width of the box; nothing for a dry scene or a ratio r_u."""
+def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
+    """The phreatic line, over the width of the box, with its name if wanted; nothing for a dry scene or a ratio r_u."""
     if scene.water is None or scene.water.r_u is not None:
         return
     inside = scene.geometry.in_box(scene.water.line[:, 0], scene.water.line[:, 1])[0]
     x = np.unique(np.clip([0.0, *inside, scene.geometry.width], 0.0, scene.geometry.width))
-    ax.plot(x, scene.water.surface(scene.geometry, x), color="tab:blue", linewidth=0.9, linestyle="--", zorder=3)
+    surface = scene.water.surface(scene.geometry, x)
+    ax.plot(x, surface, color="tab:blue", linewidth=0.9, linestyle="--", zorder=3)
+    if named:
+        look = {"ha": "right", "va": "top", "color": "tab:blue", "size": "small"}
+        ax.annotate("water", (x[-1], surface[-1]), (-4, -4), textcoords="offset points", **look)
 
 
 def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True) -> None:

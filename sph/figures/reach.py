@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.exceedance import LENGTHS
-from sph.figures.arrangement import draw_ground
+from sph.figures.arrangement import draw_ground, draw_water
 from sph.figures.profile import survey_axes
 from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, plain, styled, write_note
 from sph.scene.geometry import SLOPES
@@ -107,9 +107,10 @@ def _top(scene: Scene) -> float:
 
 
 def _draw_section(ax: Axes, scene: Scene, rows: pd.DataFrame, looks: Mapping[float, dict[str, Any]]) -> None:
-    """The ground to scale, and above it, place over place, the share of the motions whose debris reaches it in front of the toe."""
+    """The ground to scale with its water, and above it, place over place, the share of the motions whose debris comes there."""
     geometry, top = scene.geometry, _top(scene)
     draw_ground(ax, scene)
+    draw_water(ax, scene, named=True)
     survey_axes(ax, scene, (0.0, geometry.width, 0.0, top))
     ax.set_ylabel(ax.get_ylabel(), y=0.5 * geometry.height / top)
     ax.spines["left"].set_bounds(0.0, geometry.height)

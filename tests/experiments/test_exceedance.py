@@ -66,12 +66,14 @@ def test_a_shape_without_a_slope_has_no_run_out() -> None:
 
 
 def test_the_figure_counts_and_stands_over_the_section(small_slope: Any) -> None:
-    scene: Scene = small_slope({})
+    scene: Scene = small_slope({"water": {"pressure": "by_place", "level": 12.0}})
     figure = figure_reach(exceedance(FOUR, SEARCHED), SEARCHED, {"as it is": scene}, "note")
     runout, displacement, section = figure.axes
     assert runout.get_xlabel() == "run-out (m)" and displacement.get_xlabel() == "displacement of the probe (m)"
     (legend,) = figure.subfigs[0].legends
     assert [text.get_text() for text in legend.get_texts()] == ["1 m/s²: 4 motions, 1 still moving", "9 m/s²: 4 motions, 1 diverged (band)"]
+    (water,) = (drawn for drawn in section.lines if drawn.get_color() == "tab:blue")
+    assert set(water.get_ydata()) == {12.0} and [text.get_text() for text in section.texts].count("water") == 1
     (above,) = section.child_axes
     toe, line = scene.geometry.toe[0], above.lines[1]
     assert line.get_xdata().tolist() == [toe, toe - 2.0, toe - 4.0, toe - 8.0, 0.0]
