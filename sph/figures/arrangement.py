@@ -119,8 +119,8 @@ def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
     surface = scene.water.surface(scene.geometry, x)
     ax.plot(x, surface, color="tab:blue", linewidth=0.9, linestyle="--", zorder=3)
     if named:
-        look = {"ha": "right", "va": "top", "color": "tab:blue", "size": "small"}
-        ax.annotate("water", (x[-1], surface[-1]), (-4, -4), textcoords="offset points", **look)
+        place = x[-1], surface[-1]
+        ax.annotate("water", place, (-4, -4), textcoords="offset points", ha="right", va="top", color="tab:blue", size="small")
 
 
 def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True) -> None:
