@@ -183,8 +183,7 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
-        f"move {probe} by less than one spacing of the particles, {scene.numerics.spacing:g} m: take so small a displacement for its order "
-        "of magnitude. The expected error below was measured on slopes that move by metres.",
+        f"move {probe} by less than one particle spacing ({scene.numerics.spacing:g} m), of which the expected error says nothing.",
     )
     found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
