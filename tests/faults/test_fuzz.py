@@ -35,10 +35,10 @@ ANYTHING = {
     name: st.one_of(section(model), *(changed(model, base, most) for base in BASES[name] for most in (1, 3)))
     for name, model in MODELS.items()
 }
-plain = settings(max_examples=100, deadline=None, phases=[Phase.reuse, Phase.generate], suppress_health_check=list(HealthCheck))
+plain = settings(max_examples=50, deadline=None, phases=[Phase.reuse, Phase.generate], suppress_health_check=list(HealthCheck))
 
 
-@pytest.mark.parametrize("examples", [100, pytest.param(300, marks=pytest.mark.long)])
+@pytest.mark.parametrize("examples", [50, pytest.param(300, marks=pytest.mark.long)])
 def test_everything_a_user_can_write_is_carried_out_or_refused_by_name(examples: int) -> None:
     """So many examples of every kind, the solver's first steps included."""
     script = Path(__file__).with_name("fuzz.py")

@@ -69,6 +69,7 @@ def soil(ds: xr.Dataset, name: str) -> np.ndarray:
 # ---------------------------------------------------------------- a strip that feels no wall
 
 
+@pytest.mark.long
 def test_uniform_motion_goes_on_forever() -> None:
     # Galileo: no relative motion, no strain, no force; 1.2 m/s for 4 s carries every particle around the box once, through all cells
     # and lists.  Nothing is computed but x += v dt: the same velocities and energy to the last bit, no stress but rounding.

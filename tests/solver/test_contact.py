@@ -110,6 +110,7 @@ def thrown(base: str) -> float:
 BLOCK = [[2.0, 0.0], [6.0, 0.0], [6.0, 3.0], [2.0, 3.0]]
 
 
+@pytest.mark.long
 def test_a_block_leaves_a_contact_base_and_hangs_on_a_bonded_one() -> None:
     # The wall holds the block for the first step, and what it stretches by then goes on as a vibration.
     free = 2.0 * 0.2 - 0.5 * 9.81 * 0.2**2

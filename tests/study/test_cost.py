@@ -70,6 +70,7 @@ def test_what_costs_more(small_slope: Builder) -> None:
     assert cost(calm).steps < cost(small_slope({"numerics.adaptive_step": {"courant": 0.8}, "numerics.time_step": 0.01})).steps
 
 
+@pytest.mark.long
 def test_a_file_is_about_as_large_as_predicted(small_slope: Builder, tmp_path: Path) -> None:
     scene = small_slope({"numerics.spacing": 2.5, "numerics.time_step": 2e-3, "outputs.frame_interval": 0.05})
     result = run_to_file(scene, tmp_path / "run.nc", say=lambda line: None)

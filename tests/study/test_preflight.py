@@ -187,6 +187,7 @@ def test_each_slope_is_searched() -> None:
     assert [row.first_run for row in rows] == ["25.0", "40.0"] and 1.0 < weak < strong
 
 
+@pytest.mark.long
 def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(quick_scene(scene()), DEFAULT_RULE)).seconds)
     scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}

@@ -8,6 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = {"sph": ["sph.command.cli"], "snakemake": ["snakemake", "--snakefile", str(ROOT / "Snakefile")]}
 SHORT = {"run": ["--set", "duration=3.5"], "snakemake": ["--dry-run"]}
@@ -22,6 +24,7 @@ def commands() -> list[list[str]]:
     return [shlex.split(line, comments=True) for line in block[1].splitlines()]
 
 
+@pytest.mark.long
 def test_the_readme_s_commands(tmp_path: Path) -> None:
     (tmp_path / "config").symlink_to(ROOT / "config")
     written = commands()
