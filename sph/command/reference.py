@@ -142,7 +142,7 @@ def measured(head: Sequence[str], rows: Callable[[pd.DataFrame], Iterable[Sequen
     table = advice.shipped_table(scheme)
     if table is None:
         return Reference(head, [], f"{advice.NOT_MEASURED_YET[0].upper()}{advice.NOT_MEASURED_YET[1:]}.")
-    cases = ", ".join(dict.fromkeys(table["case"]))
+    cases = "; ".join(dict.fromkeys(table["case"]))
     return Reference(head, list(rows(table)), f"Cases {cases}; one core of {table['machine'].iloc[0]}, runs side by side.")
 
 
