@@ -17,7 +17,7 @@ import numpy as np
 
 from sph.scene.loading import Loading
 from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
-from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
+from sph.solver.boundaries.free_slip import first_mirror, mirror_stress, mirror_velocity, wall_work
 from sph.solver.boundaries.friction import rub, set_friction
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
@@ -130,12 +130,13 @@ def _add_up(sums, work):  # type: ignore[no-untyped-def]
     return int(failed)
 
 
-def renew_candidates(state: State, terms: Any) -> tuple[Candidates, Pairs]:
-    """Candidates at the present positions, and room for their pairs."""
+def renew_candidates(state: State, terms: Any, pairs: Pairs) -> tuple[Candidates, Pairs]:
+    """Candidates at the present positions, and room for their pairs: that of the pairs before, which are lost, if it suffices."""
     state.x_candidates[:] = state.x
     state.y_candidates[:] = state.y
     candidates = find_candidates(state.x, state.y, terms.reach, terms.periodic)
-    return candidates, allocate_pairs(candidates, terms.zero, terms)
+    enough = pairs.neighbour.size >= candidates.neighbour.size
+    return candidates, pairs if enough else allocate_pairs(candidates, terms.zero, terms)
 
 
 def make_lists(state: State, terms: Any) -> tuple[Candidates, Pairs]:
@@ -162,6 +163,42 @@ def renew_pairs(state, candidates, pairs, terms, first, last):  # type: ignore[n
     update_pairs(pairs, candidates, pair_terms(terms), state.x, state.y, state.density, first, last)
 
 
+@jit
+def _block(team, n_soil, n_others, k):  # type: ignore[no-untyped-def]
+    """Block that this thread takes as its k-th: each ``team.size``-th of those that hold more than soil, then its share of the soil's."""
+    of_soil = n_soil // BLOCK
+    if k < n_others:
+        return of_soil + team.rank + k * team.size
+    else:
+        return team.rank * of_soil // team.size + k - n_others
+
+
+@jit
+def _take_turns(team, candidates, n_soil, first_mirror):  # type: ignore[no-untyped-def]
+    """Note in ``team.turn`` after which of its blocks' stresses this thread can compute the accelerations of each block.
+
+    A block's accelerations need the stresses of all blocks near it.  Soil is numbered by columns, so that these are there a few turns later
+    while its pairs are still in the cache; the walls' come first.  What borders on soil of another thread, or on particles that mirror
+    the soil's stress, waits for all (turn ``count``).
+    Returns the numbers of this thread's blocks with others than soil and of all its blocks, and the longest wait before that.
+    """
+    of_soil, blocks = n_soil // BLOCK, team.sums.shape[1]
+    first, last = team.rank * of_soil // team.size, (team.rank + 1) * of_soil // team.size
+    n_others = (blocks - of_soil - team.rank + team.size - 1) // team.size
+    count, lag = n_others + last - first, 0
+    for k in range(count):
+        block = _block(team, n_soil, n_others, k)
+        turn = k if k >= n_others else count
+        for other in candidates.near[candidates.near_start[block] : candidates.near_start[block + 1]]:
+            if other < of_soil:
+                turn = max(turn, n_others + other - first if first <= other < last else count)
+            elif (other + 1) * BLOCK > first_mirror:
+                turn = count
+        team.turn[k] = turn
+        lag = max(lag, turn - k if turn < count else 0)
+    return n_others, count, lag
+
+
 @entry
 def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicked, team):  # type: ignore[no-untyped-def]
     """Advance ``state`` in place from step ``step`` by ``n_steps``, as one of a team's threads.
@@ -175,6 +212,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
     n_soil, n_moving, n = terms.n_soil, terms.n_moving, state.x.size
     first_block, last_block = own_blocks(team)
     first_row, last_row = first_block * BLOCK, min(n, last_block * BLOCK)
+    n_others, count, lag = _take_turns(team, candidates, n_soil, first_mirror(terms.free_slip, n))
     failed = done = 0
     spent = False
     for s in range(step, step + n_steps):
@@ -231,43 +269,59 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     break
         if renew:
             renew_pairs(state, candidates, pairs, terms, first_row, last_row)
+            wait(team)
         strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
         mirror_velocity(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
-        for block in range(first_block, last_block):
-            first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            velocity_gradients(
-                state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, first, last
-            )
-            keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, first, last)
-            sums[block, FAILURES], internal = update_stress(
-                state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
-            )
-            sums[block, INTERNAL] = internal * terms.dt
-            set_artificial_stress(terms.artificial_stress, state, first, min(last, terms.n_stressed))
-        wait(team)
-        mirror_stress(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
-        for block in range(first_block, last_block):
-            first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
-            stress_accelerations(
-                state,
-                pairs,
-                terms.gradient_correction,
-                terms.contact,
-                terms.layers,
-                terms.residual_viscosity,
-                team.strain_rate,
-                first,
-                min(last, n_moving),
-            )
-            average_plastic_strain(terms.initiation, state, FAILED, first, min(last, n_soil))
-            rubbed = set_friction(
-                terms.wall_friction, terms.layers, terms.free_slip, terms.gradient_correction, state, pairs, mass, first, min(last, n_soil)
-            )
-            taken = wall_work(
-                terms.free_slip, terms.layers, state, pairs, terms.gradient_correction, terms.cell_mass, team.gradient, first, last
-            )
-            sums[block, WALLS] += terms.dt * (rubbed + taken)
-            sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
+        for turn in range(count + 1):
+            if turn == n_others:
+                wait(team)
+            if turn < count:
+                block = _block(team, n_soil, n_others, turn)
+                first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+                velocity_gradients(
+                    state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, first, last
+                )
+                keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, first, last)
+                sums[block, FAILURES], internal = update_stress(
+                    state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], first, last
+                )
+                sums[block, INTERNAL] = internal * terms.dt
+                set_artificial_stress(terms.artificial_stress, state, first, min(last, terms.n_stressed))
+            else:
+                wait(team)
+                mirror_stress(terms.free_slip, state, pairs, n_soil, first_row, last_row, team)
+            for k in range(max(0, turn - lag) if turn < count else 0, min(turn + 1, count)):
+                if team.turn[k] == turn:
+                    block = _block(team, n_soil, n_others, k)
+                    first, last = block * BLOCK, min(n, (block + 1) * BLOCK)
+                    stress_accelerations(
+                        state,
+                        pairs,
+                        terms.gradient_correction,
+                        terms.contact,
+                        terms.layers,
+                        terms.residual_viscosity,
+                        team.strain_rate,
+                        first,
+                        min(last, n_moving),
+                    )
+                    rubbed = set_friction(
+                        terms.wall_friction,
+                        terms.layers,
+                        terms.free_slip,
+                        terms.gradient_correction,
+                        state,
+                        pairs,
+                        mass,
+                        first,
+                        min(last, n_soil),
+                    )
+                    taken = wall_work(
+                        terms.free_slip, terms.layers, state, pairs, terms.gradient_correction, terms.cell_mass, team.gradient, first, last
+                    )
+                    sums[block, WALLS] += terms.dt * (rubbed + taken)
+                    sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
+        average_plastic_strain(terms.initiation, state, FAILED, first_row, min(last_row, n_soil))
         wait(team)
         if team.rank == 0:
             failed += _add_up(sums, state.work)

@@ -24,6 +24,7 @@ from sph.solver.boundaries.no_slip import NoSlip, add_walls, in_wall
 from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells, wrap
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.threads import BLOCK
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, invert
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
@@ -39,6 +40,8 @@ class Candidates(NamedTuple):
 
     start: np.ndarray  # (n + 1,) uint32
     neighbour: np.ndarray  # (m,) uint32
+    near_start: np.ndarray  # (blocks + 1,) uint32
+    near: np.ndarray  # uint32, near_start[b]:near_start[b + 1]: blocks of rows that hold candidates of block b's
 
 
 @by_reference
@@ -74,7 +77,9 @@ def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic
     start, index, done = np.zeros(n + 1, np.uint32), np.empty(64 * n, np.uint32), 0
     while (done := gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_cells, start, index, done)) < n:
         index = np.concatenate((index, np.empty(index.size + n, np.uint32)))
-    return Candidates(start, index[: start[n]].copy())
+    near_start, near = np.zeros(-(-n // BLOCK) + 1, np.uint32), np.empty(n + start[n], np.uint32)
+    blocks_near(start, index, np.zeros(-(-n // BLOCK), np.uint32), near_start, near)
+    return Candidates(start, index[: start[n]].copy(), near_start, near[: near_start[-1]].copy())
 
 
 @entry
@@ -101,6 +106,23 @@ def gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_
                 total += np.uint64((j != i) & (wrap(period, x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
         start[i + 1] = total
     return x.size
+
+
+@entry
+def blocks_near(start, neighbour, seen, near_start, near):  # type: ignore[no-untyped-def]
+    """Fill the lists of blocks that hold candidates of each block's rows, itself among them; ``seen`` (blocks,) is zero."""
+    count = np.uint64(0)
+    for block in rows(0, seen.size):
+        number = np.uint32(block) + np.uint32(1)
+        seen[block] = number
+        near[count] = block
+        count += np.uint64(1)
+        for k in rows(start[block * np.uint64(BLOCK)], start[min((block + np.uint64(1)) * np.uint64(BLOCK), np.uint64(start.size - 1))]):
+            other = neighbour[k] // np.uint32(BLOCK)
+            near[count] = other
+            count += np.uint64(seen[other] != number)
+            seen[other] = number
+        near_start[block + np.uint64(1)] = count
 
 
 class PairTerms(NamedTuple):
@@ -140,9 +162,9 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
         np.zeros(n, np.uint32),
         np.zeros(n, np.uint32),
         np.empty(size, np.uint32),
-        np.full(size, zero),
-        np.full(size, zero),
-        np.full(size, zero),
+        np.empty(size, zero.dtype),
+        np.empty(size, zero.dtype),
+        np.empty(size, zero.dtype),
         np.empty(n),
         np.empty(n),
         np.empty((n, 3)),
@@ -150,8 +172,8 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
         np.zeros(n, np.uint32),
         np.zeros((0 if terms.no_slip is None else n, 2)),
         np.zeros((0 if terms.contact is None else n, 3)),
-        np.full(0 if terms.residual_viscosity is None else size, zero),
-        np.full(0 if terms.artificial_stress is None else size, zero),
+        np.empty(0 if terms.residual_viscosity is None else size, zero.dtype),
+        np.empty(0 if terms.artificial_stress is None else size, zero.dtype),
     )
 
 
@@ -178,31 +200,37 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
     longest = np.uint32(1)
     for i in rows(first, last):
         longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
-    # One row's neighbours side by side: loops that gather and store at once do not vectorise.
-    row_dx, row_dy = np.empty(longest), np.empty(longest)
+    # One row's candidates side by side: loops that choose, and loops that gather and store at once, do not vectorise.
+    row_dx, row_dy, row_square = np.empty(longest), np.empty(longest), np.empty(longest)
     begin = np.uint64(candidates.start[first])
     for i in rows(first, last):
         x_i = x[i]
         y_i = y[i]
-        count = close = np.uint64(0)
-        for k in rows(candidates.start[i], candidates.start[i + np.uint64(1)]):
-            j = candidates.neighbour[k]
+        row = np.uint64(candidates.start[i])
+        size = np.uint64(candidates.start[i + np.uint64(1)]) - row
+        close_candidates = wall_candidates = np.uint64(0)
+        for k in range(size):
+            j = candidates.neighbour[row + k]
             dx = wrap(period, x_i - x[j])
             dy = y_i - y[j]
             r_square = dx * dx + dy * dy
-            # Without branches: written always, kept where the count goes on.
+            row_dx[k] = dx
+            row_dy[k] = dy
+            row_square[k] = r_square
+            close_candidates += np.uint64(r_square < close_square)
+            wall_candidates += np.uint64(in_wall(terms.no_slip, j))
+        # Without branches: written always, kept where the count goes on.
+        count = close = np.uint64(0)
+        for k in range(size):
+            j = candidates.neighbour[row + k]
             pairs.neighbour[begin + count] = j
-            pairs.close[begin + close] = j
-            row_dx[count] = dx
-            row_dy[count] = dy
-            count += np.uint64((r_square < reach_square) & _paired(terms.no_slip, i, j))
-            close += np.uint64(r_square < close_square)
-        gxs, gys, inverse_norms = (
-            pairs.gx[begin : begin + count],
-            pairs.gy[begin : begin + count],
-            pairs.inverse_norm[begin : begin + count],
-        )
-        sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
+            row_dx[count] = row_dx[k]
+            row_dy[count] = row_dy[k]
+            count += np.uint64((row_square[k] < reach_square) & _paired(terms.no_slip, i, j))
+        if close_candidates > np.uint64(0):
+            for k in range(size):
+                pairs.close[begin + close] = candidates.neighbour[row + k]
+                close += np.uint64(row_square[k] < close_square)
         for k in range(count):
             dx = row_dx[k]
             dy = row_dy[k]
@@ -212,19 +240,38 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             keep_nearness(terms.artificial_stress, pairs.nearness, begin + k, value)
             keep_distance(terms.residual_viscosity, pairs.distance, begin + k, r)
             norm = -factor * r
-            gxs[k] = factor * dx
-            gys[k] = factor * dy
-            inverse_norms[k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+            pairs.gx[begin + k] = factor * dx
+            pairs.gy[begin + k] = factor * dy
+            pairs.inverse_norm[begin + k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+        sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
+        for k in range(count):
+            dx = row_dx[k]
+            dy = row_dy[k]
             # The rounded values: the sums must be those of what is stored.
-            gx = np.float64(gxs[k])
-            gy = np.float64(gys[k])
+            gx = np.float64(pairs.gx[begin + k])
+            gy = np.float64(pairs.gy[begin + k])
             sum_x += gx
             sum_y += gy
             m_xx -= gx * dx
             m_xy -= gx * dy
             m_yy -= gy * dy
         sum_x, sum_y, m_xx, m_xy, m_yy = add_walls(
-            terms.no_slip, terms.contact, pairs, candidates, period, kernel, terms.cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy
+            terms.no_slip,
+            terms.contact,
+            wall_candidates > np.uint64(0),
+            pairs,
+            candidates,
+            period,
+            kernel,
+            terms.cell_mass,
+            x,
+            y,
+            i,
+            sum_x,
+            sum_y,
+            m_xx,
+            m_xy,
+            m_yy,
         )
         pairs.start[i] = begin
         pairs.close_end[i] = begin + close

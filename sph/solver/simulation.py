@@ -91,7 +91,7 @@ class Simulation:
             failed, step = failed + new, step + done
             if not spent:
                 break
-            self.candidates, self.pairs = renew_candidates(self.state, self.list_terms)
+            self.candidates, self.pairs = renew_candidates(self.state, self.list_terms, self.pairs)
             kicked = True
         self.steps_made += step - first
         made = (step - first) // self.substeps

@@ -47,11 +47,10 @@ def measure(spacings: list[float], repeats: int, particle_steps: int) -> list[di
 
 def renewals(run: Simulation) -> dict[str, float]:
     """Seconds of one renewal of the pairs and of the candidates."""
-    n = run.state.x.size
     return medians(
         {
-            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, 0, n),
-            "renew_candidates": lambda: renew_candidates(run.state, run.terms),
+            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, 0, run.state.x.size),
+            "renew_candidates": lambda: renew_candidates(run.state, run.terms, run.pairs),
         },
         repeats=3,
     )

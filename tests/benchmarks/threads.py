@@ -28,6 +28,7 @@ def measure(spacing: float, threads: int, steps: int, repeats: int) -> dict[str,
     found = medians({name: (lambda name=name: advance(name)) for name in runs}, repeats)
     return {
         "particles": runs["one"].state.x.size,
+        "neighbours_mean": float((runs["one"].pairs.end - runs["one"].pairs.start).mean()),
         "threads": threads,
         "steps": runs["several"].step,
         "same_bits": bits(runs["one"]) == bits(runs["several"]),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -62,6 +63,8 @@ def test_digest_changes_with_an_edit_of_what_is_compiled(tmp_path: Path) -> None
         earlier, (compiled, solver) = solver, digests_of(tmp_path)
         assert compiled == before, "an edit outside the compiled code must not recompile it"
         assert solver != earlier, "but a checkpoint of another solver is not gone on from"
+    edit(tmp_path, "storage/files.py", "LONGEST_HIDDEN = 140", "LONGEST_HIDDEN = 139")
+    assert digests_of(tmp_path) == [before, solver], "how files are put on the disk decides no result"
     # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
     edit(tmp_path, "solver/physics/kernels.py", "1.0 + 2.0 * q", "1.0 + 2.5 * q")
     assert digest_of(tmp_path) != before
@@ -154,6 +157,18 @@ def test_cache_folder_follows_the_environment(tmp_path: Path, name: str, relativ
     assert Path(used).parent == Path(folder) == place
     assert own == "", "the user's own functions are cached where they were"
     assert [path.name for path in tmp_path.iterdir()] == ["place"]
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="other processors have no such instructions to leave out")
+def test_no_gather_instructions_unless_the_user_says_what_the_processor_has() -> None:
+    def features(**chosen: str) -> str:
+        text = "import sph.solver.compiled.jit, numba; print(numba.config.CPU_FEATURES)"
+        given = {name: value for name, value in environment(PACKAGE.parent).items() if name != "NUMBA_CPU_FEATURES"} | chosen
+        return subprocess.run([sys.executable, "-c", text], env=given, check=True, capture_output=True, text=True).stdout.strip()
+
+    assert features(NUMBA_CPU_FEATURES="+sse2") == "+sse2"
+    own = features().split(",")
+    assert "+prefer-no-gather" in own and "+sse2" in own
 
 
 # ---------------------------------------------------------------- the race

@@ -28,6 +28,7 @@ def noisy(slid: xr.Dataset) -> xr.Dataset:
     return slid.isel(frame=slice(0, 3))
 
 
+@pytest.mark.crosscheck
 def test_every_number_is_read_back_as_it_is(tmp_path: Path, noisy: xr.Dataset) -> None:
     export_paraview(noisy, tmp_path / "new" / "folder", "slide")
     for frame in range(3):

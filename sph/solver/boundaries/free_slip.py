@@ -32,6 +32,15 @@ class FreeSlip(NamedTuple):
 
 
 @jit
+def first_mirror(term, n):  # type: ignore[no-untyped-def]
+    """First particle that mirrors the soil, of n; n if none does."""
+    if term is None:
+        return n
+    else:
+        return term.first
+
+
+@jit
 def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
     total = weights = 0.0
     for k in range(pairs.start[i], pairs.end[i]):

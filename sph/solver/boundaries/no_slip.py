@@ -63,14 +63,17 @@ def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
 
 
 @jit
-def add_walls(term, contact, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Keep b_i in ``pairs.wall`` (n, 2), kg/m3; returns the sums of gradients and the moments of particle i with the walls' part."""
+def add_walls(term, contact, beside, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
+    """Keep b_i in ``pairs.wall`` (n, 2), kg/m3; returns the sums of gradients and the moments of particle i with the walls' part.
+
+    ``beside`` says whether it has candidates in them.
+    """
     if term is None:
         return sum_x, sum_y, m_xx, m_xy, m_yy
     else:
         reach = support(kernel)
         b_x = b_y = contact_x = contact_y = 0.0
-        if not in_wall(term, i):
+        if beside and not in_wall(term, i):
             for k in rows(candidates.start[i], candidates.start[i + 1]):
                 j = candidates.neighbour[k]
                 dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
