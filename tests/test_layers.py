@@ -81,6 +81,15 @@ def test_jobs_do_not_load_the_command_line() -> None:
     assert "sph.jobs.log" in loaded and not loaded & {"sph.command.cli", "typer"}
 
 
+def test_a_job_loads_of_scipy_what_it_uses() -> None:
+    """``scipy.signal`` and ``scipy.stats`` take as long to load as everything else that a simulation needs."""
+    script = SPH.parent / "workflow" / "scripts" / "simulate" / "simulate.py"
+    code = "import runpy, sys\nrunpy.run_path(sys.argv[1])\nprint(*sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code, str(script)], cwd=SPH.parent, capture_output=True, text=True, check=True)
+    loaded = set(done.stdout.split())
+    assert "sph.solver.run" in loaded and not loaded & {"scipy.signal", "scipy.stats", "scipy.optimize", "matplotlib.pyplot"}
+
+
 def test_no_two_test_files_have_one_name() -> None:
     names = sorted(path.name for path in Path(__file__).parent.rglob("test_*.py"))
     assert [name for name, following in zip(names, names[1:], strict=False) if name == following] == [], "pytest imports them by name"

@@ -13,9 +13,9 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy  # type: ignore[import-untyped]
 import xarray as xr
 from pydantic import Field, model_validator
-from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, file_name
 from sph.measures.metrics import MetricSettings, energy_gap, largest_mass, outline_area
@@ -212,7 +212,7 @@ def asymmetry(run: xr.Dataset, scene: Scene) -> float:
     soil = run["kind"].values == SOIL
     x0, y0 = run["x0"].values[soil], run["y0"].values[soil]
     x, y = (run[name].values[-1, soil].astype(float) for name in ("x", "y"))
-    _, twin = cKDTree(np.column_stack([x0, y0])).query(np.column_stack([scene.geometry.width - x0, y0]))
+    _, twin = scipy.spatial.cKDTree(np.column_stack([x0, y0])).query(np.column_stack([scene.geometry.width - x0, y0]))
     return float(np.hypot(scene.geometry.width - x[twin] - x, y[twin] - y).max()) / scene.numerics.spacing
 
 
@@ -233,7 +233,7 @@ def measure_extreme(run: xr.Dataset, symmetric: bool) -> dict[str, Any]:
     }
     if np.isfinite(last).all():
         mass = largest_mass(last[:, 0], last[:, 1], LINK * spacing)
-        nearest = cKDTree(last).query(last, k=2)[0][:, 1] / spacing
+        nearest = scipy.spatial.cKDTree(last).query(last, k=2)[0][:, 1] / spacing
         values |= {
             "area_change": _area(last[mass], spacing) / _area(first, spacing) - 1.0,
             "nearest_p05": float(np.percentile(nearest, 5)),

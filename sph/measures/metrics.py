@@ -25,12 +25,9 @@ import math
 from collections.abc import Mapping
 
 import numpy as np
+import scipy  # type: ignore[import-untyped]
 import xarray as xr
 from pydantic import model_validator
-from scipy.ndimage import distance_transform_edt  # type: ignore[import-untyped]
-from scipy.sparse import coo_array  # type: ignore[import-untyped]
-from scipy.sparse.csgraph import connected_components  # type: ignore[import-untyped]
-from scipy.spatial import cKDTree  # type: ignore[import-untyped]
 
 from sph.measures.fields import ProbeHistory, displacement, last_at, probe_history
 from sph.scene.configuration import Section, key
@@ -277,9 +274,9 @@ def _limits(settings: MetricSettings) -> dict[str, float]:
 
 def linked_sets(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
     """Number (n,), from 0, of the set of points linked by distances up to ``link`` (m) that each point belongs to."""
-    pairs = cKDTree(np.column_stack([x, y])).query_pairs(link, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(x.size, x.size))
-    return np.asarray(connected_components(links, directed=False)[1])
+    pairs = scipy.spatial.cKDTree(np.column_stack([x, y])).query_pairs(link, output_type="ndarray")
+    links = scipy.sparse.coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(x.size, x.size))
+    return np.asarray(scipy.sparse.csgraph.connected_components(links, directed=False)[1])
 
 
 def largest_mass(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
@@ -292,9 +289,9 @@ def outline_area(x: np.ndarray, y: np.ndarray, spacing: float) -> float:
     """Area (m2) inside the outline of particles at (n,) with gaps below 2 ``CLOSING_RADIUS`` spacings closed; lengths in m."""
     step, margin = spacing / OUTLINE_GRID, 2.0 * CLOSING_RADIUS * spacing
     grid = np.meshgrid(*(np.arange(a.min() - margin, a.max() + margin, step) for a in (x, y)))
-    distance, _ = cKDTree(np.column_stack([x, y])).query(np.column_stack([axis.ravel() for axis in grid]))
+    distance, _ = scipy.spatial.cKDTree(np.column_stack([x, y])).query(np.column_stack([axis.ravel() for axis in grid]))
     dilated = distance.reshape(grid[0].shape) <= CLOSING_RADIUS * spacing
-    inside = step * distance_transform_edt(dilated) > (CLOSING_RADIUS - 0.5) * spacing
+    inside = step * scipy.ndimage.distance_transform_edt(dilated) > (CLOSING_RADIUS - 0.5) * spacing
     return float(np.count_nonzero(inside)) * step**2
 
 
@@ -389,7 +386,7 @@ def _area_change(trajectory: xr.Dataset, soil: np.ndarray) -> float:
 
 def _nearest_distance_p05(x: np.ndarray, y: np.ndarray) -> float:
     points = np.column_stack([x, y])
-    return float(np.percentile(cKDTree(points).query(points, k=2)[0][:, 1], 5))
+    return float(np.percentile(scipy.spatial.cKDTree(points).query(points, k=2)[0][:, 1], 5))
 
 
 def _runout_metrics(

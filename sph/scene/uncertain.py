@@ -19,8 +19,8 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import scipy  # type: ignore[import-untyped]
 from pydantic import Field, model_validator
-from scipy.special import ndtr, ndtri  # type: ignore[import-untyped]
 
 from sph.scene.configuration import OwnName, Section, dotted, flat, key, merge, validated
 from sph.scene.extras import of_extra
@@ -143,7 +143,7 @@ class Variable(Section):
         if spread == 0:
             return 0.0, 1.0
         ends = (self._on_scale(bound) for bound in self._bounds)
-        low, high = (float(ndtr((end - center) / spread)) for end in ends)
+        low, high = (float(scipy.special.ndtr((end - center) / spread)) for end in ends)
         return low, high
 
     def _on_scale(self, value: float) -> float:
@@ -164,7 +164,7 @@ class Variable(Section):
             return np.full(np.shape(scores), self.mean)
         if self.lower is not None or self.upper is not None:
             low, high = self._shares
-            scores = ndtri(low + ndtr(scores) * (high - low))
+            scores = scipy.special.ndtri(low + scipy.special.ndtr(scores) * (high - low))
         normal = center + spread * scores
         return np.clip(np.exp(normal) if self.kind == "lognormal" else normal, *self._bounds)
 
@@ -272,7 +272,7 @@ def seed_of(name: str, seed: int) -> np.random.SeedSequence:
 def _score(name: str, seed: int) -> float:
     """Standard normal score of a scene key: a raw number of numpy's PCG64, whose stream numpy keeps, by the inverse of the distribution."""
     raw = np.random.PCG64(seed_of(name, seed)).random_raw()
-    return float(ndtri(((raw >> 11) + 0.5) * 2.0**-53))
+    return float(scipy.special.ndtri(((raw >> 11) + 0.5) * 2.0**-53))
 
 
 def _seed_of_field(name: str, seed: int) -> int:

@@ -32,7 +32,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy.optimize import brentq, minimize  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 SMALLEST_FACTOR, LARGEST_FACTOR = 0.01, 100.0
 """Factors of safety between which the limit is sought."""
@@ -76,7 +76,7 @@ def stability_number(slope_angle: float, friction_angle: float, base_depth: floa
     options = {"xatol": 1e-7, "fatol": 1e-10, "maxiter": 2000}
 
     def descend(spiral: np.ndarray) -> np.ndarray:
-        found: np.ndarray = minimize(_number, spiral, (slope, phi, base_depth, wet), method="Nelder-Mead", options=options).x
+        found: np.ndarray = scipy.optimize.minimize(_number, spiral, (slope, phi, base_depth, wet), method="Nelder-Mead", options=options).x
         return found
 
     # Twice, for a simplex that has shrunk beside a bound.
@@ -100,7 +100,7 @@ def limit_factor(
         phi = math.degrees(math.atan(math.tan(math.radians(friction_angle)) / factor))
         return _surplus(slope_angle, height, unit_weight, cohesion / factor, phi, base_depth, wet)
 
-    return float(brentq(surplus, SMALLEST_FACTOR, LARGEST_FACTOR, rtol=1e-6))
+    return float(scipy.optimize.brentq(surplus, SMALLEST_FACTOR, LARGEST_FACTOR, rtol=1e-6))
 
 
 def limit_strength_ratio(
@@ -117,7 +117,7 @@ def limit_strength_ratio(
     def surplus(ratio: float) -> float:
         return _surplus(slope_angle, height, unit_weight, ratio * cohesion, ratio * friction_angle, base_depth, wet)
 
-    return float(brentq(surplus, 1.0 / LARGEST_FACTOR, 1.0 / SMALLEST_FACTOR, rtol=1e-6))
+    return float(scipy.optimize.brentq(surplus, 1.0 / LARGEST_FACTOR, 1.0 / SMALLEST_FACTOR, rtol=1e-6))
 
 
 def endless_factor(
@@ -146,7 +146,7 @@ def endless_factor(
         held = cohesion / factor + unit_weight * depth * (math.cos(slope) - r_u / math.cos(slope)) * math.tan(phi)
         return eta * held - unit_weight * depth * math.sin(slope)
 
-    return float(brentq(surplus, SMALLEST_FACTOR, LARGEST_FACTOR, rtol=1e-6))
+    return float(scipy.optimize.brentq(surplus, SMALLEST_FACTOR, LARGEST_FACTOR, rtol=1e-6))
 
 
 def _surplus(slope_angle: float, height: float, unit_weight: float, cohesion: float, phi: float, base_depth: float, wet: Wet) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from scipy.optimize import brentq  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 from sph.scene.ground_motion import motion_of
 from sph.scene.motion import ConstantAcceleration, reference_amplitude
@@ -51,4 +51,4 @@ def newmark_factor(scene: Scene, yield_acceleration: float, displacement: float)
     low = high = yield_acceleration / float(motion.acceleration.max())
     while excess(high) < 0.0:
         low, high = high, 2.0 * high
-    return float(brentq(excess, low, high, xtol=1e-7)) if high > low else high
+    return float(scipy.optimize.brentq(excess, low, high, xtol=1e-7)) if high > low else high

@@ -10,7 +10,7 @@ from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
-from scipy.integrate import cumulative_trapezoid  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 from sph.scene.geometry import Slope
 from sph.scene.gravity import GRAVITY
@@ -474,8 +474,8 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
     An offset of the recorder moves a sliding block like shaking, whatever drift it leaves.
     """
     time, acceleration = motion
-    velocity = cumulative_trapezoid(acceleration, time, initial=0.0)
-    displacement = cumulative_trapezoid(velocity, time, initial=0.0)
+    velocity = scipy.integrate.cumulative_trapezoid(acceleration, time, initial=0.0)
+    displacement = scipy.integrate.cumulative_trapezoid(velocity, time, initial=0.0)
     largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
     furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
     found = []

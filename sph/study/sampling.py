@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 import numpy as np
+import scipy  # type: ignore[import-untyped]
 from pydantic import BeforeValidator, model_validator
-from scipy.stats import qmc  # type: ignore[import-untyped]
 
 from sph.scene.configuration import Section, found_file, key
 from sph.study.dimensions import in_si
@@ -71,11 +71,11 @@ class Sample(Section):
         """The runs in their order."""
         count = len(self.ranges)
         if self.method == "sobol":
-            shares = qmc.Sobol(count, scramble=True, rng=self.seed).random_base2(math.ceil(math.log2(self.size)))[: self.size]
+            shares = scipy.stats.qmc.Sobol(count, scramble=True, rng=self.seed).random_base2(math.ceil(math.log2(self.size)))[: self.size]
         elif self.method == "random":
             shares = np.random.default_rng(self.seed).random((self.size, count))
         else:
-            shares = qmc.LatinHypercube(count, rng=self.seed).random(self.size)
+            shares = scipy.stats.qmc.LatinHypercube(count, rng=self.seed).random(self.size)
         columns = [span.values(shares[:, place]) for place, span in enumerate(self.ranges.values())]
         return [dict(zip(self.ranges, values, strict=True)) for values in zip(*columns, strict=True)]
 

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW
@@ -100,7 +100,7 @@ def _order(ratio: float, r21: float, r32: float) -> float:
         return math.nan
     if excess(LARGEST_ORDER) <= 0:
         return LARGEST_ORDER
-    return float(brentq(excess, smallest, LARGEST_ORDER, xtol=1e-12))
+    return float(scipy.optimize.brentq(excess, smallest, LARGEST_ORDER, xtol=1e-12))
 
 
 def convergence_table(frame: pd.DataFrame, parameter: str) -> pd.DataFrame:

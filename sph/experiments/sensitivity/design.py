@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy  # type: ignore[import-untyped]
 from pydantic import Field, model_validator
 
 from sph.experiments.base import Label, Overrides, checked
@@ -401,11 +402,10 @@ class SensitivityPlan:
                 yield f"{axis.name}/{end}", (*base[:place], value, *base[place + 1 :])
 
     def _sobol(self, chosen: Sequence[str]) -> Iterable[tuple[str, Point]]:
-        from scipy.stats import qmc  # type: ignore[import-untyped]
 
         axes = [axis for axis in self.axes if axis.name in chosen]
         count = self.settings.sobol.samples
-        sequence = qmc.Sobol(len(axes), scramble=True, rng=self.settings.seed).random_base2(math.ceil(math.log2(count)))
+        sequence = scipy.stats.qmc.Sobol(len(axes), scramble=True, rng=self.settings.seed).random_base2(math.ceil(math.log2(count)))
         for number, shares in enumerate(sequence[:count]):
             yield f"{number:04d}", self._values(shares, axes)
 

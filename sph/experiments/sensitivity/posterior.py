@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy  # type: ignore[import-untyped]
 
 from sph.experiments.sensitivity.design import Axis, Observation
 from sph.experiments.sensitivity.surrogate import fit_surrogate, known_runs
@@ -98,9 +99,8 @@ class Posterior(NamedTuple):
 
 def posterior(predict: Predictor, target: Target, dimensions: int, points: int = POINTS, rounds: int = ROUNDS) -> Posterior:
     """The posterior of factors, ``dimensions`` of them, on ``points`` of a scrambled Sobol' sequence; one round is on all of the bounds."""
-    from scipy.stats import qmc  # type: ignore[import-untyped]
 
-    filled = qmc.Sobol(dimensions, scramble=True, rng=0).random(points)
+    filled = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=0).random(points)
     low, high = np.zeros(dimensions), np.ones(dimensions)
     for _ in range(rounds):
         shares = low + (high - low) * filled

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
-from scipy.special import log_ndtr, ndtr  # type: ignore[import-untyped]
-from scipy.stats import goodness_of_fit, norm  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
 from sph.experiments.trigger.points import CASE_COLUMN, names
@@ -48,7 +47,7 @@ class Lognormal(NamedTuple):
 
     def exceedance(self, intensity: np.ndarray) -> np.ndarray:
         """Probability that the class is reached at intensities (n,) above 0."""
-        return ndtr(np.log(intensity / self.median) / self.dispersion)
+        return scipy.special.ndtr(np.log(intensity / self.median) / self.dispersion)
 
 
 NO_FIT = Lognormal(math.nan, math.nan)
@@ -115,7 +114,7 @@ def _likelihood(ends: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarra
     turned = low > 0.0  # in the upper tail the difference is that of the other side
     below, above = np.where(turned, -high, low), np.where(turned, -low, high)
     with np.errstate(divide="ignore", invalid="ignore"):
-        between = log_ndtr(above) + np.log1p(-np.exp(log_ndtr(below) - log_ndtr(above)))
+        between = scipy.special.log_ndtr(above) + np.log1p(-np.exp(scipy.special.log_ndtr(below) - scipy.special.log_ndtr(above)))
         density = np.exp(-0.5 * np.stack([low, high]) ** 2 - 0.5 * math.log(2.0 * math.pi) - between)
     signed = np.array([-1.0, 1.0])[:, None, None] * density
     finite = np.isfinite(ends)
@@ -194,7 +193,7 @@ def lognormality(values: np.ndarray, seed: int = SEED) -> tuple[float, float]:
     """
     if values.size < FEWEST or np.ptp(values) == 0.0:
         return math.nan, math.nan
-    found = goodness_of_fit(norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(seed))
+    found = scipy.stats.goodness_of_fit(scipy.stats.norm, np.log(values), statistic="ks", n_mc_samples=999, rng=np.random.default_rng(seed))
     return float(found.statistic), float(found.pvalue)
 
 

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import log_ndtr, ndtr  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 from sph.scene.cells import cells, names
 from sph.scene.configuration import one_line, read_text
@@ -93,10 +93,10 @@ def annual_frequency(fits: np.ndarray, hazard: Hazard) -> np.ndarray:
     slope = -np.diff(levels) / np.diff(logs)
     mu, beta = np.log(fits[:, :1]), fits[:, 1:]
     reach = (logs - mu) / beta
-    by_parts = np.diff(ndtr(reach) * hazard.frequency, axis=1)
+    by_parts = np.diff(scipy.special.ndtr(reach) * hazard.frequency, axis=1)
     low, high = reach[:, :-1] + slope * beta, reach[:, 1:] + slope * beta
     turned = low > 0.0  # in the upper tail the difference is that of the other side
     below, above = np.where(turned, -high, low), np.where(turned, -low, high)
-    between = log_ndtr(above) + np.log1p(-np.exp(log_ndtr(below) - log_ndtr(above)))
+    between = scipy.special.log_ndtr(above) + np.log1p(-np.exp(scipy.special.log_ndtr(below) - scipy.special.log_ndtr(above)))
     moment = np.exp(levels[:-1] + slope * (logs[:-1] - mu) + 0.5 * (slope * beta) ** 2 + between)
     return np.sum(moment - by_parts, axis=1)

@@ -9,9 +9,8 @@ from __future__ import annotations
 from fractions import Fraction
 
 import numpy as np
+import scipy  # type: ignore[import-untyped]
 from pydantic import model_validator
-from scipy.integrate import cumulative_trapezoid  # type: ignore[import-untyped]
-from scipy.signal import butter, resample_poly, sosfiltfilt  # type: ignore[import-untyped]
 
 from sph.scene.configuration import Section, key
 
@@ -67,7 +66,7 @@ class Resample(Section):
 
 def integral(values: np.ndarray, interval: float) -> np.ndarray:
     """Integral (n,) from 0 on of a function (n,) linear between its samples."""
-    return cumulative_trapezoid(values, dx=interval, initial=0.0)
+    return scipy.integrate.cumulative_trapezoid(values, dx=interval, initial=0.0)
 
 
 def corrected(acceleration: np.ndarray, interval: float, degree: int) -> np.ndarray:
@@ -99,10 +98,10 @@ def band_passed(acceleration: np.ndarray, interval: float, band: BandPass) -> np
             raise ValueError(f"band_pass.{name}: {corner:g} Hz must be below half of the sampling rate, {half:g} Hz")
     kind = "lowpass" if band.low is None else "highpass" if band.high is None else "bandpass"
     corners = [corner for corner in (band.low, band.high) if corner is not None]
-    filters = butter(band.order, corners if len(corners) > 1 else corners[0], kind, fs=2.0 * half, output="sos")
+    filters = scipy.signal.butter(band.order, corners if len(corners) > 1 else corners[0], kind, fs=2.0 * half, output="sos")
     pads = min(int(np.ceil(PADS * band.order / min(corners) / interval)), MOST_SAMPLES)
     padded = np.pad(acceleration, pads)
-    return sosfiltfilt(filters, padded, padtype=None)[pads : pads + acceleration.size]
+    return scipy.signal.sosfiltfilt(filters, padded, padtype=None)[pads : pads + acceleration.size]
 
 
 def arias_window(acceleration: np.ndarray, start_share: float, end_share: float) -> tuple[int, int]:
@@ -136,7 +135,7 @@ def resampled(acceleration: np.ndarray, old: float, new: float) -> np.ndarray:
         )
     if acceleration.size * ratio > MOST_SAMPLES:
         raise ValueError(f"resample.interval: {new:g} s makes more than {MOST_SAMPLES:,} samples of the record's {acceleration.size:,}")
-    return resample_poly(acceleration, ratio.numerator, ratio.denominator)
+    return scipy.signal.resample_poly(acceleration, ratio.numerator, ratio.denominator)
 
 
 def process(

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.signal import cont2discrete, lfilter  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 DAMPING = 0.05
 """Damping ratio of the usual spectrum."""
@@ -36,5 +36,5 @@ def _largest(acceleration: np.ndarray, interval: float, frequency: float, dampin
     after = math.ceil(2.0 * math.pi / frequency / step)
     fine = np.interp(np.arange((acceleration.size - 1) * parts + 1) / parts, np.arange(acceleration.size), acceleration)
     oscillator = [frequency**2], [1.0, 2.0 * damping * frequency, frequency**2]
-    weights, answers, _ = cont2discrete(oscillator, step, method="foh")
-    return float(np.abs(lfilter(weights.ravel(), answers, np.pad(fine, (0, after)))).max())
+    weights, answers, _ = scipy.signal.cont2discrete(oscillator, step, method="foh")
+    return float(np.abs(scipy.signal.lfilter(weights.ravel(), answers, np.pad(fine, (0, after)))).max())

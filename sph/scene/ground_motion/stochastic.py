@@ -18,10 +18,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import scipy  # type: ignore[import-untyped]
 from pydantic import model_validator
-from scipy.optimize import brentq  # type: ignore[import-untyped]
-from scipy.signal import cont2discrete, lfilter  # type: ignore[import-untyped]
-from scipy.special import gammaincinv, ndtri  # type: ignore[import-untyped]
 
 from sph.scene.configuration import Section, key
 from sph.scene.gravity import GRAVITY
@@ -118,8 +116,8 @@ class Stochastic(Section):
     @property
     def modulation(self) -> Modulation:
         """The modulating function."""
-        shape = brentq(lambda value: _spread(value) - self.duration / self.time_mid, *SHAPES)
-        return Modulation(self.arias_intensity, shape, float(gammaincinv(shape, MID)) / self.time_mid)
+        shape = scipy.optimize.brentq(lambda value: _spread(value) - self.duration / self.time_mid, *SHAPES)
+        return Modulation(self.arias_intensity, shape, float(scipy.special.gammaincinv(shape, MID)) / self.time_mid)
 
 
 class Modulation(NamedTuple):
@@ -131,7 +129,7 @@ class Modulation(NamedTuple):
 
     def time_of(self, share: float) -> float:
         """Time (s) at which a share of the Arias intensity has come."""
-        return float(gammaincinv(self.shape, share)) / self.rate
+        return float(scipy.special.gammaincinv(self.shape, share)) / self.rate
 
     def at(self, time: np.ndarray) -> np.ndarray:
         """q (n,) in m/s2 at times above 0 (s)."""
@@ -141,7 +139,7 @@ class Modulation(NamedTuple):
 
 def _spread(shape: float) -> float:
     """D5-95 over t_mid of a gamma density."""
-    start, middle, end = gammaincinv(shape, np.array([0.05, MID, 0.95]))
+    start, middle, end = scipy.special.gammaincinv(shape, np.array([0.05, MID, 0.95]))
     return float((end - start) / middle)
 
 
@@ -157,9 +155,9 @@ def synthesised(parameters: Stochastic) -> np.ndarray:
     time = INTERVAL * np.arange(1, size + 1)
     corner = 2.0 * math.pi * parameters.high_pass
     settling = math.ceil(SETTLING / corner / INTERVAL)
-    shaking = np.pad(envelope.at(time) * _coloured(ndtri(uniform), time, parameters), (1, settling))
-    weights, answers, _ = cont2discrete(([1.0, 0.0, 0.0], [1.0, 2.0 * corner, corner**2]), INTERVAL, method="foh")
-    return lfilter(weights.ravel(), answers, shaking)
+    shaking = np.pad(envelope.at(time) * _coloured(scipy.special.ndtri(uniform), time, parameters), (1, settling))
+    weights, answers, _ = scipy.signal.cont2discrete(([1.0, 0.0, 0.0], [1.0, 2.0 * corner, corner**2]), INTERVAL, method="foh")
+    return scipy.signal.lfilter(weights.ravel(), answers, shaking)
 
 
 def _coloured(noise: np.ndarray, time: np.ndarray, parameters: Stochastic) -> np.ndarray:
