@@ -235,3 +235,9 @@ NUMERICAL = re.compile(
 @pytest.mark.parametrize("page", [*PAGES, *sorted((ROOT / "config").rglob("*.yaml"))], ids=name_of)
 def test_stability_is_that_of_a_slope(page: Path) -> None:
     assert not [found.group() for found in NUMERICAL.finditer(page.read_text(encoding="utf-8"))]
+
+
+def test_the_table_of_cross_checks_names_the_tests_that_are_marked() -> None:
+    told = set(re.findall(r"`(tests/[\w/.]+)`", (ROOT / "docs" / "evidence" / "crosschecks.md").read_text(encoding="utf-8")))
+    marked = {str(path.relative_to(ROOT)) for path in ROOT.glob("tests/**/test_*.py") if "pytest.mark." + "crosscheck" in path.read_text()}
+    assert told == marked

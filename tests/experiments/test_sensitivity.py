@@ -186,6 +186,7 @@ def test_a_linear_function_has_its_slopes_for_effects_and_no_sigma(tmp_path: Pat
     assert influential(table, 0.5) == [f"x{i}" for i in range(11) if abs(slopes[i]) >= 3.5]
 
 
+@pytest.mark.crosscheck
 def test_statistics_are_those_of_salib(tmp_path: Path) -> None:
     shares = trajectories(tmp_path, 8)
     values = np.sin(3 * shares[..., 0]) * shares[..., 1] + shares[..., 2] ** 2
@@ -238,6 +239,7 @@ def space_filling(dimensions: int, count: int) -> np.ndarray:
     return qmc.Sobol(dimensions, rng=1).random(count)
 
 
+@pytest.mark.crosscheck
 @pytest.mark.parametrize(
     ("function", "exact", "count"),
     [

@@ -33,6 +33,7 @@ CHEN = {
 """gamma H / c by slope angle and friction angle (degrees), Chen (1975), chapter 9."""
 
 
+@pytest.mark.crosscheck
 @pytest.mark.parametrize("angles", CHEN, ids=str)
 def test_stability_numbers_of_chen(angles: tuple[float, float]) -> None:
     assert stability_number(*angles) == pytest.approx(CHEN[angles], abs=0.01)

@@ -11,6 +11,8 @@ from sph.scene.ground_motion import read_record
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
 from sph.stability.newmark import sliding_block
 
+pytestmark = pytest.mark.crosscheck
+
 ROOT = Path(__file__).resolve().parents[2]
 SHARED = ROOT.parent / "shared" / "records"
 RECORDS = [ROOT / "config" / "motions" / "synthetic.csv", *sorted(SHARED.glob("*.csv"))]
