@@ -264,7 +264,7 @@ def _study_tasks() -> set[str]:
 def _fidelities_table() -> Reference:
     times = read_measured("times")
     studies = times[times["task"].isin(_study_tasks())]
-    where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions']}" for row in studies.to_dict("records")))
+    where = "; ".join(dict.fromkeys(f"{row['machine']}, {row['conditions'].partition(';')[0]}" for row in studies.to_dict("records")))
     note = f"Whole study: {where}. Errors: one run against the finest of the cost-accuracy study."
     return Reference(FIDELITY_HEAD, list(fidelity_lines()), note)
 
@@ -274,18 +274,20 @@ def origin_lines() -> Iterator[tuple[str, ...]]:
     noted = {row["table"]: row for row in shipped.read_origins().to_dict("records")}
     for name, table in shipped.SHIPPED.items():
         row = noted.get(name, {})
+        solver, *others = (row.get(key, shipped.NOT_RECORDED) for key in ("solver", "configuration", "version"))
+        repeated = f" ({row['repeated']} repeated)" if row.get("repeated") else ""
         commands = ", ".join(f"`{command}`" for command in table.renewal.split(" && "))
-        yield name, *(row.get(key, shipped.NOT_RECORDED) for key in ("solver", "configuration", "version")), commands
+        yield name, solver + repeated, *others, commands
 
 
 def missed_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (case, title, how many quantities are missed, which with error and tolerance) of the cases that miss any."""
     for case, rows in table.groupby("case", sort=False):
-        missed = rows[rows["verdict"] == MISSES]
+        missed = rows.assign(over=rows["error"] / rows["tolerance"])[rows["verdict"] == MISSES]
         if len(missed):
             errors = [
                 f"{row['text']}: {_per_cent(row['error'])} ({_per_cent(row['tolerance'])})"
-                for row in missed.sort_values("error", key=abs, ascending=False).to_dict("records")
+                for row in missed.sort_values(["over", "error"], key=abs, ascending=False).to_dict("records")
             ]
             yield str(case), rows["title"].iloc[0], f"{len(missed)} of {len(rows)}", errors[0]
 

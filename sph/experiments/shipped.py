@@ -3,6 +3,8 @@
 ``measured/origins.csv`` keeps, for every table, digests of the table itself, of the solver that made its runs and of its configuration.
 A table without a row there, or changed since, is *not recorded*; one whose solver or configuration has changed is *older*: its numbers
 may still hold, but nobody has measured them again.  ``adopt`` copies a table from its results and reads the solver from the runs.
+``repeat`` spares measuring everything again after a change of the solver that changes no answer: a part of the runs and searches, made
+again, have to be the same to the last bit.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ from __future__ import annotations
 import argparse
 import hashlib
 import shutil
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -20,11 +22,15 @@ import yaml
 
 import sph
 from sph.solver.compiled.jit import solver_digest
+from sph.solver.run import run
+from sph.stability.record import run_search
 from sph.storage.files import content_digest
-from sph.storage.trajectory import Variable
+from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import read_csv, text_column, write_csv
 
 PACKAGE = Path(__file__).parents[1]
+REPEATED = 0.1
+"""Part of a table's runs that ``repeat`` makes again at least."""
 MEASURED = Path(__file__).with_name("measured")
 CURRENT, OLDER, NOT_RECORDED = "current", "older", "not recorded"
 ORIGINS: tuple[Variable, ...] = (
@@ -33,6 +39,7 @@ ORIGINS: tuple[Variable, ...] = (
     text_column("solver", "digest of the solver that made the runs"),
     text_column("configuration", "digest of the files that configure it"),
     text_column("version", "version that was measured"),
+    text_column("repeated", "how many runs of an earlier solver, which made them all, this one has repeated to the last bit, or empty"),
 )
 """Columns of ``origins.csv``."""
 
@@ -40,8 +47,8 @@ ORIGINS: tuple[Variable, ...] = (
 class Shipped(NamedTuple):
     """A table of the release."""
 
-    folder: str
-    """where its results lie, relative to the working folder"""
+    folders: tuple[str, ...]
+    """where its results lie, relative to the working folder; the table, if results have it, in the first"""
     configuration: tuple[str, ...]
     """files it is configured by, as patterns seen from the repository"""
     renewal: str
@@ -51,13 +58,13 @@ class Shipped(NamedTuple):
 
     @property
     def runs(self) -> list[Path]:
-        """The runs below its folder."""
-        return sorted(Path(self.folder).glob("**/runs/**/*.nc"))
+        """The runs below its folders."""
+        return sorted(path for folder in self.folders for path in Path(folder).glob("**/runs/**/*.nc"))
 
 
 def _experiment(name: str, path: Path, *scenes: str) -> Shipped:
     renewal = f"snakemake --cores 2 {name} && python -m sph.experiments.shipped adopt {name}"
-    return Shipped(f"results/{name}", (f"config/{name}.yaml", *scenes), renewal, path)
+    return Shipped((f"results/{name}",), (f"config/{name}.yaml", *scenes), renewal, path)
 
 
 _PAPER = "snakemake --cores 2 && snakemake --cores 2 trigger"
@@ -68,22 +75,22 @@ SHIPPED: dict[str, Shipped] = {
     "limits": _experiment("limits", MEASURED / "limits.csv", "config/scenes/paper.yaml"),
     "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/*.yaml"),
     "validation": _experiment("validation", PACKAGE / "validation" / "measured" / "validation.csv", "config/scenes/validation/*.yaml"),
-    "claims": Shipped("results/paper", _PAPER_FILES, f"{_PAPER} && python -m sph.paper.release", MEASURED / "claims.csv"),
+    "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m sph.paper.release", MEASURED / "claims.csv"),
     "resolved_claims": Shipped(
-        "results/paper_resolved",
+        ("results/paper_resolved", "results/long_box"),
         ("config/studies/paper_resolved.yaml", "config/studies/long_box.yaml", "config/scenes/paper.yaml", "config/scenes/long_box.yaml"),
         "snakemake --cores 2 --configfile config/studies/paper_resolved.yaml && "
         "snakemake --cores 2 --configfile config/studies/long_box.yaml && python -m sph.paper.release resolved_claims",
         MEASURED / "resolved_claims.csv",
     ),
     "fidelities": Shipped(
-        "results/paper",
+        ("results/paper",),
         _PAPER_FILES,
         "snakemake --cores 2 && snakemake --cores 2 --config fidelity=draft && snakemake --cores 2 --config fidelity=standard && "
         "python -m sph.paper.release",
         MEASURED / "fidelities.csv",
     ),
-    "times": Shipped("results/paper", _PAPER_FILES, "python tests/benchmarks/commands.py", MEASURED / "times.csv"),
+    "times": Shipped(("results/paper",), _PAPER_FILES, "python tests/benchmarks/commands.py", MEASURED / "times.csv"),
 }
 """The tables by name."""
 
@@ -111,10 +118,10 @@ def solver_of(runs: Sequence[Path]) -> str:
     return next(iter(found))
 
 
-def note(name: str, solver: str, origins: Path = MEASURED / "origins.csv") -> None:
+def note(name: str, solver: str, origins: Path = MEASURED / "origins.csv", repeated: str = "") -> None:
     """Keep what a table of the package, as it is now, was measured with, in the place of an earlier row."""
     table = SHIPPED[name]
-    row = {"table": name, "content": content_digest(table.path), "solver": solver, "version": sph.__version__}
+    row = {"table": name, "content": content_digest(table.path), "solver": solver, "version": sph.__version__, "repeated": repeated}
     row["configuration"] = settings_digest(table.configuration)
     kept = read_origins(origins)
     write_csv(pd.concat([kept[kept["table"] != name], pd.DataFrame([row])], ignore_index=True)[[each.name for each in ORIGINS]], origins)
@@ -123,12 +130,52 @@ def note(name: str, solver: str, origins: Path = MEASURED / "origins.csv") -> No
 def adopt(name: str, origins: Path = MEASURED / "origins.csv") -> None:
     """Copy a table from its results into the package with the solver of its runs; ValueError names what is missing."""
     table = SHIPPED[name]
-    source = Path(table.folder) / table.path.name
+    source = Path(table.folders[0]) / table.path.name
     if not source.is_file():
         raise ValueError(f"{source}: no such file; run '{table.renewal}'")
     solver = solver_of(table.runs)
     shutil.copyfile(source, table.path)
     note(name, solver, origins)
+
+
+def chosen_runs(runs: Sequence[Path]) -> list[Path]:
+    """The cheapest run of every combination of terms and status and search of every kind, and the cheapest of all up to ``REPEATED``."""
+    facts = pd.DataFrame(_facts(runs), columns=["path", "seconds", "kind"]).sort_values("seconds", ignore_index=True)
+    return facts[~facts["kind"].duplicated() | (facts.index < REPEATED * len(facts))]["path"].tolist()
+
+
+def _facts(runs: Sequence[Path]) -> Iterator[tuple[Path, float, str]]:
+    for path in runs:
+        with netCDF4.Dataset(path) as data:
+            yield path, float(data.wall_time_s), data.by if "by" in data.ncattrs() else f"{data.active_terms} {data.status}"
+
+
+def _comes_again(path: Path) -> bool:
+    """Whether a run, or a search with all its trials, made again has the same numbers to the last bit."""
+    before = read(path)
+    scene = scene_of(before, str(path))
+    if "by" in before.attrs:
+        again = run_search(scene.model_dump(), before.attrs["by"])
+        return before.attrs["reason"] == again.attrs["reason"] and before.drop_vars("wall_time").equals(again.drop_vars("wall_time"))
+    return before.equals(run(scene, enforce_limit=False).trajectory)
+
+
+def repeat(name: str, origins: Path = MEASURED / "origins.csv") -> None:
+    """Note a table whose runs were made by an earlier solver as of this one, once this one has repeated a part of them to the last bit.
+
+    ValueError for a table that is older for another reason, for results that are not those of the table, and where a run differs.
+    """
+    table = SHIPPED[name]
+    state, why = states(origins)[name]
+    earlier = solver_of(table.runs)
+    if state != OLDER or why != f"solver {earlier}, now {solver_digest()}":
+        raise ValueError(f"{name} is {state}: {why}; repeat only what a new solver alone has made older, adopted from these runs")
+    chosen = chosen_runs(table.runs)
+    for path in chosen:
+        if not _comes_again(path):
+            raise ValueError(f"{path}: made again, its numbers differ from those of solver {earlier}; run '{table.renewal}'")
+        print(f"{path}: the same", flush=True)
+    note(name, solver_digest(), origins, f"{len(chosen)} of {len(table.runs)} runs of {earlier}")
 
 
 def states(origins: Path = MEASURED / "origins.csv") -> dict[str, tuple[str, str]]:
@@ -159,12 +206,19 @@ def read_origins(origins: Path = MEASURED / "origins.csv") -> pd.DataFrame:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the state of every table with the command that renews it, or adopt one."""
     parser = argparse.ArgumentParser(prog="python -m sph.experiments.shipped", description=main.__doc__)
-    adopting = parser.add_subparsers(dest="command").add_parser("adopt", help="copy a table from its results into the package")
-    adopting.add_argument("table", choices=[name for name, table in SHIPPED.items() if "shipped adopt" in table.renewal])
+    commands = parser.add_subparsers(dest="command")
+    copied = [name for name, table in SHIPPED.items() if "shipped adopt" in table.renewal]
+    for command, tables, told in (
+        (adopt, copied, "copy a table from its results into the package"),
+        (repeat, list(SHIPPED), "make a part of a table's runs again after a change of the solver that changes no answer"),
+    ):
+        known = commands.add_parser(command.__name__, help=told)
+        known.add_argument("table", choices=tables)
+        known.set_defaults(function=command)
     chosen = parser.parse_args(arguments)
-    if chosen.command == "adopt":
+    if chosen.command:
         try:
-            adopt(chosen.table)
+            chosen.function(chosen.table)
         except ValueError as error:
             parser.error(str(error))
     for name, (state, why) in states().items():

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import netCDF4
+import numpy as np
 import pytest
 
 from sph.experiments import shipped
@@ -16,13 +19,21 @@ from sph.experiments.shipped import (
     SHIPPED,
     Shipped,
     adopt,
+    chosen_runs,
     main,
+    note,
+    read_origins,
+    repeat,
     settings_digest,
     solver_of,
     states,
 )
 from sph.paper.release import MEASURED as OF_THE_RELEASE
+from sph.scene.schema import Scene
+from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
+from sph.stability.record import search_to_file
+from sph.storage.trajectory import read
 from sph.validation.table import SHIPPED_VALIDATION
 
 
@@ -42,7 +53,7 @@ def origins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "config" / "one.yaml").write_text("spacing: 1.0\n")
     run(tmp_path / "results/one/runs/a.nc", solver_digest())
     (tmp_path / "results/one/one.csv").write_text("a\n1\n")
-    table = Shipped("results/one", ("config/one.yaml",), "snakemake one", tmp_path / "one.csv")
+    table = Shipped(("results/one",), ("config/one.yaml",), "snakemake one", tmp_path / "one.csv")
     table.path.write_text("a\n0\n")
     monkeypatch.setattr(shipped, "SHIPPED", {"one": table})
     monkeypatch.setattr(settings_digest, "__defaults__", (tmp_path,))
@@ -81,6 +92,76 @@ def test_a_table_edited_by_hand_has_no_origin(origins: Path) -> None:
     adopt("one", origins)
     (origins.parent / "one.csv").write_text("a\n2\n")
     assert states(origins)["one"] == (NOT_RECORDED, "the table has changed since its origin was noted")
+
+
+@pytest.fixture
+def older(origins: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+    """The one run of the release's table, made by an earlier solver."""
+    path = origins.parent / "results/one/runs/a.nc"
+    path.unlink()
+    run_to_file(small_slope({"duration": 1.5}), path)
+    with netCDF4.Dataset(path, "a") as data:
+        data.solver_digest = "earlier"
+    adopt("one", origins)
+    assert states(origins)["one"][0] == OLDER
+    return path
+
+
+def test_a_solver_that_repeats_the_runs_makes_it_current(origins: Path, older: Path) -> None:
+    repeat("one", origins)
+    assert states(origins)["one"] == (CURRENT, f"solver {solver_digest()}")
+    assert read_origins(origins)["repeated"].tolist() == ["1 of 1 runs of earlier"]
+    with pytest.raises(ValueError, match="one is current"):
+        repeat("one", origins)
+
+
+def test_a_solver_of_other_answers_does_not(origins: Path, older: Path) -> None:
+    with netCDF4.Dataset(older, "a") as data:
+        data["kinetic_energy"][-1] = np.nextafter(data["kinetic_energy"][-1], np.inf)
+    with pytest.raises(ValueError, match="a.nc: made again, its numbers differ from those of solver earlier; run 'snakemake one'"):
+        repeat("one", origins)
+    assert states(origins)["one"][0] == OLDER
+
+
+def test_a_table_of_other_runs_or_settings_is_not_repeated(origins: Path, older: Path) -> None:
+    (origins.parent / "config" / "one.yaml").write_text("spacing: 2.0\n")
+    with pytest.raises(ValueError, match="one is older: solver earlier, now .*; configuration .*repeat only what a new solver alone"):
+        repeat("one", origins)
+
+
+def test_one_run_of_every_combination_of_terms_is_repeated_and_a_tenth_of_all(tmp_path: Path) -> None:
+    runs = []
+    for number in range(30):
+        runs.append(run(tmp_path / f"{number:02d}.nc", "earlier"))
+        with netCDF4.Dataset(runs[-1], "a") as data:
+            data.wall_time_s, data.status = 100.0 - number, "complete"
+            data.active_terms = "layers" if number == 3 else "damping" if number < 8 else ""
+    for name, seconds in (("slow", 3e3), ("slower", 4e3)):
+        runs.append(run(tmp_path / f"{name}.nc", "earlier"))
+        with netCDF4.Dataset(runs[-1], "a") as data:
+            data.wall_time_s, data.by = seconds, "factor_of_safety"
+    assert [path.stem for path in chosen_runs(runs)] == ["29", "28", "27", "26", "07", "03", "slow"]
+
+
+def test_a_search_is_repeated_with_all_its_trials(
+    origins: Path, small_slope: Callable[[dict[str, Any]], Scene], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = origins.parent / "results/one/runs/a.nc"
+    path.unlink()
+    scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
+    search_to_file(scene, "yield_acceleration", path, lambda trial: None)
+    with netCDF4.Dataset(path, "a") as data:
+        data.solver_digest = "earlier"
+    adopt("one", origins)
+    repeat("one", origins)
+    assert states(origins)["one"][0] == CURRENT
+    same = read(path)
+    monkeypatch.setattr(shipped, "run_search", lambda *_: same)
+    with netCDF4.Dataset(path, "a") as data:
+        data["displaced_area"][0] += 1e-9
+    note("one", "earlier", origins)
+    with pytest.raises(ValueError, match="a.nc: made again, its numbers differ"):
+        repeat("one", origins)
 
 
 def test_runs_of_several_solvers_or_of_none_are_refused(tmp_path: Path) -> None:

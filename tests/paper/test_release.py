@@ -93,7 +93,7 @@ def test_claims_are_those_of_the_study_and_of_the_search(tmp_path: Path) -> None
     write_csv(decided, tmp_path / "draft" / "trigger" / "claim.csv")
     found = measured_claims(tmp_path)
     assert list(found.columns) == [row.name for row in release.CLAIMS] and set(found["verdict"]) == {HOLDS}
-    assert found["measured"].tolist() == [*(f"number {n}" for n in range(1, 11)), "1.9 m/s²", "number 12"]
+    assert found["measured"].tolist() == [*(f"number {n}" for n in range(1, 11)), "1.9 m/s², searched at fidelity `draft`", "number 12"]
     with pytest.raises(ValueError, match="claims.csv: no such file; run 'snakemake --cores 2'"):
         measured_claims(tmp_path / "elsewhere")
 
