@@ -48,6 +48,7 @@ class StudyCost(NamedTuple):
     particles: int  # of the largest scene
     steps: int  # of the longest run
     run: float  # s, the longest run from its gravity stage to its end
+    shared: float  # s on one core, of the stages that runs share: gravity, and the shaking up to the first failure
     computing: float  # s on one core, of everything
     left: float  # s on one core, of jobs that are not done
     wall: float  # s on the cores, of what is left, the preflight included
@@ -86,6 +87,7 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
         max(part.particles for _, part in found),
         longest.steps,
         longest.seconds / known.value,
+        sum(part.seconds for state, part in found if state.job.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
         sum(times) + checked + after,
         left,
         # One stage after another, however many cores there are; the search beside them.
@@ -162,6 +164,10 @@ def lines(found: StudyCost) -> list[str]:
     rows = [
         ("study", f"{found.folder}: {found.runs:,} runs, {found.jobs:,} simulations" + (f", {done:,} done" if done else "")),
         ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
+        (
+            "stages",
+            f"{_time(found.shared)} of one core, of gravity and the shaking up to the first failure, once for all runs that share them",
+        ),
         ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them left" if done else "")),
         ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
         ("memory", f"{_size(found.memory)} for {min(found.cores, found.jobs)} jobs at once"),

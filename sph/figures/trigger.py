@@ -9,12 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+import scipy  # type: ignore[import-untyped]
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
-from scipy.interpolate import LinearNDInterpolator  # type: ignore[import-untyped]
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
 from sph.experiments.trigger.design import Searched
@@ -223,7 +223,7 @@ def _draw_ground(ax: Axes, plane: pd.DataFrame, values: np.ndarray, **look: Any)
     ends = [(float(plane[name].min()), float(plane[name].max())) for name in ("x", "y")]
     scaled = np.column_stack([(plane[name] - low) / (high - low) for name, (low, high) in zip("xy", ends, strict=True)])
     at = np.linspace(0.0, 1.0, GRID_POINTS)
-    picture = LinearNDInterpolator(scaled, values)(*np.meshgrid(at, at))
+    picture = scipy.interpolate.LinearNDInterpolator(scaled, values)(*np.meshgrid(at, at))
     return ax.imshow(picture, origin="lower", extent=(*ends[0], *ends[1]), aspect="auto", interpolation="nearest", **look)
 
 

@@ -91,6 +91,12 @@ def test_the_shipped_searches_are_valid() -> None:
     assert {"0.10", "0.25", "0.50"} <= set(trigger.trigger.at["S_R"]) and "100" in trigger.trigger.at["gamma"], "what claim 11 needs"
 
 
+def test_figures_state_the_spacing_of_the_cases_they_show() -> None:
+    study = read_yaml(ROOT / "config" / "studies" / "long_box.yaml")
+    trigger = load_trigger("config/studies/long_box/trigger.yaml", load_study(study, [ROOT]), [ROOT])
+    assert "spacing 2 to 0.75 m" in trigger.note() and "spacing 1.25 m ·" in trigger.note("maps")
+
+
 def test_a_case_that_changes_nothing_shares_the_studys_stages(tmp_path: Path) -> None:
     trigger = planned(tmp_path)
     assert trigger.searched == {"as it is": "results/paper/draft", "slip: sides": "results/paper/draft/trigger/slip-sides"}

@@ -63,6 +63,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     assert fine["folder"].endswith("small/fine") and fine["run"] > 2 * one["run"] and fine["disk"] > 2 * one["disk"]
     slow = predicted(config, "--speed", 0.5, "--cores", 1)
     assert slow["run"] == 2 * one["run"] and slow["computing"] > one["computing"]
+    assert slow["shared"] == 2 * one["shared"] == 2 * two["shared"] and 0 < one["shared"] < one["computing"]
     queued = predicted(config, "--speed", 1, "--cores", 1, "--start", 11.5)
     assert queued["computing"] == pytest.approx(one["computing"] + 13 * 10.0), "twelve simulations and the preflight"
     many = predicted(config, "--speed", 1, "--cores", 1000)

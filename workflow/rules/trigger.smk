@@ -181,7 +181,7 @@ rule fragility_table:
     params:
         sources=DRAWING,
         searched=lambda wildcards: TRIGGER().dimensions,
-        note=lambda wildcards: f"{TRIGGER().note} · brackets to {TRIGGER().tolerance}",
+        note=lambda wildcards: f"{TRIGGER().note()} · brackets to {TRIGGER().tolerance}",
     script:
         "../scripts/trigger/measure_fragility.py"
 
@@ -258,7 +258,7 @@ rule exceedance:
         sources=DRAWING,
         scenes=lambda wildcards: TRIGGER().shaken,
         searched=lambda wildcards: TRIGGER().dimensions,
-        note=lambda wildcards: TRIGGER().note,
+        note=lambda wildcards: TRIGGER().note(),
     script:
         "../scripts/trigger/measure_exceedance.py"
 
@@ -375,7 +375,9 @@ rule trigger_figure:
         sources=DRAWING,
         figure="trigger",
         searched=lambda wildcards: TRIGGER().dimensions,
-        note=lambda wildcards: (f"{TRIGGER().note} · brackets to {TRIGGER().tolerance}"),
+        note=lambda wildcards: (
+            f"{TRIGGER().note()} · brackets to {TRIGGER().tolerance}"
+        ),
     script:
         "../scripts/trigger/draw_trigger.py"
 
@@ -401,6 +403,6 @@ rule map_figure:
         sources=DRAWING,
         figure=lambda wildcards: wildcards.figure,
         searched=lambda wildcards: TRIGGER().dimensions,
-        note=lambda wildcards: TRIGGER().note,
+        note=lambda wildcards: TRIGGER().note("maps"),
     script:
         "../scripts/trigger/draw_trigger.py"

@@ -386,12 +386,16 @@ class TriggerPlan:
         """Study and fidelity, for the table's attributes."""
         return {"title": f"{self._study.study.study}: critical intensities", "fidelity": self.fidelity}
 
-    @property
-    def note(self) -> str:
-        """The line on every figure."""
-        scene = next(iter(self.plans.values())).built()
-        parts = (f"fidelity {self.fidelity}", f"scene {scene.name}", f"spacing {scene.numerics.spacing:.4g} m", f"{scene.duration:g} s")
-        return " · ".join(parts)
+    def note(self, search: str = "trigger") -> str:
+        """The line on every figure of a search."""
+        scenes = [self.plans[self.searched[case]].built() for case in dict.fromkeys(lattice.case for lattice in self.lattices(search))]
+        spacings = [f"{spacing:.4g}" for spacing in sorted({scene.numerics.spacing for scene in scenes}, reverse=True)]
+        parts = (
+            f"scene {scenes[0].name}",
+            f"spacing {' to '.join(dict.fromkeys((spacings[0], spacings[-1])))} m",
+            f"{scenes[0].duration:g} s",
+        )
+        return " · ".join((f"fidelity {self.fidelity}", *parts))
 
 
 def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
