@@ -91,8 +91,10 @@ def _draw_probes(ax: Axes, trajectory: xr.Dataset) -> None:
 
 
 def _draw_energies(ax: Axes, trajectory: xr.Dataset) -> None:
+    largest = max(float(abs(trajectory[name]).max()) for name in ENERGIES)
+    in_unit, unit = (1e-6, "MJ/m") if largest >= 1e4 else (1.0, "J/m")  # tests of the laboratory release some joules
     for name, colour, style in zip(ENERGIES, curve_colours(len(ENERGIES)), LINE_STYLES, strict=False):
         label = name.removesuffix("_energy").replace("_", " ")
-        ax.plot(trajectory["sample_time"].values, 1e-6 * trajectory[name].values, color=colour, linestyle=style, label=label)
+        ax.plot(trajectory["sample_time"].values, in_unit * trajectory[name].values, color=colour, linestyle=style, label=label)
     ax.margins(y=0.15)
-    ax.set_ylabel("energy (MJ/m)")
+    ax.set_ylabel(f"energy ({unit})")
