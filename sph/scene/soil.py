@@ -120,7 +120,7 @@ class Coupling(Section):
         default="solid",
     )
     fluid_tension_limit: float | None = key(
-        "largest mean tension the fluid state carries; null: the apex of its Mohr-Coulomb surface (412 kPa in the paper's soil at any S_R)",
+        "largest mean tension the fluid state carries; null: the apex of its Mohr-Coulomb surface (412 to 430 kPa in the paper's soil)",
         "kPa",
         ge=0,
         le=1e6,

@@ -31,7 +31,7 @@ from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
 
 SMALLEST_NORM = 1e-30
-"""kg/m3: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
+"""kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
 
 
 @by_reference
@@ -51,15 +51,15 @@ class Pairs(NamedTuple):
     start: np.ndarray  # (n,) uint32
     end: np.ndarray  # (n,) uint32
     neighbour: np.ndarray  # (m,) uint32
-    gx: np.ndarray  # (m,) m_j dW/dx, kg/m3, single or double precision
+    gx: np.ndarray  # (m,) m_j dW/dx, kg/m4, single or double precision
     gy: np.ndarray  # (m,) likewise
     inverse_norm: np.ndarray  # (m,) likewise, 1/|g|, 0 below SMALLEST_NORM
-    sum_x: np.ndarray  # (n,) sum of gx over the row, kg/m3
+    sum_x: np.ndarray  # (n,) sum of gx over the row, kg/m4
     sum_y: np.ndarray  # (n,)
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
     close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
     close_end: np.ndarray  # (n,) uint32
-    wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m3; without such walls empty
+    wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m4; without such walls empty
     contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step; likewise
     distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty

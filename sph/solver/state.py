@@ -48,7 +48,7 @@ class State(NamedTuple):
     syy: np.ndarray
     sxy: np.ndarray
     syx: np.ndarray
-    viscous_x: np.ndarray  # acceleration by artificial viscosity and artificial stress alone
+    viscous_x: np.ndarray  # acceleration by artificial viscosity, artificial stress and other forces that dissipate
     viscous_y: np.ndarray
     tension_xx: np.ndarray  # artificial stress over density squared
     tension_yy: np.ndarray

@@ -7,8 +7,8 @@ over k is computed from the scene's kernel and spacing, not assumed.  With omega
 * acoustic: leapfrog is stable for dt < 2 / omega;
 * stiffness damping, taken half a step back: dt < (sqrt(b^2 + 4) - b) / omega with
   b = beta_R omega (the root of omega^2 dt (dt / 4 + beta_R / 2) = 1);
-* artificial viscosity acts on pairs, at most at the rate 2 alpha V_p sum_j V_j |dW/dr|, and adds to
-  the damping of that highest mode;
+* artificial viscosity acts on pairs, at most at the rate alpha V_p sum_j V_j |dW/dx| (in a mode that alternates
+  along x only the pairs of one side approach), and adds to the damping of that highest mode;
 * capped viscosity: 0.125 h^2 rho / eta_max.
 
 Particles out of their lattice have stiffer modes: in the debris of the paper's scene the largest frequency is 1.2 times
@@ -54,7 +54,7 @@ def wave_speed_ratio(scene: Scene, wavelength: float) -> float:
 
 
 def limits(scene: Scene) -> list[Limit]:
-    """The limits that a scene has, smallest last reason included; seconds."""
+    """The limits that a scene has, s, each with its reason; damping terms add up in the order of ``TERMS``."""
     speed, lattice = scene.largest_p_wave_speed, lattice_of(scene)
     wave_number = lattice_wave_number(scene, lattice)
     omega = speed * wave_number

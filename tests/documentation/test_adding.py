@@ -22,6 +22,14 @@ from sph.solver.terms import KEYS, wanted_terms
 assert KEYS["drag"] == "numerics.drag"
 assert wanted_terms(make_scene({SCENE % "'numerics': {'drag': 0.5}"}))["drag"]
 assert not wanted_terms(make_scene({SCENE % "'numerics': {}"}))["drag"]
+from collections import namedtuple
+import numpy as np
+from sph.solver.physics.drag import Drag, add_drag
+Moving = namedtuple("Moving", "ax ay vx vy viscous_x viscous_y")
+state = Moving(*(np.full(3, value) for value in (1.0, 2.0, 3.0, 4.0, 0.0, 0.0)))
+add_drag(Drag(0.5), state, 0, 2)
+assert state.ax.tolist() == [-0.5, -0.5, 1.0] and state.ay.tolist() == [0.0, 0.0, 2.0]
+assert state.viscous_x.tolist() == [-1.5, -1.5, 0.0] and state.viscous_y.tolist() == [-2.0, -2.0, 0.0], "energy that is taken"
 """,
     "A wall": f"""
 from sph.scene.schema import make_scene
@@ -38,6 +46,9 @@ scene = make_scene({SCENE % "'soil': {'viscosity': 3.0}, 'coupling': {'fluid': {
 assert wanted_terms(scene)["newtonian"]
 soil = make_material(scene.soil, scene.coupling, 1e-3)
 assert fluid_deviator(soil.fluid_law, soil.fluid, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.5, 0.0, 1e-3) == (0.0, 3.0, 0.0)
+from sph.solver.physics.newtonian import LAW
+limit = LAW.limit(scene)
+assert abs(limit.seconds * 3.0 / (0.125 * scene.numerics.smoothing_length**2 * scene.soil.density) - 1.0) < 1e-12
 """,
     "A metric": """
 from sph.measures.metrics import METRIC_BY_NAME

@@ -53,7 +53,7 @@ def keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def
 
 @jit
 def let_go(term, state, contact, i):  # type: ignore[no-untyped-def]
-    """Note whether contact lets particle i go in this step; returns the part of the wall's b that it then does not see, kg/m3."""
+    """Note whether contact lets particle i go in this step; returns the part of the wall's b that it then does not see, kg/m4."""
     if term is None:
         return 0.0, 0.0
     else:
@@ -67,7 +67,7 @@ def let_go(term, state, contact, i):  # type: ignore[no-untyped-def]
 
 @jit
 def gone(term, contact, i):  # type: ignore[no-untyped-def]
-    """The part of the wall's b that particle i does not see in this step, kg/m3."""
+    """The part of the wall's b that particle i does not see in this step, kg/m4."""
     if term is None:
         return 0.0, 0.0
     else:

@@ -53,7 +53,7 @@ def rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
 
 @jit
 def _strength(friction, cohesion, normal, room):  # type: ignore[no-untyped-def]
-    """Of the interface to a wall that presses with ``normal`` (m/s2) by kernel gradients of the sum ``room`` (kg/m3), m/s2."""
+    """Of the interface to a wall that presses with ``normal`` (m/s2) by kernel gradients of the sum ``room`` (kg/m4), m/s2."""
     return friction * normal + 2.0 * cohesion * room if normal > 0.0 else 0.0
 
 

@@ -6,7 +6,7 @@ With v_w = -v_i and sigma_w = sigma_i for every pair of a soil particle and one 
 
 and its particles need neither stress nor a place among the pairs.  The power of the force cancels that of the strain rate on the stress for
 every particle, so that the wall takes no energy and gives none.  Fixed particles with a stress of their own (``fixed``) hold a layer that
-slides on them by a fifth of its yield stress and less; this wall holds it by all of it (``docs/evidence/validation.md``, V7).
+slides on them by none to two thirds of its yield stress; this wall holds it by all of it (``docs/evidence/validation.md``, V7).
 
 The wall's part in the moment matrix of the corrected gradient is that of a velocity which falls linearly to the face, so that the corrected
 gradient is exact for such a field.
@@ -64,7 +64,7 @@ def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
 
 @jit
 def add_walls(term, contact, beside, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Keep b_i in ``pairs.wall`` (n, 2), kg/m3; returns the sums of gradients and the moments of particle i with the walls' part.
+    """Keep b_i in ``pairs.wall`` (n, 2), kg/m4; returns the sums of gradients and the moments of particle i with the walls' part.
 
     ``beside`` says whether it has candidates in them.
     """

@@ -1,6 +1,8 @@
 """Artificial viscosity in the signal-speed form of Monaghan (1997).
 
-It acts along the line between two approaching particles, with alpha V_p times their approach speed.
+It acts along the line between two approaching particles, with alpha V_p times their approach speed:
+
+    a_i += alpha V_p / rho_0 sum_j min(u, 0) g_ij,   u = (v_j - v_i) . n,   n from i to j.
 """
 
 from __future__ import annotations

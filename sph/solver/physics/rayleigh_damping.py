@@ -1,4 +1,4 @@
-"""Rayleigh damping (Sec. 2.5): alpha on the velocity, and beta_R on the rate of the elastic stress while the solid state is there."""
+"""Rayleigh damping (Sec. 2.5): alpha on the velocity and beta_R on the rate of the elastic stress, both times beta."""
 
 from __future__ import annotations
 

@@ -5,7 +5,7 @@ explain is taken off first,
 
     u = (v_j - v_i) . n,   u' = u - r n . (d_i + d_j) / 2 . n,
 
-with n from i to j at the distance r and strain rates d that are exact for linear fields.  What dissipates is the smaller of u and u' if
+with n from i to j at the distance r and strain rates d that are exact for linear fields.  What dissipates is the one nearer to zero if
 both approach, and nothing otherwise (minmod), so that a pair never gains energy.  Velocities that alternate from row to row, which the sums
 over neighbours do not see, are left over whole, and so is the noise of disordered particles.  Reconstruction of the velocities in the
 artificial viscosity: Frontiere, Raskin and Owen (2017), Rosswog (2020).
