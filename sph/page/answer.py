@@ -1,4 +1,4 @@
-"""The first screen of the page: whether the slope stands, at which shaking it goes and how far, and what limits the trust in that."""
+"""The first screen of the page: whether the slope stands, at which shaking it fails and how far, and what limits the trust in that."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def answer(
         ("Without shaking", *unshaken(table, rows)),
         ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(SAFETY)), "sph fos")),
         ("Yield acceleration", *limit(findings, "yield-acceleration", of_runs, "sph yield-acceleration")),
-        ("Shaking at which it goes", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
+        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
     ]
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],

@@ -46,7 +46,7 @@ def factor_of_safety(
     found = search(test, *around(FACTORS, near, FACTORS.index(1.0)), tolerance, report=report, known=known)
     _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
-        raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not decide its stability")
+        raise ValueError(f"{scene.name}: stands even at a factor of {found.stood:.3g}; its strength does not govern its stability")
     if math.isnan(found.stood):
         raise ValueError(f"{scene.name}: fails even at a factor of {found.failed:.3g}; a slope of soil without strength cannot stand")
     return found
@@ -72,7 +72,7 @@ def critical_strength_ratio(
     found = search(test, *around(STRENGTH_RATIOS, near, 0), tolerance, report=report, known=known)
     _check_verdict(scene, rule, found)
     if math.isnan(found.failed):
-        raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not decide its stability")
+        raise ValueError(f"{scene.name}: stands even with S_R {found.stood:.3g}; its strength does not govern its stability")
     if math.isnan(found.stood):
         but = " but for the layers with an S_R of their own" if any(layer.S_R is not None for layer in scene.layers.values()) else ""
         raise ValueError(f"{scene.name}: fails with S_R 1, at its full strength{but}")
