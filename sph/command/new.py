@@ -18,10 +18,10 @@ from sph.storage.files import whole
 from sph.study.findings import PLACEHOLDER
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
-ROWS = 20
-"""Particles over the height of the slope, at least."""
-SPACINGS = (1.0, 2.0, 2.5, 5.0)
-"""What a spacing is rounded down to, times a power of ten, m."""
+COARSE_ROWS, ROWS, FINE_ROWS = 15, 20, 30
+"""Particles over the height of the slope: for a first look, of the scene, and to see what finer ones change."""
+LENGTH = 0.22
+"""Over which failure begins, over the slope's height: three spacings even for a first look."""
 DEPTH = 0.4
 """Soil below the lowest ground, over the slope's height."""
 START, AFTER = 3.0, 5.0
@@ -67,7 +67,7 @@ coupling:
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
 motion: {{kind: record, file: {record}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
-  spacing: {spacing:g} # m, {rows} particles over the height of the slope; {finer:g} to see what finer ones change
+  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope; {finer:g} to see what finer ones change
 """
 STUDY_TEXT = """\
 {study_schema}# How far does the slope go, by the shaking and by what its soil keeps of its strength?
@@ -96,7 +96,7 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
     line, downhill = _ground(ground)
     motion = read_record(record)
     height = line.slope_height
-    spacing, frequency = _rounded(height / ROWS), _digits(SPEED / (4.0 * height))
+    spacing, frequency = height / ROWS, _digits(SPEED / (4.0 * height), 2)
     name = "".join(letter if letter.isalnum() else "_" for letter in ground.stem)[:60] or "slope"
     facts: dict[str, Any] = {
         "scene_schema": _schema_line("scene", folder),
@@ -115,16 +115,16 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
         "poisson": POISSON,
         "speed": SPEED,
         "modulus": 2e-3 * (1.0 + POISSON) * DENSITY * SPEED**2,
-        "length": 4.0 * spacing,
+        "length": _digits(LENGTH * height, 2),
         "low": frequency,
         "high": 5.0 * frequency,
         "start": START,
         "after": AFTER,
         "peak": motion.peak,
-        "spacing": spacing,
-        "rows": round(height / spacing),
-        "finer": 0.75 * spacing,
-        "coarse": 2.0 * spacing,
+        "spacing": _digits(spacing, 6),
+        "rows": ROWS,
+        "finer": _digits(height / FINE_ROWS, 6),
+        "coarse": _digits(height / COARSE_ROWS, 6),
         "amplitudes": ", ".join(f'"{factor * motion.peak:.3g}"' for factor in (0.5, 1.0, 1.5)),
     }
     folder.mkdir(parents=True, exist_ok=True)
@@ -159,10 +159,5 @@ def _ground(path: Path) -> tuple[GroundLine, str]:
     return max(found, key=lambda each: each[0].slope_height)
 
 
-def _rounded(spacing: float) -> float:
-    unit = 10.0 ** math.floor(math.log10(spacing))
-    return _digits(unit * max(step for step in SPACINGS if step * unit <= spacing * (1 + 1e-9)))
-
-
-def _digits(value: float) -> float:
-    return float(f"{value:.2g}")
+def _digits(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")

@@ -21,7 +21,7 @@ from typing import NamedTuple
 from sph.scene.schema import Scene
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.search import TOLERANCE, Search, Trial
-from sph.stability.standing import FailureRule, coarsest_spacing
+from sph.stability.standing import FailureRule, coarsest_spacing, dividing, slope_height
 
 RATIO = 2.0
 """Coarse spacing over the scene's own, unless the rule needs a finer one."""
@@ -59,10 +59,13 @@ def extrapolate(coarse: float, fine: float, ratio: float) -> float:
 def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None = None) -> tuple[float, float]:
     """Coarse and fine spacing (m): those asked for, or the scene's own and one twice as coarse or as coarse as the rule allows.
 
+    Both of the latter are made a little finer where they do not divide the slope's height: an error of the height by rows that do not fit
+    would be magnified.
     ValueError for spacings too close to each other, and for a number of them other than two.
     """
-    own = scene.numerics.spacing
-    spacings = (max(min(RATIO * own, coarsest_spacing(scene, rule)), own), own) if asked is None else tuple(sorted(asked, reverse=True))
+    own, height = scene.numerics.spacing, slope_height(scene)
+    coarsest = max(min(RATIO * own, coarsest_spacing(scene, rule)), own)
+    spacings = [dividing(coarsest, height), dividing(own, height)] if asked is None else sorted(asked, reverse=True)
     if len(spacings) != 2:
         raise ValueError(f"--spacings: {len(spacings)} numbers, must be two")
     coarse, fine = spacings

@@ -69,6 +69,11 @@ def slope_height(scene: Scene) -> float:
     return scene.geometry.crest[1] - scene.geometry.toe[1]
 
 
+def dividing(spacing: float, height: float) -> float:
+    """The largest spacing (m), no coarser than one, that divides a height (m): whole rows then make a slope as high as it is."""
+    return height / math.ceil(height / spacing * (1.0 - 1e-9))
+
+
 def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
     """Largest spacing that gives the slope enough rows and keeps the particles' own motion below the rule's displacement, m."""
     return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / FEWEST_ROWS)

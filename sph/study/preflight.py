@@ -23,7 +23,7 @@ from sph.solver.run import run
 from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
-from sph.stability.standing import coarsest_spacing, divided_strength, judged, slope_height, stand, static_scene, weakened
+from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
 from sph.study.findings import CODES, Finding, Severity, finding, findings, layers_of
@@ -166,12 +166,13 @@ def quick_spacings(scene: Scene) -> tuple[float, float]:
     """Coarse and fine spacing (m) of a study's static tests: twice the scene's own and up to twice that.
 
     The failure rule limits the coarse one; the fine one is then at most two thirds of it, and half of the thinnest layer but no finer
-    than the scene's own.
+    than the scene's own.  Both divide the slope's height.
     """
     own = scene.numerics.spacing
     coarse = min(RATIO**2 * own, coarsest_spacing(scene, DEFAULT_RULE))
     thinnest = min(layer.thickness for layer in layers_of(scene, place_particles(scene)) if layer.particles) * own
-    return coarse, min(RATIO * own, coarse / QUICK_RATIO, max(own, thinnest / QUICK_ROWS))
+    fine = min(RATIO * own, coarse / QUICK_RATIO, max(own, thinnest / QUICK_ROWS))
+    return dividing(coarse, slope_height(scene)), dividing(fine, slope_height(scene))
 
 
 def at_spacing(scene: Scene, spacing: float) -> Scene:

@@ -19,9 +19,11 @@ from sph.figures.scene import FEW
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
+from sph.scene.units import in_both
+from sph.solver.particles import place_particles
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.limit_analysis import limit_factor
-from sph.study.findings import CODES, FEWEST_IN_WAVE, Finding, highest_frequency, in_wave
+from sph.study.findings import CODES, FEWEST_IN_WAVE, Finding, height_error, highest_frequency, in_wave
 from sph.study.preflight import stability
 
 SOUND: dict[str, Any] = {
@@ -59,6 +61,7 @@ def test_a_sound_scene_has_no_warning() -> None:
 @pytest.mark.parametrize(
     ("settings", "code", "what", "key"),
     [
+        ({"numerics.spacing": 0.75}, "rows-misfit", "make the slope too high", "numerics.spacing"),
         ({"numerics.spacing": 2.0}, "few-particles", "across the slope's height", "numerics.spacing"),
         (
             {"geometry.points": [[100, 440], [160, 440], [180, 460], [195, 460]]},
@@ -96,6 +99,37 @@ def test_a_warning_says_what_is_measured_and_wanted_and_the_key(settings: dict[s
     assert one.code == code and one.severity == "warning" == CODES[code].severity
     assert key in one.key and one.measured and one.wanted
     assert all(part in one.line() for part in one)
+
+
+def test_shaking_that_shears_off_level_ground_is_told() -> None:
+    # 30 m of soil behind the crest, its lowest particles 29.5 m deep: c / (rho z) + g tan(phi), 1964 kg/m3, 150 kPa, 20 degrees.
+    limit = 150e3 / (1964.0 * 29.5) + GRAVITY * np.tan(np.radians(20.0))
+
+    def told(factor: float, **settings: Any) -> list[Finding]:
+        findings = check(scene(**{"motion.amplitude": factor * limit}, **settings)).findings
+        return [each for each in findings if each.code == "level-ground-fails"]
+
+    assert told(0.99) == [] and len(told(1.01)) == 1
+    assert told(1.01)[0].measured == f"{in_both(1.01 * limit)}, where {in_both(limit)} are enough 29.5 m deep"
+    # A weak layer is sheared before the base is.
+    clay = {"clay": {"region": {"kind": "elevation", "bottom": 445.0, "top": 450.0}, "soil": {"cohesion": 40.0, "friction_angle": 0.0}}}
+    (weak,) = told(0.9, layers=clay)
+    assert weak.measured.endswith("are enough 14.5 m deep") and weak.severity == "note"
+
+
+def test_whole_rows_have_to_make_the_height_of_a_slope_between_level_ground() -> None:
+    def misfit(spacing: float, **settings: Any) -> float:
+        slope = scene(**{"numerics.spacing": spacing}, **settings)
+        return height_error(slope, place_particles(slope))
+
+    # Toe and crest lie 10 and 30 m above the base: rows of 0.75 m end at 9.75 and 30 m, those of 1.6 m at 9.6 and 30.4 m.
+    assert misfit(1.0) == pytest.approx(0.0, abs=1e-9) and misfit(20.0 / 24) == pytest.approx(0.0, abs=1e-9)
+    assert misfit(0.75) == pytest.approx(0.0125) and misfit(1.6) == pytest.approx(0.04)
+    (one,) = [each for each in found(**{"numerics.spacing": 0.75}) if each.code == "rows-misfit"]
+    assert one.measured == "20.25 m for 20 m (+1.2%)" and one.wanted.startswith("a spacing of 0.7407 m")
+    # Ground that slopes is met by steps, some too high and some too low.
+    gentle = {"points": [[100, 436], [160, 442], [180, 462], [260, 472]], "toe_at": [160, 442], "crest_at": [180, 462]}
+    assert misfit(0.75, **{f"geometry.{name}": value for name, value in gentle.items()}) == 0.0
 
 
 def test_shapes_without_a_slope_have_no_toe_to_warn_of() -> None:

@@ -27,11 +27,14 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     assert told.exit_code == 0, told.output
     scene = load_scene("own/scene.yaml")
     assert scene.scheme == "resolved" and scene.coupling.initiation is not None
-    assert 20 <= scene.geometry.slope_height / scene.numerics.spacing < 60  # type: ignore[union-attr]
+    assert scene.geometry.slope_height / scene.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
     assert scene.motion.start + 16.0 < scene.duration  # type: ignore[union-attr]
     assert "not replaced" in scene.title and (tmp_path / "own" / "scene.yaml").read_text().count("REPLACE") >= 7
     plan = load_study(yaml.safe_load((tmp_path / "own" / "study.yaml").read_text()), [tmp_path])
     assert len(plan.study.runs) == 9 and plan.study.names == ["S_R", "amplitude"]
+    coarse = CliRunner().invoke(app, ["check", "own/scene.yaml", "--set", "numerics.spacing=1.64667"])
+    assert "spacing: 1.64667" in (tmp_path / "own" / "study.yaml").read_text()
+    assert coarse.output.count("\nwarning:") == 1, "of the soil alone"
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
     found = {each["code"]: each for each in json.loads(checked.stdout)["findings"]}
     assert checked.exit_code == 0 and {code for code, each in found.items() if each["severity"] != "note"} == {"soil-not-replaced"}

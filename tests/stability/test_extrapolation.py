@@ -68,7 +68,9 @@ def test_no_step_is_taken_to_the_unsafe_side(monkeypatch: pytest.MonkeyPatch) ->
 def test_the_spacings() -> None:
     rule = FailureRule()
     assert two_spacings(scene(0.5), rule) == (1.0, 0.5)
-    assert two_spacings(scene(1.5), rule) == pytest.approx((2.0, 1.5)), "no coarser than the rule allows"
+    assert two_spacings(scene(1.5), rule) == pytest.approx((2.0, 20.0 / 14)), "no coarser than the rule allows; whole rows over 20 m"
+    assert two_spacings(scene(0.8), rule) == pytest.approx((20.0 / 13, 0.8)), "twice 0.8 m would be 12.5 rows"
+    assert two_spacings(scene(0.8), rule, (1.6, 0.8)) == (1.6, 0.8), "what is asked for"
     assert two_spacings(scene(0.5), rule, (0.5, 2.0)) == (2.0, 0.5)
     for spacing, asked in ((2.0, None), (0.5, (0.5, 0.6)), (0.5, (1.0, -1.0)), (0.5, (1.0, float("nan")))):
         with pytest.raises(ValueError, match="numerics.spacing: .* --single"):
@@ -79,7 +81,7 @@ def test_the_spacings() -> None:
 
 def test_a_smaller_displacement_needs_a_finer_spacing_and_a_larger_one_still_ten_rows() -> None:
     assert two_spacings(scene(0.5), FailureRule(displacement=0.005)) == pytest.approx((1.0, 0.5))
-    assert two_spacings(scene(1.5), FailureRule(displacement=0.05)) == pytest.approx((2.0, 1.5))
+    assert two_spacings(scene(1.5), FailureRule(displacement=0.05)) == pytest.approx((2.0, 20.0 / 14))
     with pytest.raises(ValueError, match="numerics.spacing"):
         two_spacings(scene(1.0), FailureRule(displacement=0.005))
 

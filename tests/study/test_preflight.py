@@ -128,7 +128,7 @@ def test_findings_lie_in_the_file_and_decide_nothing_of_the_run(tmp_path: Path) 
 def test_thin_layers_have_two_rows_in_the_quick_tests() -> None:
     coarse, fine = quick_spacings(scene(**{"numerics.spacing": 0.4}))
     assert (coarse, fine) == pytest.approx((1.0, 2.0 / 3.0)), "no coarser than the rule allows, a tenth of H, and two thirds of that"
-    for thickness, expected in ((1.6, 2.0 / 3.0), (1.2, 0.6), (0.4, 0.4)):
+    for thickness, expected in ((1.6, 2.0 / 3.0), (1.2, 10.0 / 17), (0.4, 0.4)):
         clay = {"clay": {"region": {"kind": "elevation", "bottom": 437.0, "top": 437.0 + thickness}, "soil": {"cohesion": 18.0}}}
         assert quick_spacings(scene(**{"numerics.spacing": 0.4, "layers": clay})) == pytest.approx((1.0, expected))
 
