@@ -73,7 +73,7 @@ SHIPPED: dict[str, Shipped] = {
     "trade": _experiment("trade", MEASURED / "trade.csv", "config/scenes/paper.yaml"),
     "resolution": _experiment("resolution", MEASURED / "resolution.csv", "config/scenes/long_box.yaml"),
     "limits": _experiment("limits", MEASURED / "limits.csv", "config/scenes/paper.yaml"),
-    "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/*.yaml"),
+    "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/paper.yaml"),
     "validation": _experiment("validation", PACKAGE / "validation" / "measured" / "validation.csv", "config/scenes/validation/*.yaml"),
     "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m sph.paper.release", MEASURED / "claims.csv"),
     "resolved_claims": Shipped(

@@ -29,7 +29,7 @@ BASELINE = "paper"
 STUDY_AT = "study at "
 """The time of the whole study at a fidelity is that of the task with this before its name."""
 RESOLVED_STUDIES = ("paper_resolved", "long_box")
-"""Studies of the paper's slope with the scheme of one's own slopes: in the paper's box, and in one that does not decide."""
+"""Studies of the paper's slope with the scheme of one's own slopes: in the paper's box, and in one long enough to hardly matter."""
 LEAST_DISPLACEMENT = 0.1
 """Displacement of A (m) at the baseline below which a relative difference says nothing."""
 

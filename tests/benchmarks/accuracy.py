@@ -28,7 +28,7 @@ ROOT = Path(sph.__file__).parents[1]
 SCENE = Path(__file__).parents[2] / "config" / "scenes" / "long_box.yaml"
 CASE = "S_R 0.25"
 ERRORS = (0.10, 0.05, 0.02)
-SPACINGS = (2.0, 1.5, 1.25, 1.0, 0.75, 0.6)
+SPACINGS = (25 / 10, 25 / 15, 25 / 20, 25 / 25, 25 / 30, 25 / 40)
 
 
 def one(spacing: float) -> dict[str, float]:

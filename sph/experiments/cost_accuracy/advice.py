@@ -99,19 +99,22 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
 
 def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summary]]:
     """The variants, with their spacings (m), of the resolution study that are computed as a scene of a slope is but for spacing, damping,
-    initiation and walls that absorb."""
+    initiation and how a rigid or an absorbing box lets waves out."""
     if not isinstance(scene.geometry, SLOPES) or scene.coupling.initiation is None:
         return []
 
     def rest(keys: dict[str, Any]) -> str:
         numerics = {name: value for name, value in keys.get("numerics", {}).items() if name not in ("spacing", "lattice_shift")}
         coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "initiation"}
-        return settings_text(keys | {"numerics": numerics, "coupling": coupling, "damping": None})  # each slope has a damping of its own
+        walls = {
+            name: RESOLVED["walls"][name] if kind == "absorbing" and name in RESOLVED["walls"] else kind
+            for name, kind in keys.get("walls", {}).items()
+        }  # the error is that of the moving soil
+        return settings_text(
+            keys | {"numerics": numerics, "coupling": coupling, "walls": walls, "damping": None}
+        )  # each slope has a damping of its own
 
-    how = scheme(scene)
-    if scene.walls.sides == "absorbing" and scene.walls.base in ("absorbing", RESOLVED["walls"]["base"]):
-        how |= {"walls": RESOLVED["walls"]}  # the error is that of the moving soil
-    own = rest(how)
+    own = rest(scheme(scene))
     return [
         (parse_json(variant.scheme).get("numerics", {}).get("spacing", 1.0), variant)
         for variant in variants
