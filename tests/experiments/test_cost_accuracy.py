@@ -78,10 +78,11 @@ class TestResolution:
         assert geometry.slope_height == advice.HEIGHT  # type: ignore[union-attr]
 
     @pytest.mark.parametrize(
-        ("spacing", "variant"), [(0.5, "preset: standard"), (0.4, "preset: standard"), (0.375, "preset: fine"), (1.01, None)]
+        ("spacing", "variant"),
+        [(0.5, "preset: standard"), (0.4, "spacing: 5/6 m"), (0.3125, "preset: fine"), (0.8334, "spacing: 5/3 m"), (1.26, None)],
     )
     def test_a_slope_of_ones_own_is_looked_up_by_its_rows_of_particles(self, spacing: float, variant: str | None) -> None:
-        # 12.5 m high: 0.5 m is as 1 m on the slope of the study, 25 m high.  Coarser than 2 m there nothing was measured.
+        # 12.5 m high: 0.5 m is as 1 m on the slope of the study, 25 m high.  Coarser than 2.5 m there nothing was measured.
         settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": spacing}, "coupling": {"initiation": {"length": 5.0}}}
         settings["damping"] = {"ratio": 0.03}
         found = expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings))
@@ -93,9 +94,9 @@ class TestResolution:
             assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
 
     def test_a_slope_that_is_too_coarse_is_told_from_which_spacing_on_there_is_an_expectation(self) -> None:
-        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 1.01}}
+        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 1.26}}
         assert expected_sentence(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)).endswith(
-            "the coarsest that was is 1 m on a slope of this height"
+            "the coarsest that was is 1.25 m on a slope of this height"
         )
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:

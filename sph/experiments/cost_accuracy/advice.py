@@ -87,13 +87,15 @@ def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected 
 ANY_SPACING = "any"
 HEIGHT = 25.0
 """Height of the slope of the resolution study, m."""
+ROUNDED = 1e-3
+"""By which a spacing that divides a height is rounded as somebody writes it, 0.8333 m for 10 / 12."""
 
 
 def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
     """The finest variant with no more rows of particles over its height than a scene's slope has, if it is computed alike; none where the
     scene is coarser than all."""
     spacing = HEIGHT * scene.numerics.spacing / scene.geometry.slope_height if isinstance(scene.geometry, SLOPES) else math.inf
-    no_finer = [(at, variant) for at, variant in _alike(scene, variants) if at >= spacing * (1.0 - 1e-9)]
+    no_finer = [(at, variant) for at, variant in _alike(scene, variants) if at >= spacing * (1.0 - ROUNDED)]
     return [min(no_finer, key=lambda pair: pair[0])[1]._replace(scheme=ANY_SPACING)] if no_finer else []
 
 
