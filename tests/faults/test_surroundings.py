@@ -68,7 +68,7 @@ def as_nobody() -> tuple[str, ...]:
 def test_only_a_simulation_needs_a_cache(open_folder: Path, tmp_path: Path, home: str) -> None:
     """With a file in the cache's place for any user; else as a user whom nobody knows, for whom the package is read-only, too."""
     scene, record, file = (open_folder / name for name in ("slope.yaml", "record.csv", "file"))
-    scene.write_text(yaml.safe_dump(SLOPE | {"numerics": {"spacing": 2.0, "smoothing_ratio": 1.3, "time_step": 1e-3}}))
+    scene.write_text(yaml.safe_dump(SLOPE | {"numerics": {"spacing": 25.0 / 12, "smoothing_ratio": 1.3, "time_step": 1e-3}}))
     record.write_text("t (s),a (m/s2)\n0,0\n0.1,1\n0.2,-1\n")
     file.touch()
     chosen, reason = {
