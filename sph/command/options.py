@@ -37,7 +37,10 @@ AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI un
 Trials = Annotated[Path | None, typer.Option(help="table of the trials to write (CSV)")]
 Spacings = Annotated[
     str | None,
-    typer.Option(metavar="COARSE,FINE", help="two spacings (m) to extrapolate from; by default twice the scene's and the scene's"),
+    typer.Option(
+        metavar="COARSE,FINE",
+        help="two spacings (m) to extrapolate from; by default some twice the scene's and the scene's, each dividing the slope's height",
+    ),
 ]
 Single = Annotated[bool, typer.Option("--single", help="search at the scene's own spacing alone, without extrapolation")]
 

@@ -24,7 +24,7 @@ from sph.scene.strict_json import to_json
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
 from sph.scene.water import standing_water
-from sph.solver.particles import QUANTITIES, Particles, overburden, peak_strength, place_particles, varying_layer
+from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.newmark import sliding_block
 from sph.stability.standing import dividing
@@ -382,7 +382,7 @@ def height_error(scene: Scene, particles: Particles) -> float:
     height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
     x, y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
     column = np.round(x / dx - 0.5).astype(int)
-    top = np.full(column.max() + 1, -np.inf)
+    top = np.zeros(scene.lattice[0])  # of a column without soil the base
     np.maximum.at(top, column, y + 0.5 * dx)
     place = (np.arange(top.size) + 0.5 + scene.numerics.lattice_shift) * dx
     ground = geometry.ground(place)
@@ -493,9 +493,11 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     geometry = scene.geometry
     if not isinstance(geometry, (Slope, GroundLine)) or scene.water is not None:
         return []
-    x, y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
-    last = np.flatnonzero(x > x.max() - 0.5 * scene.numerics.spacing)
-    above = overburden(scene, x[last], y[last])
+    x, y, dx = particles.x[: particles.n_soil], particles.y[: particles.n_soil], scene.numerics.spacing
+    last = np.flatnonzero(x > x.max() - 0.5 * dx)
+    last = last[np.argsort(-y[last])]
+    mass = particles.mass[last] / dx
+    above = np.cumsum(mass) - 0.5 * mass
     cohesion, angle = peak_strength(scene, particles)[:, last]
     held = (cohesion + above * scene.gravity.acceleration * np.tan(angle)) / above
     weakest, peak = int(np.argmin(held)), float(np.abs(loading_of(scene).ground).max())

@@ -127,6 +127,9 @@ def test_whole_rows_have_to_make_the_height_of_a_slope_between_level_ground() ->
     assert misfit(0.75) == pytest.approx(0.0125) and misfit(1.6) == pytest.approx(0.04)
     (one,) = [each for each in found(**{"numerics.spacing": 0.75}) if each.code == "rows-misfit"]
     assert one.measured == "20.25 m for 20 m (+1.2%)" and one.wanted.startswith("a spacing of 0.7407 m")
+    # A slope that stands on the model's base, without soil before its toe.
+    bare = {"shape": "slope", "slope_height": 20.0, "base_depth": 0.0, "apron_length": 40.0, "crest_length": 40.0}
+    assert misfit(1.0, geometry=bare) == pytest.approx(0.0, abs=1e-9) and misfit(1.5, geometry=bare) == pytest.approx(-0.025)
     # Ground that slopes is met by steps, some too high and some too low.
     gentle = {"points": [[100, 436], [160, 442], [180, 462], [260, 472]], "toe_at": [160, 442], "crest_at": [180, 462]}
     assert misfit(0.75, **{f"geometry.{name}": value for name, value in gentle.items()}) == 0.0

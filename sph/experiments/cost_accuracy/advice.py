@@ -108,13 +108,9 @@ def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summa
     def rest(keys: dict[str, Any]) -> str:
         numerics = {name: value for name, value in keys.get("numerics", {}).items() if name not in ("spacing", "lattice_shift")}
         coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "initiation"}
-        walls = {
-            name: RESOLVED["walls"][name] if kind == "absorbing" and name in RESOLVED["walls"] else kind
-            for name, kind in keys.get("walls", {}).items()
-        }  # the error is that of the moving soil
-        return settings_text(
-            keys | {"numerics": numerics, "coupling": coupling, "walls": walls, "damping": None}
-        )  # each slope has a damping of its own
+        # The error is that of the moving soil, whether or not the box lets waves out, and each slope has a damping of its own.
+        walls = {name: RESOLVED["walls"].get(name) if kind == "absorbing" else kind for name, kind in keys.get("walls", {}).items()}
+        return settings_text(keys | {"numerics": numerics, "coupling": coupling, "walls": walls, "damping": None})
 
     own = rest(scheme(scene))
     return [
