@@ -39,7 +39,7 @@ Spacings = Annotated[
     str | None,
     typer.Option(
         metavar="COARSE,FINE",
-        help="two spacings (m) to extrapolate from; by default some twice the scene's and the scene's, each dividing the slope's height",
+        help="two spacings (m) to extrapolate from; by default about twice the scene's and the scene's, both dividing the slope's height",
     ),
 ]
 Single = Annotated[bool, typer.Option("--single", help="search at the scene's own spacing alone, without extrapolation")]
