@@ -21,6 +21,7 @@ import pandas as pd
 import yaml
 
 import sph
+from sph.scene.scheme import filled
 from sph.solver.compiled.jit import solver_digest
 from sph.solver.run import run
 from sph.stability.record import run_search
@@ -96,11 +97,15 @@ SHIPPED: dict[str, Shipped] = {
 
 
 def settings_digest(patterns: Sequence[str], root: Path = PACKAGE.parent) -> str:
-    """Digest of what YAML files say, comments left out; empty where none of them lies below ``root``, as beside an installed package."""
+    """Digest of what YAML files say, comments left out, and of what its scheme fills into a scene.
+
+    Empty where none of the files lies below ``root``, as beside an installed package.
+    """
     paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
     if not paths:
         return ""
     said = [[path.relative_to(root).as_posix(), yaml.safe_load(path.read_text(encoding="utf-8"))] for path in paths]
+    said = [[name, filled(data) if "scenes" in Path(name).parts else data] for name, data in said]
     return hashlib.sha256(yaml.safe_dump(said, sort_keys=True).encode()).hexdigest()[:16]
 
 

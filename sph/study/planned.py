@@ -17,6 +17,7 @@ import xarray as xr
 import sph
 from sph.scene.configuration import MOST_LINES, differences, one_line, scene_files
 from sph.scene.schema import Scene, make_scene
+from sph.scene.scheme import filled
 from sph.storage import trajectory
 from sph.storage.files import content_digest
 
@@ -27,7 +28,7 @@ SHOWN = 80
 class Planned(NamedTuple):
     """A scene as it was planned."""
 
-    scene: dict[str, Any]  # as a mapping
+    scene: dict[str, Any]  # as a mapping, with what its scheme fills in
     files: dict[str, str]  # digest of the content of every file that it is read from
 
     def __repr__(self) -> str:
@@ -72,7 +73,7 @@ def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[
 
 def planned(scene: Mapping[str, Any]) -> Planned:
     """A scene, as a mapping, with the contents that its files have when they are first asked for: during the planning."""
-    return Planned(dict(scene), {name: _at_planning(os.path.abspath(name)) for name in scene_files(scene)})
+    return Planned(dict(filled(scene)), {name: _at_planning(os.path.abspath(name)) for name in scene_files(scene)})
 
 
 @functools.cache

@@ -30,6 +30,7 @@ from sph.experiments.shipped import (
 )
 from sph.paper.release import MEASURED as OF_THE_RELEASE
 from sph.scene.schema import Scene
+from sph.scene.scheme import RESOLVED
 from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
 from sph.stability.record import search_to_file
@@ -86,6 +87,17 @@ def test_another_setting_makes_it_older_but_a_comment_does_not(origins: Path) ->
     assert states(origins)["one"][0] == CURRENT
     settings.write_text("spacing: 2.0\n")
     assert states(origins)["one"][0] == OLDER and "configuration" in states(origins)["one"][1]
+
+
+def test_what_a_scheme_fills_into_a_scene_is_of_its_configuration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scenes = tmp_path / "config" / "scenes"
+    scenes.mkdir(parents=True)
+    (scenes / "own.yaml").write_text("name: own\n")
+    (scenes / "paper.yaml").write_text("scheme: paper\n")
+    before = [settings_digest([f"config/scenes/{name}.yaml"], tmp_path) for name in ("own", "paper")]
+    monkeypatch.setitem(RESOLVED["numerics"], "time_step", 1e-3)
+    after = [settings_digest([f"config/scenes/{name}.yaml"], tmp_path) for name in ("own", "paper")]
+    assert after[0] != before[0] and after[1] == before[1]
 
 
 def test_a_table_edited_by_hand_has_no_origin(origins: Path) -> None:

@@ -64,7 +64,8 @@ def test_digest_changes_with_an_edit_of_what_is_compiled(tmp_path: Path) -> None
         assert compiled == before, "an edit outside the compiled code must not recompile it"
         assert solver != earlier, "but a checkpoint of another solver is not gone on from"
     edit(tmp_path, "storage/files.py", "LONGEST_HIDDEN = 140", "LONGEST_HIDDEN = 139")
-    assert digests_of(tmp_path) == [before, solver], "how files are put on the disk decides no result"
+    edit(tmp_path, "scene/scheme.py", '"no_slip"', '"fixed"')
+    assert digests_of(tmp_path) == [before, solver], "neither how files lie on the disk nor what fills a scene decides a run"
     # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
     edit(tmp_path, "solver/physics/kernels.py", "1.0 + 2.0 * q", "1.0 + 2.5 * q")
     assert digest_of(tmp_path) != before

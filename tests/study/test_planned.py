@@ -16,6 +16,7 @@ from small_scenes import SLOPE
 
 from sph.scene.configuration import differences, merge
 from sph.scene.schema import make_scene
+from sph.scene.scheme import RESOLVED
 from sph.storage import trajectory
 from sph.storage.files import content_digest
 from sph.storage.trajectory import text_digest
@@ -51,6 +52,13 @@ def test_the_parameter_is_told_by_contents_alone(place: Path) -> None:
     assert (place / "ground.csv").stat().st_size == stat.st_size
     assert repr(as_planned(GROUND)) != first != repr(as_planned(merge(GROUND, {"soil": {"cohesion": 1.0}})))
     assert len(first) < 40, "whatever the scene holds: Snakemake keeps it with every result"
+
+
+def test_the_parameter_changes_with_what_the_scheme_fills_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    own = {name: value for name, value in SLOPE.items() if name != "scheme"}
+    before = repr(planned(own)), repr(planned({**SLOPE, "scheme": "paper"}))
+    monkeypatch.setitem(RESOLVED["numerics"], "gradient_tolerance", 0.03)
+    assert repr(planned(own)) != before[0] and repr(planned({**SLOPE, "scheme": "paper"})) == before[1]
 
 
 def test_what_a_process_has_planned_stays(place: Path) -> None:

@@ -47,7 +47,9 @@ state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
 
 PACKAGE = Path(__file__).resolve().parents[2]
 SOURCES = ("scene", "solver", "storage/trajectory.py")
-"""Folders and files of the package in which everything lies that decides the results of a run."""
+"""Folders and files of the package in which everything lies that decides the results of a run, given all keys of its scene."""
+FILLING = "scene/scheme.py"
+"""What fills keys that a scene does not name is not of the solver: with a run stands its scene with every key."""
 COMPILED = tuple(
     f"solver/{name}"
     for name in ("boundaries", "compiled", "integration.py", "neighbours.py", "physics", "state.py", "terms.py", "time_step.py")
@@ -88,7 +90,7 @@ def _digest(names: Iterable[str]) -> str:
     """Of the syntax of files and folders without the words for people: a better comment, docstring or message changes nothing."""
     digest = hashlib.sha256(numba.__version__.encode())
     for place in (PACKAGE / name for name in names):
-        for path in sorted(place.rglob("*.py")) if place.is_dir() else [place]:
+        for path in sorted({*place.rglob("*.py")} - {PACKAGE / FILLING}) if place.is_dir() else [place]:
             tree = ast.parse(path.read_bytes())
             tree.body = _drop_words(tree.body)
             digest.update(f"{path.relative_to(PACKAGE).as_posix()}\n{ast.dump(tree)}\n".encode())
