@@ -8,19 +8,9 @@ from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.study.cost import cost
-from sph.study.findings import (
-    Finding,
-    Layer,
-    choices,
-    findings,
-    highest_frequency,
-    in_wave,
-    layers_of,
-    peak_accelerations,
-    strengths,
-    uncertain_rows,
-    water_rows,
-)
+from sph.study.finding import Finding
+from sph.study.findings import Layer, choices, findings, highest_frequency, in_wave, layers_of, strengths, uncertain_rows, water_rows
+from sph.study.motion_findings import peak_accelerations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -118,7 +118,8 @@ def run(
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
-        from sph.study.findings import codes, findings
+        from sph.study.finding import codes
+        from sph.study.findings import findings
 
         check_known("--until", [until], ("end", "gravity", "first_failure"))
         earlier = earlier_run(scene)

@@ -10,7 +10,8 @@ from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_par
 from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import cost, needs
-from sph.study.findings import choices, findings, peak_accelerations, strengths, uncertain_rows, water_rows
+from sph.study.findings import choices, findings, strengths, uncertain_rows, water_rows
+from sph.study.motion_findings import peak_accelerations
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:

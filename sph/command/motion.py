@@ -15,7 +15,8 @@ from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of, read_comp
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import Record, processed, read_even
 from sph.scene.units import in_both
-from sph.study.findings import Finding, drifting, implausible, of_motion, one_sided
+from sph.study.finding import Finding
+from sph.study.motion_findings import drifting, implausible, of_motion, one_sided
 
 CURE = "--baseline 1, or motion.baseline of a scene with it"
 

@@ -15,7 +15,8 @@ from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both
 from sph.stability.newmark import SlidingBlock, sliding_block
-from sph.study.findings import Finding, Severity, cut_off, drifting, finding, implausible
+from sph.study.finding import Finding, Severity, finding
+from sph.study.motion_findings import cut_off, drifting, implausible
 
 RECORDED, TURNED, BOTH = "recorded", "turned", "both"
 DIRECTIONS = (RECORDED, TURNED, BOTH)

@@ -53,7 +53,7 @@ from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import SHORT_NAMES, dimension, named_sections, sections
-from sph.study.findings import CODES
+from sph.study.finding import CODES
 from sph.study.preflight import PREFLIGHT
 from sph.study.tables import VALUES
 from sph.study.verdicts import HOLDS, MISSES

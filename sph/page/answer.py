@@ -17,7 +17,7 @@ from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension, dimension, shown_unit
-from sph.study.findings import Finding, Severity
+from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
 from sph.study.tables import EXPECTED
 

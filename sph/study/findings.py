@@ -1,33 +1,29 @@
 """Findings of a scene before it is run: what may spoil its results, with the measured and the wanted value and the key to change.
 
-``CODES`` lists all that can be found.  What takes runs of the scene, its stability, is in ``sph.study.preflight``.
+``sph.study.finding`` lists all that can be found.  What takes runs of the scene, its stability, is in ``sph.study.preflight``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
-import scipy  # type: ignore[import-untyped]
 
 from sph.scene.geometry import Slope
-from sph.scene.gravity import GRAVITY
 from sph.scene.ground_line import GroundLine, largest_climb
-from sph.scene.ground_motion import GroundMotion, loading_of
+from sph.scene.ground_motion import loading_of
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
-from sph.scene.strict_json import to_json
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
 from sph.scene.water import standing_water
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
-from sph.stability.newmark import sliding_block
 from sph.stability.standing import dividing
+from sph.study.finding import NOTE, Finding, Severity, finding
+from sph.study.motion_findings import of_motion
 
 FEWEST_IN_HEIGHT = 12
 """Fewest particles across the height of a slope in the cost-accuracy study (README): its classes are right, its run-outs 60 % off."""
@@ -48,21 +44,6 @@ SAMPLES_IN_PERIOD = 8
 """Samples in the shortest period of a motion from which its spectrum is made."""
 FEWEST_IN_SERIES = 10
 """Samples of the series in a period of the highest significant frequency, of which straight lines miss the peak by at most 5 %."""
-WEAKEST, STRONGEST = 0.01, 2.0
-"""Peak accelerations of the ground that are plausible, g: below a hundredth of g no slope that stands is moved, and of all records a
-handful exceed 2 g (2.7 g horizontally at MYG004, Tohoku 2011; 3.9 g vertically at IWTH25, Iwate-Miyagi 2008).  Beyond them units are
-mistaken more often than not."""
-LARGEST_DRIFT = 0.1
-"""Velocity of the ground at the end of a record over its largest."""
-LARGEST_OFFSET = 0.01
-"""Mean acceleration of a record that drifts over its peak: beyond it the drift is an offset of the recorder."""
-LARGEST_DISPLACEMENT = 2.0
-"""Peak displacement of the ground that is plausible, m: more than that is found beside faults that broke the surface."""
-LASTING, SHORTEST_LASTING = 0.5, 0.1
-"""Displacement of the ground at the end of a record over its largest, and in m, from which on it is told."""
-POLARITY_RATIO, POLARITY = 0.5, 1.2
-"""Yield over peak acceleration of a sliding block, and its displacement under the record turned round over that under the record as it
-is, from which on the direction of a record matters."""
 ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
 """Soil behind the crest and before the toe, over the slope's height; the paper's slope runs out 1.3 heights with S_R 0.10."""
 SHARE_OF_LIMIT = 0.8
@@ -70,100 +51,6 @@ SHARE_OF_LIMIT = 0.8
 
 PLACEHOLDER = "(the soil is not replaced yet)"
 """What the title of a scene ends with that ``sph new`` has written."""
-
-
-class Severity(StrEnum):
-    """How much a finding matters."""
-
-    ERROR = "error"
-    """the result will not be what is asked for"""
-    WARNING = "warning"
-    """the result may be spoilt"""
-    NOTE = "note"
-    """to know; nothing need be changed"""
-
-
-class Code(NamedTuple):
-    """A kind of finding."""
-
-    severity: Severity
-    text: str
-
-
-ERROR, WARNING, NOTE = Severity
-CODES: dict[str, Code] = {
-    "fails-unshaken": Code(ERROR, "the slope fails at its peak strength without shaking"),
-    "softens-unshaken": Code(ERROR, "soil is at its strength under gravity alone, and softens before the shaking"),
-    "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
-    "fails-at-residual": Code(NOTE, "without shaking the slope fails at the strength that failed soil keeps: soil that fails runs down"),
-    "stands-at-residual": Code(NOTE, "without shaking the slope stands at the strength that failed soil keeps: what fails comes to rest"),
-    "factor-of-safety": Code(NOTE, "static factor of safety"),
-    "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
-    "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
-    "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
-    "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
-    "record-displacement": Code(WARNING, "the ground moves implausibly far"),
-    "record-lasting": Code(NOTE, "the ground ends far from where it began"),
-    "record-polarity": Code(NOTE, "turned round the record drives a sliding block further"),
-    "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: a mistaken unit"),
-    "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
-    "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
-    "level-ground-fails": Code(NOTE, "so strong a shaking shears off level ground as well, up to the sides of the box"),
-    "short-waves": Code(WARNING, "the particles do not carry the highest frequencies of the motion"),
-    "sparse-series": Code(WARNING, "the series hold few samples of the shaking"),
-    "few-particles": Code(WARNING, "few particles across the slope's height"),
-    "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
-    "thin-layer": Code(WARNING, "few particles across a layer"),
-    "thin-box": Code(WARNING, "the box's particles do not fill the kernel's support"),
-    "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
-    "no-process-zone": Code(WARNING, "soil fails over no length; a note in the paper's scheme, which has none"),
-    "soil-not-replaced": Code(WARNING, "the soil is that which `sph new` wrote"),
-    "rigid-box": Code(WARNING, "a rigid box, which traps the waves: the slope is shaken harder than on a site that lets them out"),
-    "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
-    "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
-    "short-process-zone": Code(WARNING, "the length over which soil fails is shorter than three spacings"),
-    "back-wall": Code(WARNING, "the back wall is near the crest"),
-    "little-room": Code(WARNING, "little room for the debris before the front wall"),
-    "other-slope": Code(WARNING, "the ground falls further to the other side"),
-    "time-step": Code(WARNING, "the time step is near its limit or above"),
-}
-"""All that can be found, by its code, which stays."""
-
-
-class Finding(NamedTuple):
-    """Something that a user of the scene should know before its results; the names are those of ``sph check --json``."""
-
-    code: str  # of ``CODES``
-    severity: str  # of ``Severity``
-    what: str
-    measured: str
-    wanted: str = ""
-    key: str = ""  # to change
-
-    def sentence(self) -> str:
-        """The finding in one sentence."""
-        wanted = f", wanted {self.wanted}" if self.wanted else ""
-        return f"{self.what}: {self.measured}{wanted}" + (f"; change {self.key}" if self.key else "")
-
-    def line(self) -> str:
-        """The sentence with severity and code."""
-        return f"{self.severity}: {self.sentence()} [{self.code}]"
-
-    @property
-    def counts(self) -> bool:
-        """Whether it is more than a note."""
-        return self.severity != NOTE
-
-
-def finding(code: str, what: str, measured: str, wanted: str = "", key: str = "", severity: Severity | None = None) -> Finding:
-    """A finding, by default of the severity of its code; KeyError for an unknown code."""
-    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key)
-
-
-def codes(found: Iterable[Finding]) -> str:
-    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``CODES``."""
-    there = {each.code for each in found}
-    return to_json([code for code in CODES if code in there])
 
 
 def strengths(scene: Scene) -> list[tuple[str, str]]:
@@ -467,25 +354,6 @@ def of_variation(scene: Scene) -> list[Finding]:
     return found
 
 
-def cut_off(scene: Scene) -> list[Finding]:
-    """A warning if the run ends before the motion does."""
-    if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
-        return []
-    end = f"{scene.motion.end:.4g} s"
-    return [
-        finding(
-            "motion-cut-off", "the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}"
-        )
-    ]
-
-
-def of_motion(scene: Scene) -> list[Finding]:
-    """All findings of the shaking of a scene."""
-    loading = loading_of(scene)
-    components = {"horizontal": loading.ground, "vertical": loading.vertical}
-    return cut_off(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
-
-
 def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     """A finding if the shaking shears off the column of level ground at the wall behind the crest: where its mass m above a depth (kg/m2)
     takes up no more than (c + m g tan phi) / m.  The column moves as one: waves that are short beside its height shear it less, and
@@ -509,73 +377,6 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     return [
         finding("level-ground-fails", what, measured, "an answer read with the whole ground in motion, or less shaking", "motion.amplitude")
     ]
-
-
-def peak_accelerations(scene: Scene) -> str:
-    """Peak accelerations of the ground in a run, of the motion as processed and scaled."""
-    loading = loading_of(scene)
-    peaks = {"horizontal": np.abs(loading.ground).max(), "vertical": np.abs(loading.vertical).max()}
-    return ", ".join(f"{name} {in_both(float(peak))}" for name, peak in peaks.items() if peak or name == "horizontal")
-
-
-def of_record(scene: Scene) -> list[Finding]:
-    """What is found of the record of a scene after its processing: offset, drift, displacement, polarity."""
-    if not isinstance(scene.motion, Record):
-        return []
-    made = processed(scene.motion)
-    motion = GroundMotion(made.time, made.horizontal)
-    return drifting(motion, "motion.baseline={}") + one_sided(motion, f"motion.factor={-scene.motion.factor:g}")
-
-
-def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]:
-    """A warning for each peak of accelerations (n,) in m/s2, by direction, the horizontal first, that is not plausible; 0 is."""
-    wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
-    peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
-    return [
-        finding("pga-implausible", f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
-        for name, peak in peaks.items()
-        if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
-    ]
-
-
-def drifting(motion: GroundMotion, key: str) -> list[Finding]:
-    """Findings of a record whose ground does not come to rest, moves too far or ends elsewhere; ``key`` removes the drift.
-
-    An offset of the recorder moves a sliding block like shaking, whatever drift it leaves.
-    """
-    time, acceleration = motion
-    velocity = scipy.integrate.cumulative_trapezoid(acceleration, time, initial=0.0)
-    displacement = scipy.integrate.cumulative_trapezoid(velocity, time, initial=0.0)
-    largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
-    furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
-    found = []
-    if last > LARGEST_DRIFT * largest:
-        offset, bound = last / float(time[-1] - time[0]), LARGEST_OFFSET * motion.peak
-        at_end, wanted = f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s"
-        if offset > bound:
-            measured = f"a mean of {in_both(offset)}, {at_end}"
-            found.append(finding("record-offset", "the ground of the record drifts by an offset of its recorder", measured, wanted, key))
-        else:
-            found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key))
-    if furthest > LARGEST_DISPLACEMENT:
-        wanted = f"at most {LARGEST_DISPLACEMENT:g} m, except beside a fault that broke the surface"
-        found.append(finding("record-displacement", "the peak displacement of the ground is implausible", f"{furthest:.3g} m", wanted, key))
-    elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
-        measured = f"{lasting:.2g} m of {furthest:.2g} m"
-        found.append(finding("record-lasting", "the ground of the record ends away from where it began", measured, "near 0", key))
-    return found
-
-
-def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
-    """A note if the record turned round drives a sliding block further."""
-    strength = POLARITY_RATIO * motion.peak
-    if not strength > 0:
-        return []
-    as_it_is, turned = (sliding_block(motion.time, sign * motion.acceleration, strength).permanent for sign in (1.0, -1.0))
-    if turned <= POLARITY * as_it_is:
-        return []
-    measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
-    return [finding("record-polarity", "turned round the record drives the slope further", measured, "runs of both directions", key)]
 
 
 def _series(scene: Scene) -> list[Finding]:

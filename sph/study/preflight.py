@@ -26,7 +26,8 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.findings import CODES, Finding, Severity, finding, findings, layers_of
+from sph.study.finding import CODES, Finding, Severity, finding
+from sph.study.findings import findings, layers_of
 from sph.study.tables import count_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03

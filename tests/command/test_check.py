@@ -23,7 +23,8 @@ from sph.scene.units import in_both
 from sph.solver.particles import place_particles
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.limit_analysis import limit_factor
-from sph.study.findings import CODES, FEWEST_IN_WAVE, Finding, height_error, highest_frequency, in_wave
+from sph.study.finding import CODES, Finding
+from sph.study.findings import FEWEST_IN_WAVE, height_error, highest_frequency, in_wave
 from sph.study.preflight import stability
 
 SOUND: dict[str, Any] = {

@@ -19,7 +19,7 @@ from sph.paper.claims import write_claims
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import CASE, Dimension
-from sph.study.findings import Finding
+from sph.study.finding import Finding
 from sph.study.preflight import Row, write_preflight
 from sph.study.tables import Layout, join_study, read_study, read_table, study_rows, write_csv
 

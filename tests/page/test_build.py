@@ -32,7 +32,7 @@ from sph.stability.record import search_dataset
 from sph.stability.search import Search
 from sph.storage import trajectory
 from sph.study.dimensions import Dimension
-from sph.study.findings import Finding
+from sph.study.finding import Finding
 from sph.study.preflight import Row, write_preflight
 from sph.study.tables import number_column, read_table, write_csv
 

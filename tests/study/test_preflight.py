@@ -25,7 +25,9 @@ from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.cost import cost
-from sph.study.findings import CODES, PLACEHOLDER, POLARITY_RATIO, Finding, Severity, choices, codes, drifting, findings
+from sph.study.finding import CODES, Finding, Severity, codes
+from sph.study.findings import PLACEHOLDER, choices, findings
+from sph.study.motion_findings import POLARITY_RATIO, drifting
 from sph.study.preflight import (
     QUICK_RATIO,
     QUICK_TOLERANCE,

@@ -7,7 +7,8 @@ from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Until
 from sph.stability.record import search_to_file
-from sph.study.findings import codes, findings
+from sph.study.finding import codes
+from sph.study.findings import findings
 from sph.study.planned import Planned
 
 

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 from typing import TextIO
 
 from sph.jobs.log import Job, job_log
-from sph.study.findings import Severity
+from sph.study.finding import Severity
 from sph.study.planned import Planned
 from sph.study.preflight import Row, study_findings, study_stability, write_preflight
 

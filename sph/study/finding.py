@@ -1,0 +1,103 @@
+"""What a finding of a scene is, and all that can be found (``CODES``)."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from enum import StrEnum
+from typing import NamedTuple
+
+from sph.scene.strict_json import to_json
+
+
+class Severity(StrEnum):
+    """How much a finding matters."""
+
+    ERROR = "error"
+    """the result will not be what is asked for"""
+    WARNING = "warning"
+    """the result may be spoilt"""
+    NOTE = "note"
+    """to know; nothing need be changed"""
+
+
+class Code(NamedTuple):
+    """A kind of finding."""
+
+    severity: Severity
+    text: str
+
+
+ERROR, WARNING, NOTE = Severity
+CODES: dict[str, Code] = {
+    "fails-unshaken": Code(ERROR, "the slope fails at its peak strength without shaking"),
+    "softens-unshaken": Code(ERROR, "soil is at its strength under gravity alone, and softens before the shaking"),
+    "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
+    "fails-at-residual": Code(NOTE, "without shaking the slope fails at the strength that failed soil keeps: soil that fails runs down"),
+    "stands-at-residual": Code(NOTE, "without shaking the slope stands at the strength that failed soil keeps: what fails comes to rest"),
+    "factor-of-safety": Code(NOTE, "static factor of safety"),
+    "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
+    "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
+    "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
+    "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
+    "record-displacement": Code(WARNING, "the ground moves implausibly far"),
+    "record-lasting": Code(NOTE, "the ground ends far from where it began"),
+    "record-polarity": Code(NOTE, "turned round the record drives a sliding block further"),
+    "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: a mistaken unit"),
+    "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
+    "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
+    "level-ground-fails": Code(NOTE, "so strong a shaking shears off level ground as well, up to the sides of the box"),
+    "short-waves": Code(WARNING, "the particles do not carry the highest frequencies of the motion"),
+    "sparse-series": Code(WARNING, "the series hold few samples of the shaking"),
+    "few-particles": Code(WARNING, "few particles across the slope's height"),
+    "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
+    "thin-layer": Code(WARNING, "few particles across a layer"),
+    "thin-box": Code(WARNING, "the box's particles do not fill the kernel's support"),
+    "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
+    "no-process-zone": Code(WARNING, "soil fails over no length; a note in the paper's scheme, which has none"),
+    "soil-not-replaced": Code(WARNING, "the soil is that which `sph new` wrote"),
+    "rigid-box": Code(WARNING, "a rigid box, which traps the waves: the slope is shaken harder than on a site that lets them out"),
+    "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
+    "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
+    "short-process-zone": Code(WARNING, "the length over which soil fails is shorter than three spacings"),
+    "back-wall": Code(WARNING, "the back wall is near the crest"),
+    "little-room": Code(WARNING, "little room for the debris before the front wall"),
+    "other-slope": Code(WARNING, "the ground falls further to the other side"),
+    "time-step": Code(WARNING, "the time step is near its limit or above"),
+}
+"""All that can be found, by its code, which stays."""
+
+
+class Finding(NamedTuple):
+    """Something that a user of the scene should know before its results; the names are those of ``sph check --json``."""
+
+    code: str  # of ``CODES``
+    severity: str  # of ``Severity``
+    what: str
+    measured: str
+    wanted: str = ""
+    key: str = ""  # to change
+
+    def sentence(self) -> str:
+        """The finding in one sentence."""
+        wanted = f", wanted {self.wanted}" if self.wanted else ""
+        return f"{self.what}: {self.measured}{wanted}" + (f"; change {self.key}" if self.key else "")
+
+    def line(self) -> str:
+        """The sentence with severity and code."""
+        return f"{self.severity}: {self.sentence()} [{self.code}]"
+
+    @property
+    def counts(self) -> bool:
+        """Whether it is more than a note."""
+        return self.severity != NOTE
+
+
+def finding(code: str, what: str, measured: str, wanted: str = "", key: str = "", severity: Severity | None = None) -> Finding:
+    """A finding, by default of the severity of its code; KeyError for an unknown code."""
+    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key)
+
+
+def codes(found: Iterable[Finding]) -> str:
+    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``CODES``."""
+    there = {each.code for each in found}
+    return to_json([code for code in CODES if code in there])

@@ -1,0 +1,119 @@
+"""Findings of a ground motion: its peak, drift, offset and direction, and whether the run lasts as long."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import scipy  # type: ignore[import-untyped]
+
+from sph.scene.gravity import GRAVITY
+from sph.scene.ground_motion import GroundMotion, loading_of
+from sph.scene.ground_motion.record import Record, processed
+from sph.scene.motion import NoMotion
+from sph.scene.schema import Scene
+from sph.scene.units import in_both
+from sph.stability.newmark import sliding_block
+from sph.study.finding import Finding, finding
+
+WEAKEST, STRONGEST = 0.01, 2.0
+"""Peak accelerations of the ground that are plausible, g: below a hundredth of g no slope that stands is moved, and of all records a
+handful exceed 2 g (2.7 g horizontally at MYG004, Tohoku 2011; 3.9 g vertically at IWTH25, Iwate-Miyagi 2008).  Beyond them units are
+mistaken more often than not."""
+LARGEST_DRIFT = 0.1
+"""Velocity of the ground at the end of a record over its largest."""
+LARGEST_OFFSET = 0.01
+"""Mean acceleration of a record that drifts over its peak: beyond it the drift is an offset of the recorder."""
+LARGEST_DISPLACEMENT = 2.0
+"""Peak displacement of the ground that is plausible, m: more than that is found beside faults that broke the surface."""
+LASTING, SHORTEST_LASTING = 0.5, 0.1
+"""Displacement of the ground at the end of a record over its largest, and in m, from which on it is told."""
+POLARITY_RATIO, POLARITY = 0.5, 1.2
+"""Yield over peak acceleration of a sliding block, and its displacement under the record turned round over that under the record as it
+is, from which on the direction of a record matters."""
+
+
+def cut_off(scene: Scene) -> list[Finding]:
+    """A warning if the run ends before the motion does."""
+    if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
+        return []
+    end = f"{scene.motion.end:.4g} s"
+    return [
+        finding(
+            "motion-cut-off", "the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}"
+        )
+    ]
+
+
+def of_motion(scene: Scene) -> list[Finding]:
+    """All findings of the shaking of a scene."""
+    loading = loading_of(scene)
+    components = {"horizontal": loading.ground, "vertical": loading.vertical}
+    return cut_off(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
+
+
+def peak_accelerations(scene: Scene) -> str:
+    """Peak accelerations of the ground in a run, of the motion as processed and scaled."""
+    loading = loading_of(scene)
+    peaks = {"horizontal": np.abs(loading.ground).max(), "vertical": np.abs(loading.vertical).max()}
+    return ", ".join(f"{name} {in_both(float(peak))}" for name, peak in peaks.items() if peak or name == "horizontal")
+
+
+def of_record(scene: Scene) -> list[Finding]:
+    """What is found of the record of a scene after its processing: offset, drift, displacement, polarity."""
+    if not isinstance(scene.motion, Record):
+        return []
+    made = processed(scene.motion)
+    motion = GroundMotion(made.time, made.horizontal)
+    return drifting(motion, "motion.baseline={}") + one_sided(motion, f"motion.factor={-scene.motion.factor:g}")
+
+
+def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]:
+    """A warning for each peak of accelerations (n,) in m/s2, by direction, the horizontal first, that is not plausible; 0 is."""
+    wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
+    peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
+    return [
+        finding("pga-implausible", f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
+        for name, peak in peaks.items()
+        if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
+    ]
+
+
+def drifting(motion: GroundMotion, key: str) -> list[Finding]:
+    """Findings of a record whose ground does not come to rest, moves too far or ends elsewhere; ``key`` removes the drift.
+
+    An offset of the recorder moves a sliding block like shaking, whatever drift it leaves.
+    """
+    time, acceleration = motion
+    velocity = scipy.integrate.cumulative_trapezoid(acceleration, time, initial=0.0)
+    displacement = scipy.integrate.cumulative_trapezoid(velocity, time, initial=0.0)
+    largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
+    furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
+    found = []
+    if last > LARGEST_DRIFT * largest:
+        offset, bound = last / float(time[-1] - time[0]), LARGEST_OFFSET * motion.peak
+        at_end, wanted = f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s"
+        if offset > bound:
+            measured = f"a mean of {in_both(offset)}, {at_end}"
+            found.append(finding("record-offset", "the ground of the record drifts by an offset of its recorder", measured, wanted, key))
+        else:
+            found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key))
+    if furthest > LARGEST_DISPLACEMENT:
+        wanted = f"at most {LARGEST_DISPLACEMENT:g} m, except beside a fault that broke the surface"
+        found.append(finding("record-displacement", "the peak displacement of the ground is implausible", f"{furthest:.3g} m", wanted, key))
+    elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
+        measured = f"{lasting:.2g} m of {furthest:.2g} m"
+        found.append(finding("record-lasting", "the ground of the record ends away from where it began", measured, "near 0", key))
+    return found
+
+
+def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
+    """A note if the record turned round drives a sliding block further."""
+    strength = POLARITY_RATIO * motion.peak
+    if not strength > 0:
+        return []
+    as_it_is, turned = (sliding_block(motion.time, sign * motion.acceleration, strength).permanent for sign in (1.0, -1.0))
+    if turned <= POLARITY * as_it_is:
+        return []
+    measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
+    return [finding("record-polarity", "turned round the record drives the slope further", measured, "runs of both directions", key)]
