@@ -14,11 +14,12 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sph.command.status import Kind, Stand, State, duration, jobs, look
+from sph.command.status import Kind, Stand, State, jobs, look
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress, Run
 from sph.study.cost import COMPILE, START, Cost, cost, search_cost
+from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.preflight import MOST_SCENES, preflight_seconds
 

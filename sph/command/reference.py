@@ -45,7 +45,7 @@ from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
-from sph.paper.release import BASELINE, STUDY_AT, duration, read_measured
+from sph.paper.release import BASELINE, STUDY_AT, read_measured
 from sph.paper.study import AnyStudy
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene
@@ -54,6 +54,7 @@ from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import SHORT_NAMES, dimension, named_sections, sections
 from sph.study.finding import CODES
+from sph.study.machine import duration
 from sph.study.preflight import PREFLIGHT
 from sph.study.tables import VALUES
 from sph.study.verdicts import HOLDS, MISSES

@@ -35,6 +35,7 @@ from sph.scene.configuration import merge, read_yaml, without_files
 from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.strict_json import finite, parse_json
 from sph.storage.files import beside
+from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.sampling import chosen_study
 
@@ -309,14 +310,6 @@ def sentence(states: Sequence[State]) -> str:
 
 def _number(count: int, what: str) -> str:
     return f"{count} {what}{'s' if count > 1 else ''}"
-
-
-def duration(seconds: float) -> str:
-    """A time in words: 45 s, 3 min 20 s, 2 h 5 min."""
-    whole = round(seconds)
-    if whole < 60:
-        return f"{whole} s"
-    return f"{whole // 60} min {whole % 60} s" if whole < 3600 else f"{whole // 3600} h {whole % 3600 // 60} min"
 
 
 def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:

@@ -139,12 +139,6 @@ def write_time(task: str, seconds: float, conditions: str, machine: str) -> None
     write_csv(pd.concat([kept, pd.DataFrame([row])], ignore_index=True), MEASURED / "times.csv")
 
 
-def duration(seconds: float) -> str:
-    """A time in words: 40 s, 21 min, 11 min 37 s."""
-    minutes, rest = divmod(round(seconds), 60)
-    return " ".join([f"{minutes} min"] * (minutes > 0) + [f"{rest} s"] * (rest > 0 or minutes == 0))
-
-
 def _found(path: Path, command: str) -> Path:
     if not path.is_file():
         raise ValueError(f"{path}: no such file; run '{command}'")

@@ -1,4 +1,4 @@
-"""The machine that a cost was measured on: its processor as the operating system names it, and its cores."""
+"""A cost in words: its time, and the machine that it was measured on, by its processor and its cores."""
 
 from __future__ import annotations
 
@@ -6,6 +6,14 @@ import os
 import platform
 import subprocess
 from pathlib import Path
+
+
+def duration(seconds: float) -> str:
+    """A time in words: 45 s, 21 min, 3 min 20 s, 2 h 5 min."""
+    minutes, rest = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    parts = [(hours, "h"), (minutes, "min"), (rest if hours == 0 else 0, "s")]
+    return " ".join(f"{count} {unit}" for count, unit in parts if count) or "0 s"
 
 
 def machine_class() -> str:

@@ -17,9 +17,9 @@ import time
 from pathlib import Path
 
 from sph.experiments.shipped import note
-from sph.paper.release import STUDY_AT, duration, write_time
+from sph.paper.release import STUDY_AT, write_time
 from sph.solver.compiled.jit import solver_digest
-from sph.study.machine import machine_class
+from sph.study.machine import duration, machine_class
 
 ROOT = Path(__file__).resolve().parents[2]
 STUDY, TESTS = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)

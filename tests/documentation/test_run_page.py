@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -70,7 +71,9 @@ is: not run
 def run(tmp_path: Path, text: str, name: str = "page.md") -> str:
     (tmp_path / name).write_text(text, encoding="utf-8")
     run_page(str(tmp_path / name), ROOT, tmp_path / "page", io.StringIO())
-    return (tmp_path / "page" / "page.md").read_text(encoding="utf-8")
+    page, took = (tmp_path / "page" / "page.md").read_text(encoding="utf-8").split("\n*All commands of this page took ")
+    assert re.fullmatch(r"\d+ s on .+ cores\.\*\n", took)
+    return page
 
 
 def notebook(*cells: str) -> str:

@@ -14,7 +14,6 @@ from sph.paper.release import (
     RESOLVED_STUDIES,
     agreement,
     compared_fidelities,
-    duration,
     measured_claims,
     read_measured,
     resolved_claims,
@@ -110,8 +109,3 @@ def test_a_time_takes_the_place_of_an_earlier_one(tmp_path: Path, monkeypatch: p
     write_time("study", 61.4, "from nothing", "some processor, 2 cores")
     after = read_measured("times").set_index("task")
     assert len(after) == len(before) and after.loc["study", "wall_time"] == 61.4 and after.loc["tests", "wall_time"] > 0
-
-
-@pytest.mark.parametrize(("seconds", "words"), [(0.2, "0 s"), (40.0, "40 s"), (60.0, "1 min"), (697.2, "11 min 37 s"), (1259.6, "21 min")])
-def test_a_duration_in_words(seconds: float, words: str) -> None:
-    assert duration(seconds) == words

@@ -6,11 +6,13 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 from typing import IO, NamedTuple
 
 from sph.jobs.log import Job, job_log
 from sph.scene.strict_json import parse_json
+from sph.study.machine import duration, machine_class
 
 FENCE = re.compile(r"^```(sh|python)\n(.*?)^```$\n?", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"(\]\()([^)\s:#]+)(\))")
@@ -86,7 +88,7 @@ def shown(block: Block, output: str) -> str:
 
 
 def run_page(path_to_page: str, root: Path, folder: Path, log: IO[str]) -> None:
-    """Write ``page.md``, with what its blocks print, and the files that they make and it links to, into a folder named as the page.
+    """Write ``page.md``, with what its blocks print and how long they took, and the files that they make and it links to, into a folder.
 
     The blocks find the repository as in its root: its configuration, its documentation, its workflow, and ``.venv`` with this Python.
     """
@@ -98,8 +100,10 @@ def run_page(path_to_page: str, root: Path, folder: Path, log: IO[str]) -> None:
         for entry in ("config", "docs", "workflow", "Snakefile"):
             (work / entry).symlink_to(root / entry)
         (work / ".venv").symlink_to(sys.prefix)
+        start = time.perf_counter()
         outputs = iter(run_blocks(path, blocks, work, log))
-        page = "".join(shown(part, next(outputs)) if isinstance(part, Block) else part for part in parts)
+        took = f"*All commands of this page took {duration(time.perf_counter() - start)} on {machine_class()}.*"
+        page = "".join(shown(part, next(outputs)) if isinstance(part, Block) else part for part in parts) + f"\n{took}\n"
         made = {target for _, target, _ in LINK.findall(page) if not target.startswith("..") and (work / target).is_file()}
         for target in made:
             (folder / target).parent.mkdir(parents=True, exist_ok=True)
