@@ -56,6 +56,16 @@ def extrapolate(coarse: float, fine: float, ratio: float) -> float:
     return fine + (fine - coarse) / (ratio - 1.0)
 
 
+def to_zero(coarse: Search, fine: Search, ratio: float) -> tuple[float, float, bool]:
+    """Value at spacing 0 from searches at two spacings of a ratio, its error by step and brackets, and whether the step is taken."""
+    value = extrapolate(coarse.value, fine.value, ratio)
+    step = value - fine.value
+    taken = not step * (fine.failed - fine.stood) > 0.0  # the limit is no further on the side of what failed
+    value, error = (value, 0.5 * abs(step)) if taken else (fine.value, abs(step))
+    brackets = 0.5 * (ratio * (fine.upper - fine.lower) + (coarse.upper - coarse.lower)) / (ratio - 1.0)
+    return value, error + brackets, taken
+
+
 def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None = None) -> tuple[float, float]:
     """Coarse and fine spacing (m): those asked for, or the scene's own and one twice as coarse or as coarse as the rule allows.
 
@@ -101,10 +111,5 @@ def extrapolated(
 
         searches.append(find(at, tolerance, rule, tell, near=near))
     coarse, fine = searches
-    ratio = spacings[0] / spacings[1]
-    value = extrapolate(coarse.value, fine.value, ratio)
-    step = value - fine.value
-    taken = not step * (fine.failed - fine.stood) > 0.0  # the limit is no further on the side of what failed
-    value, error = (value, 0.5 * abs(step)) if taken else (fine.value, abs(step))
-    brackets = 0.5 * (ratio * (fine.upper - fine.lower) + (coarse.upper - coarse.lower)) / (ratio - 1.0)
-    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + brackets + rule.displacement * abs(value), taken)
+    value, error, taken = to_zero(coarse, fine, spacings[0] / spacings[1])
+    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + rule.displacement * abs(value), taken)

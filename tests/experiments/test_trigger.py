@@ -18,6 +18,7 @@ from sph.experiments.trigger.critical import (
     UNDECIDED,
     bracket,
     bracket_ends,
+    coarser_cases,
     confirm_columns,
     confirm_table,
     critical_columns,
@@ -342,6 +343,32 @@ def test_brackets(classes: tuple[str, ...], outcome: str, lower: float, upper: f
 def test_a_class_that_is_left_again_shows_the_last_amplitude_without_it() -> None:
     assert bracket(line("stable", "collapse", "minor", "collapse"), "collapse").last_not_reached == 2.0
     assert bracket(line("stable", "collapse", moving=1), "collapse").lower_still_moving == 1.0
+
+
+def test_cases_that_differ_in_the_spacing_alone_are_extrapolated_from() -> None:
+    slope = read_yaml(str(ROOT / "config" / "scenes" / "long_box.yaml"))
+    cases = {"2.5 m": 2.5, "5/3 m": 5.0 / 3.0, "1.25 m": 1.25, "1 m": 1.0}
+    scenes = {name: make_scene(merge(slope, {"numerics": {"spacing": spacing}})) for name, spacing in cases.items()}
+    scenes["2 m, damped"] = make_scene(merge(slope, {"numerics": {"spacing": 2.0}, "damping": {"ratio": 0.05}}))
+    found = coarser_cases(scenes)
+    assert {case: name for case, (name, _) in found.items()} == {"5/3 m": "2.5 m", "1.25 m": "2.5 m", "1 m": "5/3 m"}
+    assert [ratio for _, ratio in found.values()] == pytest.approx([1.5, 2.0, 5.0 / 3.0])
+
+
+@pytest.mark.parametrize(
+    ("coarse", "fine", "value", "error"),
+    [
+        (("stable",) * 5 + ("collapse",), ("stable",) * 4 + ("collapse",), 2.5, 0.5 + 0.5 * (2.0 + 1.0)),  # 4.5 and 3.5: a step of -1
+        (("stable",) * 4 + ("collapse",), ("stable",) * 5 + ("collapse",), 4.5, 1.0 + 0.5 * (2.0 + 1.0)),  # up: not taken, as by sph fos
+        (("stable", "collapse"), ("stable", "stable"), math.nan, math.nan),
+    ],
+)
+def test_a_level_is_extrapolated_to_no_spacing(coarse: tuple[str, ...], fine: tuple[str, ...], value: float, error: float) -> None:
+    points = pd.concat([line(*coarse, case="coarse"), line(*fine, case="fine")], ignore_index=True)
+    statics = {case: {"collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0}} for case in ("coarse", "fine")}
+    table = critical_table(points, ["collapse"], statics, SEARCHED, {"fine": ("coarse", 2.0)}).set_index("case")
+    assert table["extrapolated_intensity"].tolist() == pytest.approx([math.nan, value], nan_ok=True)
+    assert table["extrapolation_error"].tolist() == pytest.approx([math.nan, error], nan_ok=True)
 
 
 ESTIMATES = {case: {"collapse": {"yield_acceleration": 3.0, "newmark_intensity": 9.0}} for case in TRIGGER["cases"]}

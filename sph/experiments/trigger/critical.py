@@ -18,6 +18,10 @@ import pandas as pd
 from sph.experiments.trigger.design import Searched, reached
 from sph.experiments.trigger.points import columns_in, label_columns, names
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene
+from sph.stability.extrapolation import RATIO, SMALLEST_RATIO, to_zero
+from sph.stability.search import Search
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import Dimension, value_of
 from sph.study.tables import ROW, count_column, number_column, read_csv, text_column
@@ -66,6 +70,13 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
         text_column("collapse_class", "the class, or a worse one, whose critical intensity is searched"),
         text_column("intensity", "the dimension that is searched"),
         *bracket_columns(units),
+        number_column(
+            "extrapolated_intensity",
+            units,
+            "critical intensity at spacing 0, from that of the case and of another that differs in a coarser spacing alone, as sph fos "
+            "extrapolates; NaN without such a case, or where one of the two has no bracket",
+        ),
+        number_column("extrapolation_error", units, "estimate of its error: half of the step to it, and the brackets as it magnifies them"),
         number_column(
             "yield_acceleration",
             "m s-2",
@@ -126,21 +137,54 @@ def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> 
     )
 
 
+def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
+    """For each case the one that differs in a coarser spacing alone, and the ratio of the two: of several that nearest to ``RATIO``."""
+    spacings = {case: scene.numerics.spacing for case, scene in scenes.items()}
+    alike = {case: merge(scene.model_dump(), {"numerics": {"spacing": None}}) for case, scene in scenes.items()}
+    found = {}
+    for case, spacing in spacings.items():
+        ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case]}
+        coarser = [other for other, ratio in ratios.items() if ratio >= SMALLEST_RATIO]
+        if coarser:
+            nearest = min(coarser, key=lambda other: abs(ratios[other] - RATIO))
+            found[case] = nearest, ratios[nearest]
+    return found
+
+
 def critical_table(
-    points: pd.DataFrame, classes: Sequence[str], estimates: Mapping[str, Mapping[str, Mapping[str, float]]], searched: Searched
+    points: pd.DataFrame,
+    classes: Sequence[str],
+    estimates: Mapping[str, Mapping[str, Mapping[str, float]]],
+    searched: Searched,
+    coarser: Mapping[str, tuple[str, float]] | None = None,
 ) -> pd.DataFrame:
-    """One row a case, value of the other dimensions and class; ``estimates`` hold the last two columns by case and class."""
+    """One row a case, value of the other dimensions and class; ``estimates`` hold the last two columns by case and class.
+
+    ``coarser`` are the cases to extrapolate from, as by ``coarser_cases``.
+    """
     at = names(label_columns(searched.others))
-    rows = [
-        {
-            **dict(zip(at, values, strict=True)),
-            "collapse_class": name,
-            "intensity": searched.intensity_name,
-            **bracket(line, name, searched.intensity_name)._asdict(),
-            **estimates[str(values[0])][name],
-        }
+    brackets = {
+        (*map(str, values), name): bracket(line, name, searched.intensity_name)
         for values, line in points.groupby(at, sort=False)
         for name in classes
+    }
+
+    def at_zero(case: str, others: tuple[str, ...]) -> dict[str, float]:
+        other, ratio = (coarser or {}).get(case, (case, math.nan))
+        coarse, fine = (Search(each.lower, each.upper, ()) for each in (brackets[other, *others], brackets[case, *others]))
+        value, error, _ = to_zero(coarse, fine, ratio)
+        return {"extrapolated_intensity": max(value, 0.0), "extrapolation_error": error}
+
+    rows = [
+        {
+            **dict(zip(at, (case, *values), strict=True)),
+            "collapse_class": name,
+            "intensity": searched.intensity_name,
+            **found._asdict(),
+            **at_zero(case, (*values, name)),
+            **estimates[case][name],
+        }
+        for (case, *values, name), found in brackets.items()
     ]
     return pd.DataFrame(rows, columns=names(critical_columns(searched)))
 

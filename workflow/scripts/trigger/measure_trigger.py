@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.experiments.trigger.critical import critical_columns, critical_table
+from sph.experiments.trigger.critical import coarser_cases, critical_columns, critical_table
 from sph.experiments.trigger.design import INTENSITIES, Searched
 from sph.experiments.trigger.points import read_points
 from sph.jobs.log import Job, job_log
@@ -34,14 +34,14 @@ def measure_trigger(
     Without files of such searches the values make more than one slope, and the estimates are NaN.
     """
     chosen, estimates, power = MetricSettings(**settings), {}, INTENSITIES[searched.intensity_name]
-    for number, (case, data) in enumerate(scenes.items()):
-        scene = make_scene(data)
+    built = {case: make_scene(data) for case, data in scenes.items()}
+    for number, (case, scene) in enumerate(built.items()):
         yields = float(slopes[number].read(paths_to_yields[number]).attrs["value"]) if paths_to_yields else math.nan
         factors = {name: newmark_factor(scene, yields, class_displacement(name, scene, chosen)) for name in classes}
         estimates[case] = {
             name: {"yield_acceleration": yields, "newmark_intensity": highest * factor ** (1.0 / power)} for name, factor in factors.items()
         }
-    table = critical_table(read_points(path_to_points), classes, estimates, searched)
+    table = critical_table(read_points(path_to_points), classes, estimates, searched, coarser_cases(built))
     trajectory.write(paths_to_tables[0], flat_dataset(table, critical_columns(searched), attrs))
     write_csv(table, paths_to_tables[1])
 
