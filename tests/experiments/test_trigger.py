@@ -32,7 +32,7 @@ from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figur
 from sph.measures.metrics import MetricSettings, class_displacement
 from sph.paper.claims import decide_trigger
 from sph.paper.study import load_study
-from sph.scene.configuration import merge, read_yaml
+from sph.scene.configuration import dotted, merge, read_yaml
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import make_scene
 from sph.stability.newmark import sliding_block
@@ -353,6 +353,8 @@ def test_cases_that_differ_in_the_spacing_alone_are_extrapolated_from() -> None:
     found = coarser_cases(scenes)
     assert {case: name for case, (name, _) in found.items()} == {"5/3 m": "2.5 m", "1.25 m": "2.5 m", "1 m": "5/3 m"}
     assert [ratio for _, ratio in found.values()] == pytest.approx([1.5, 2.0, 5.0 / 3.0])
+    at_once = {name: make_scene(merge(slope, dotted({"numerics.spacing": cases[name], "coupling.initiation": None}))) for name in cases}
+    assert coarser_cases(at_once) == {}, "no level to extrapolate to"
 
 
 @pytest.mark.parametrize(

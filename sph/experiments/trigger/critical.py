@@ -74,7 +74,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
             "extrapolated_intensity",
             units,
             "critical intensity at spacing 0, from that of the case and of another that differs in a coarser spacing alone, as sph fos "
-            "extrapolates; NaN without such a case, or where one of the two has no bracket",
+            "extrapolates; NaN without such a case, without a bracket of either, and where soil fails over no length (coupling.initiation)",
         ),
         number_column("extrapolation_error", units, "estimate of its error: half of the step to it, and the brackets as it magnifies them"),
         number_column(
@@ -138,12 +138,15 @@ def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> 
 
 
 def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
-    """For each case the one that differs in a coarser spacing alone, and the ratio of the two: of several that nearest to ``RATIO``."""
+    """For each case the one that differs in a coarser spacing alone, and the ratio of the two: of several that nearest to ``RATIO``.
+
+    None where soil fails over no length: its level falls with the spacing without an end.
+    """
     spacings = {case: scene.numerics.spacing for case, scene in scenes.items()}
     alike = {case: merge(scene.model_dump(), {"numerics": {"spacing": None}}) for case, scene in scenes.items()}
     found = {}
     for case, spacing in spacings.items():
-        ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case]}
+        ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case] and scenes[case].coupling.initiation}
         coarser = [other for other, ratio in ratios.items() if ratio >= SMALLEST_RATIO]
         if coarser:
             nearest = min(coarser, key=lambda other: abs(ratios[other] - RATIO))

@@ -49,7 +49,7 @@ PACKAGE = Path(__file__).resolve().parents[2]
 SOURCES = ("scene", "solver", "storage/trajectory.py")
 """Folders and files of the package in which everything lies that decides the results of a run, given all keys of its scene."""
 FILLING = "scene/scheme.py"
-"""What fills keys that a scene does not name is not of the solver: with a run stands its scene with every key."""
+"""Left out: the defaults that a scheme fills in decide no run whose scene is stored with all its keys."""
 COMPILED = tuple(
     f"solver/{name}"
     for name in ("boundaries", "compiled", "integration.py", "neighbours.py", "physics", "state.py", "terms.py", "time_step.py")
