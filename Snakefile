@@ -67,6 +67,7 @@ report: "workflow/report/workflow.rst"
 
 wildcard_constraints:
     gravity="gravity(_[^/]+)?",
+    yields="yield_acceleration(_[^/]+)?",
     trunk="(amplitude-|trunk)[^/]*",
     folder=f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+)?",
 

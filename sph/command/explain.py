@@ -42,8 +42,6 @@ from sph.study.tables import read_csv
 from sph.validation.suite import FOLDER as VALIDATION_FOLDER
 from sph.validation.suite import Suite, load_suite
 
-SEARCH = "yield_acceleration"
-"""File of the search whose result the rows of a study share, without suffix."""
 TRADE_FOLDER, LIMITS_FOLDER, EXTREMES_FOLDER = (EXPERIMENTS[name].folder for name in ("trade", "limits", "extremes"))
 ALONE = (*(each.folder for each in EXPERIMENTS.values()), VALIDATION_FOLDER)
 """Folders of results that belong to no study."""
@@ -158,15 +156,15 @@ class Project:
                     self._known[folder] = {f"{folder}/runs/{name}.nc": scene for name, scene in runs().items()}
                 return self._known[folder][file]
         plan, point = self._own[file] if file in self._own else self._searched[file]
-        return plan.slope if point is None else plan.scene(**point)
+        return plan.scene(**point)
 
     @functools.cached_property
-    def _own(self) -> dict[str, tuple[Plan, Point | None]]:
-        """Plan and point of the stages and runs of the study; None for the search."""
+    def _own(self) -> dict[str, tuple[Plan, Point]]:
+        """Plan and point of the stages, searches and runs of the study."""
         return self._files(self.plan, {})
 
     @functools.cached_property
-    def _searched(self) -> dict[str, tuple[Plan, Point | None]]:
+    def _searched(self) -> dict[str, tuple[Plan, Point]]:
         """The same of what the search for critical amplitudes has asked for."""
         if not any((self.folder / "results" / self.plan.study.study).glob(f"*/{TRIGGER_FOLDER}")):
             return {}
@@ -175,8 +173,8 @@ class Project:
             asked[folder][point_name(point)] = point
         return {file: at for folder, points in asked.items() for file, at in self._files(self.trigger.plans[folder], points).items()}
 
-    def _files(self, plan: Plan, points: Mapping[str, Point]) -> dict[str, tuple[Plan, Point | None]]:
-        return {f"{plan.folder}/stages/{SEARCH}.nc": (plan, None), **{file: (plan, point) for file, point in plan.files(points).items()}}
+    def _files(self, plan: Plan, points: Mapping[str, Point]) -> dict[str, tuple[Plan, Point]]:
+        return {file: (plan, point) for file, point in plan.files(points).items()}
 
     def table(self, file: str) -> Table:
         """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
@@ -230,14 +228,13 @@ class Project:
 
     def _study(self) -> Table:
         plan, layout = self.plan, self.plan.layout
-        search = [f"{plan.folder}/stages/{SEARCH}.nc"] * plan.one_slope
 
         def files(row: Mapping[str, str]) -> list[str]:
             name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
-            return [f"{plan.folder}/runs/{name}.nc", *search]
+            return [f"{plan.folder}/runs/{name}.nc", *([plan.searches[name].file] if name in plan.searches else [])]
 
         def values(runs: list[xr.Dataset]) -> Mapping[str, Any]:
-            return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if search else math.nan)
+            return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if len(runs) > 1 else math.nan)
 
         named = ["case"] * layout.named + [axis.name for axis in layout.axes]
         return Table([row._replace(dtype="str") if row in layout.axes else row for row in layout.columns], named, files, values)

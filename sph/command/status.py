@@ -152,8 +152,8 @@ def jobs(plan: Plan) -> list[Job]:
         found.append(Job(Kind.TRUNK, "trunk", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
     for name, point in plan.study.runs.items():
         found.append(Job(Kind.RUN, plan.stages(name).trunk, name, f"runs/{name}.nc", plan.built(**point)))
-    if plan.one_slope:
-        found.append(Job(Kind.SEARCH, "search", "yield_acceleration", "stages/yield_acceleration.nc", make_scene(plan.slope)))
+    for name in dict.fromkeys(Path(search.file).stem for search in plan.searches.values()):
+        found.append(Job(Kind.SEARCH, "search", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
     return found
 
 

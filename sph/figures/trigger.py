@@ -105,10 +105,7 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
             _draw_brackets(ax, rows[rows["curve"] == curve], look | ({"linestyle": ""} if by_case else {}))
         for column, style in zip(_estimates(searched), LINE_STYLES[1:], strict=False):
             for case in shown:
-                at = rows[rows["case"] == case]
-                ends = (at["x"].iloc[0] - 0.4, at["x"].iloc[0] + 0.4) if by_case else (0.0, 1.0)
-                transform = ax.transData if by_case else ax.get_yaxis_transform()
-                ax.hlines(at[column].iloc[0], *ends, transform=transform, color=GREY, linewidth=1.0, linestyle=style, zorder=1)
+                _draw_estimate(ax, rows[rows["case"] == case], column, by_case, color=GREY, linewidth=1.0, linestyle=style, zorder=1)
         titles.append(name if by_case else f"{name}: {plain(case)}")
     label_panels(axes.flat, titles)
     axes[0, 0].set_ylim(0.0, None)
@@ -143,6 +140,18 @@ def _estimates(searched: Searched) -> dict[str, str]:
     """Columns of the horizontal lines, and their names; an acceleration is drawn where the intensity is one."""
     static = {"yield_acceleration": "pseudo-static"} if searched.intensity.unit == "m/s2" else {}
     return {**static, "newmark_intensity": "sliding block (Newmark)"}
+
+
+def _draw_estimate(ax: Axes, rows: pd.DataFrame, column: str, by_case: bool, **look: Any) -> None:
+    """An estimate of a case: from end to end of the panel, or of the case, where it is one; else along its curves."""
+    if rows["x"].nunique() == 1 or rows[column].nunique() <= 1:
+        ends = (rows["x"].iloc[0] - 0.4, rows["x"].iloc[0] + 0.4) if by_case else (0.0, 1.0)
+        transform = ax.transData if by_case else ax.get_yaxis_transform()
+        ax.hlines(rows[column].unique(), *ends, transform=transform, **look)
+        return
+    for _, curve in rows.groupby("curve"):
+        curve = curve.sort_values("x")
+        ax.plot(curve["x"], curve[column], **look)
 
 
 def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:

@@ -49,8 +49,8 @@ def answer(
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file."""
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
-    yields = table["yield_acceleration"].dropna().unique()
-    of_runs = in_both(yields[0]) if len(yields) == 1 else ""
+    yields = table["yield_acceleration"].dropna()
+    of_runs = " to ".join(dict.fromkeys(map(in_both, (yields.min(), yields.max())))) if len(yields) else ""
     facts = [
         ("Without shaking", *unshaken(table, rows)),
         ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(SAFETY)), "sph fos")),

@@ -13,7 +13,7 @@ import math
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -41,8 +41,9 @@ from sph.study.dimensions import (
     title_of,
     value_of,
 )
+from sph.study.planned import Planned, planned
 from sph.study.sampling import KINDS, MOST_RUNS, Sample, read_cases
-from sph.study.stages import SharedStages, Stages, stage_point
+from sph.study.stages import SharedStages, Stages, search_name, searched_gravity, stage_point
 from sph.study.tables import Layout
 
 NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
@@ -225,6 +226,25 @@ FEW_PROFILES = 4
 """Runs that it shows where the study does not choose them."""
 MOST_SHOWN = 200
 """Most runs that the page shows, evenly through the study."""
+AnyKey = TypeVar("AnyKey")
+MOST_SLOPES = 10
+"""Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
+
+
+class SlopeSearch(NamedTuple):
+    """The search for the yield acceleration of a slope."""
+
+    file: str
+    scene: Planned
+
+
+def yield_accelerations(searches: Mapping[AnyKey, SlopeSearch]) -> dict[AnyKey, float]:
+    """What searches found, m/s2, by the keys that they are given with: 0 for a slope that does not stand, NaN where one found none.
+
+    ValueError names a file of another slope.
+    """
+    values = {file: float(scene.read(file).attrs["value"]) for file, scene in {each.file: each.scene for each in searches.values()}.items()}
+    return {at: values[search.file] for at, search in searches.items()}
 
 
 class Plan:
@@ -304,10 +324,11 @@ class Plan:
         return self._shared.of_runs.get(name) or self._shared.of(name, self.point(name))
 
     def stage(self, name: str) -> dict[str, Any]:
-        """Scene of a gravity stage or a shared pre-failure run by the name of its file; of a grid also of one between its values."""
+        """Scene of a gravity stage, shared pre-failure run or search by the name of its file; of a grid also of one between its values."""
         return self.scene(**self._stage_point(name))
 
     def _stage_point(self, name: str) -> Point:
+        name = searched_gravity(name)
         if name in self._shared.points:
             return self._shared.points[name]
         found = stage_point(name, self.study.names) if self._named else None
@@ -321,10 +342,11 @@ class Plan:
         return found[trunk] if trunk in found else self._shared.of(trunk, self._stage_point(trunk)).gravity
 
     def files(self, others: Mapping[str, Point] | None = None) -> dict[str, Point]:
-        """The dimensions that the scene of every file of a stage or run sets; ``others`` are runs, by name, that the study lacks."""
+        """The dimensions that the scene of each stage, search and run sets, by file; ``others`` are runs, by name, that the study lacks."""
         runs = self.study.runs | dict(others or {})
         shared = SharedStages(runs, self.study.numbered, self._stands) if others else self._shared
-        of = {"stages": shared.points, "runs": runs}
+        searches = {search_name(stages.gravity): shared.points[stages.gravity] for stages in shared.of_runs.values()}
+        of = {"stages": shared.points | searches, "runs": runs}
         return {f"{self.folder}/{place}/{name}.nc": point for place, points in of.items() for name, point in points.items()}
 
     @property
@@ -347,10 +369,19 @@ class Plan:
         """Scene of the first gravity stage, as a mapping."""
         return self.stage(self.gravities[0])
 
-    @property
-    def one_slope(self) -> bool:
-        """Whether all runs share their gravity stage: one slope, whose yield acceleration is searched."""
-        return len(self.gravities) == 1
+    @functools.cached_property
+    def searches(self) -> dict[str, SlopeSearch]:
+        """The search for the yield acceleration of the slope of every run, by run."""
+        return self.searches_of(self.study.runs)
+
+    def searches_of(self, runs: Iterable[str]) -> dict[str, SlopeSearch]:
+        """The same of other runs, by the names of their files; none of runs of more than ``MOST_SLOPES`` slopes."""
+        names = {run: search_name(self.stages(run).gravity) for run in runs}
+        slopes = dict.fromkeys(names.values())
+        if len(slopes) > MOST_SLOPES:
+            return {}
+        found = {name: SlopeSearch(f"{self.folder}/stages/{name}.nc", planned(self.stage(name))) for name in slopes}
+        return {run: found[name] for run, name in names.items()}
 
     @functools.cached_property
     def dimensions(self) -> list[Dimension]:
@@ -388,6 +419,10 @@ class Plan:
         """The runs of a part, by name."""
         first = (int(name) - 1) * PART
         return dict(itertools.islice(self.study.runs.items(), first, first + PART))
+
+    def part_searches(self, name: str) -> dict[str, SlopeSearch]:
+        """The searches of the slopes of a part's runs, by run."""
+        return {run: self.searches[run] for run in self.part(name) if run in self.searches}
 
     def validate(self) -> None:
         """Build every scene; ValueError with file and key for the first that is refused."""

@@ -18,6 +18,8 @@ from sph.study.dimensions import named_point, point_name, scene_key
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, TRUNK = "gravity", "trunk"
+SEARCH = "yield_acceleration"
+"""Begins the name of the search for the yield acceleration of a slope, which ends as that of its gravity stage."""
 IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
 
@@ -35,6 +37,16 @@ def stage_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
             if found is not None:
                 return found
     return None
+
+
+def search_name(gravity: str) -> str:
+    """Name of the search for the yield acceleration of the slope that a gravity stage settles."""
+    return SEARCH + gravity.removeprefix(GRAVITY)
+
+
+def searched_gravity(name: str) -> str:
+    """Name of the gravity stage of such a search; every other name as it is."""
+    return GRAVITY + name.removeprefix(SEARCH) if name.startswith(SEARCH) else name
 
 
 class Stages(NamedTuple):

@@ -63,7 +63,7 @@ BASELINE: tuple[Variable, ...] = (
         "f8",
         "m s-2",
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s (pseudo-static search, to 1 %); 0 "
-        "where it fails without; NaN where no one slope was searched, or the search, whose file gives the reason, found none",
+        "where it fails without; NaN where the study has more than ten slopes, or where the search found none (its file says why)",
     ),
     Variable(
         "newmark_displacement",

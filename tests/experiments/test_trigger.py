@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import defaultdict
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,7 @@ from sph.experiments.trigger.critical import (
     BRACKETED,
     NEVER,
     UNDECIDED,
+    block_estimates,
     bracket,
     bracket_ends,
     coarser_cases,
@@ -88,7 +90,8 @@ def line(*classes: str, case: str = "as it is", S_R: str = "0.10", gamma: str = 
 
 def test_the_shipped_searches_are_valid() -> None:
     trigger = load_trigger("config/trigger.yaml", load_study(STUDY, [ROOT]), [ROOT])
-    assert trigger.folder == "results/paper/draft" and len(trigger.scenes) == 2
+    assert trigger.folder == "results/paper/draft" and {at[0] for at in trigger.shaken} == set(trigger.searched)
+    assert len(trigger.searched) == 2
     assert {"0.10", "0.25", "0.50"} <= set(trigger.trigger.at["S_R"]) and "100" in trigger.trigger.at["gamma"], "what claim 11 needs"
 
 
@@ -146,7 +149,9 @@ def test_any_dimensions_are_searched(tmp_path: Path) -> None:
     assert (scene.motion.amplitude, scene.layers["clay"].soil.cohesion, scene.walls.sides) == (1.0, 5.0, "free_slip")
     stages = own.stages(run)
     assert stages.gravity == "gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip" == own.gravity_of(stages.trunk)
-    assert own.stage(stages.trunk)["motion"]["amplitude"] == 1.0 and not plan.one_slope
+    assert own.stage(stages.trunk)["motion"]["amplitude"] == 1.0
+    files = {at: search.file.removeprefix(f"{own.folder}/stages/") for at, search in plan.searches.items()}
+    assert files["as it is", "5", "fixed"] == "yield_acceleration_layers.clay.soil.cohesion-5_walls.sides-fixed.nc" and len(files) == 4
     units = {found.name: found.unit for found in plan.dimensions.all}
     assert units["layers.clay.soil.cohesion"] == "kPa" and plan.dimensions.intensity.name == "amplitude"
 
@@ -160,7 +165,10 @@ def test_a_search_over_any_dimensions_ends_in_tables_and_figures(tmp_path: Path)
         return "collapse" if amplitude > 1.0 + 0.1 * cohesion else "stable"
 
     points = searched_points(plan, "trigger", found)
-    estimates = {"as it is": {"collapse": {"yield_acceleration": math.nan, "newmark_intensity": math.nan}}}
+    shaken = {at: scene.build() for at, scene in plan.shaken.items()}
+    estimates = block_estimates(shaken, {}, ["collapse"], MetricSettings(), searched, 4.0)
+    assert list(estimates) == [("as it is", "5"), ("as it is", "20")]
+    assert math.isnan(estimates["as it is", "5"]["collapse"]["newmark_intensity"])
     table = critical_table(points, ["collapse"], estimates, searched)
     assert table["layers.clay.soil.cohesion"].tolist() == ["5", "20"] and table["outcome"].tolist() == [BRACKETED] * 2
     for row, limit in zip(table.to_dict("records"), (1.5, 3.0), strict=True):
@@ -181,9 +189,10 @@ def test_a_search_over_any_dimensions_ends_in_tables_and_figures(tmp_path: Path)
 
 def test_a_search_needs_no_other_dimension(tmp_path: Path) -> None:
     plan = own_search(tmp_path, {}, {**OWN, "at": {}})
-    assert plan.names == ("amplitude",) and plan.one_slope and [line.labels((0.5,)) for line in plan.lattices("trigger")] == [("1",)]
+    assert plan.names == ("amplitude",) and list(plan.searches) == [("as it is",)]
+    assert [line.labels((0.5,)) for line in plan.lattices("trigger")] == [("1",)]
     points = searched_points(plan, "trigger", lambda amplitude: "collapse" if amplitude > 1.2 else "stable")
-    estimates = {"as it is": {"collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0}}}
+    estimates = {("as it is",): {"collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0}}}
     table = critical_table(points, ["collapse"], estimates, plan.dimensions)
     assert table[["lower", "upper"]].to_numpy().tolist() == [[1.0, 1.5]]
     assert len(figure_critical(table, plan.dimensions).axes) == 1
@@ -196,7 +205,7 @@ def test_cases_at_a_single_strength_ratio_stand_side_by_side(tmp_path: Path) -> 
         "collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0},
         "damaged": {"yield_acceleration": 2.0, "newmark_intensity": 3.0},
     }
-    table = critical_table(points, ["collapse"], {case: statics for case in TRIGGER["cases"]}, plan.dimensions)
+    table = critical_table(points, ["collapse"], dict.fromkeys(plan.shaken, statics), plan.dimensions)
     figure = figure_critical(table, plan.dimensions)
     (ax,) = figure.axes
     assert [label.get_text() for label in ax.get_xticklabels()] == list(TRIGGER["cases"])
@@ -204,7 +213,7 @@ def test_cases_at_a_single_strength_ratio_stand_side_by_side(tmp_path: Path) -> 
     assert words[0] == "$S_R$ = 0.25, γ = 100 s⁻¹"
     several = planned(tmp_path, {})
     points = searched_points(several, "trigger", lambda S_R, gamma, amplitude: "collapse" if amplitude > 3.0 else "stable")
-    table = critical_table(points, ["collapse"], {case: statics for case in TRIGGER["cases"]}, several.dimensions)
+    table = critical_table(points, ["collapse"], dict.fromkeys(several.shaken, statics), several.dimensions)
     assert figure_critical(table, several.dimensions).axes[0].get_xlabel() == "strength ratio $S_R$"
 
 
@@ -367,13 +376,13 @@ def test_cases_that_differ_in_the_spacing_alone_are_extrapolated_from() -> None:
 )
 def test_a_level_is_extrapolated_to_no_spacing(coarse: tuple[str, ...], fine: tuple[str, ...], value: float, error: float) -> None:
     points = pd.concat([line(*coarse, case="coarse"), line(*fine, case="fine")], ignore_index=True)
-    statics = {case: {"collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0}} for case in ("coarse", "fine")}
+    statics = {(case, "0.10", "100"): {"collapse": {"yield_acceleration": 2.0, "newmark_intensity": 3.0}} for case in ("coarse", "fine")}
     table = critical_table(points, ["collapse"], statics, SEARCHED, {"fine": ("coarse", 2.0)}).set_index("case")
     assert table["extrapolated_intensity"].tolist() == pytest.approx([math.nan, value], nan_ok=True)
     assert table["extrapolation_error"].tolist() == pytest.approx([math.nan, error], nan_ok=True)
 
 
-ESTIMATES = {case: {"collapse": {"yield_acceleration": 3.0, "newmark_intensity": 9.0}} for case in TRIGGER["cases"]}
+ESTIMATES = defaultdict(lambda: {"collapse": {"yield_acceleration": 3.0, "newmark_intensity": 9.0}})
 
 
 def papers(*lines: pd.DataFrame) -> pd.DataFrame:
@@ -433,6 +442,24 @@ def test_the_block_slips_by_the_displacement_at_the_amplitude_found() -> None:
     assert newmark_factor(scene, 0.0, 2.5) == 0.0 and math.isnan(newmark_factor(scene, math.nan, 2.5))
     with pytest.raises(ValueError, match="not shaken"):
         newmark_factor(make_scene({"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}}), 3.0, 2.5)
+
+
+def test_each_motion_and_each_slope_has_a_block_of_its_own(tmp_path: Path) -> None:
+    study = load_study(read_yaml(ROOT / "config" / "studies" / "gentle_motions.yaml"), [ROOT])
+    plan = load_trigger("config/studies/gentle_motions/trigger.yaml", study, [ROOT])
+    assert len({search.file for search in plan.searches.values()}) == 1 and len(plan.searches) == 12, "twelve motions shake one slope"
+    scenes = {at: scene.build() for at, scene in list(plan.shaken.items())[:2]}
+    found = block_estimates(scenes, dict.fromkeys(plan.searches, 2.0), ["collapse"], MetricSettings(), plan.dimensions, 4.5)
+    for at, scene in scenes.items():
+        block = found[at]["collapse"]
+        motion = motion_of(scene).scaled(block["newmark_intensity"])
+        slip = sliding_block(motion.time, motion.acceleration, block["yield_acceleration"]).permanent
+        assert slip == pytest.approx(class_displacement("collapse", scene, MetricSettings()), rel=1e-2)
+    assert len({block["collapse"]["newmark_intensity"] for block in found.values()}) == 2, "motions of different seeds"
+    many = {**OWN, "at": {"layers.clay.soil.cohesion": list(map(str, range(5, 16)))}}
+    assert own_search(tmp_path, {}, many).searches == {}, "eleven slopes"
+    ten = own_search(tmp_path, {}, merge(many, {"at": {"layers.clay.soil.cohesion": many["at"]["layers.clay.soil.cohesion"][:10]}}))
+    assert len({search.file for search in ten.searches.values()}) == 10
 
 
 @pytest.mark.parametrize(("amplitude", "slip"), [(2.9, 0.0), (3.1, math.inf), (-3.1, 0.0)])

@@ -349,7 +349,7 @@ def test_a_search_says_at_which_intensity_the_slope_goes(tmp_path: Path) -> None
         over = Searched((Dimension(name, unit, "", False),), name)
         points = pd.DataFrame({"case": "slope", name: ["2", "3"], "collapse_class": ["stable", "collapse"]})
         points = points.assign(still_moving=0, failed_fraction=0.0, wall_time=1.0)
-        estimates = {"slope": {"collapse": {"yield_acceleration": 1.0, "newmark_intensity": 2.0}}}
+        estimates = {("slope",): {"collapse": {"yield_acceleration": 1.0, "newmark_intensity": 2.0}}}
         write_csv(critical_table(points, ["collapse"], estimates, over), tmp_path / "trigger.csv")
         assert searched(slope, [str(tmp_path / "trigger.csv")]).startswith(words)
     assert searched(slope, []) == ""

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 import yaml
@@ -41,12 +42,13 @@ def configured(folder: Path, study: dict[str, Any]) -> tuple[str, str]:
 def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
     """Folder of three finished studies."""
     folder = tmp_path_factory.mktemp("free")
-    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, "numerics.smoothing_ratio": 1.3})
+    numerics = {"numerics.spacing": 2.5, "numerics.smoothing_ratio": 1.3}  # the coarsest at which a static test sees a slope fail
+    scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
-        "grid": {"gravity": 2, "trunk": 4, "simulate": 4},
+        "grid": {"gravity": 2, "trunk": 4, "simulate": 4, "yield_acceleration": 2},
         "cases": {"gravity": 1, "trunk": 1, "simulate": 2, "yield_acceleration": 1},
-        "sample": {"gravity": 2, "trunk": 2, "simulate": 2},
+        "sample": {"gravity": 2, "trunk": 2, "simulate": 2, "yield_acceleration": 2},
     }
     for study in (GRID, CASES, SAMPLE):
         config = configured(folder, study)
@@ -72,7 +74,17 @@ def test_a_grid_has_its_own_dimensions(finished: Path) -> None:
         assert (scene.soil.cohesion, scene.motion.frequency) == (float(row["soil.cohesion"]), float(row["motion.frequency"]))
         at = {"soil.cohesion": scene.soil.cohesion, "motion.frequency": scene.motion.frequency}
         assert row["displacement_magnitude"] == study["displacement_magnitude"].sel(at) == measure(run)["displacement_magnitude"]
-    assert study["displacement_magnitude"].std() > 0.01 and study["yield_acceleration"].isnull().all()
+    assert study["displacement_magnitude"].std() > 0.01
+    weak, strong = (searched_value(folder, cohesion) for cohesion in (20.0, 150.0))
+    assert weak < strong < 20.0
+    np.testing.assert_array_equal(study["yield_acceleration"].transpose("soil.cohesion", ...), [[weak] * 2, [strong] * 2])
+
+
+def searched_value(folder: Path, cohesion: float) -> float:
+    """The yield acceleration that a search found for the slope of a soil, in the file named after it."""
+    trials = trajectory.read(folder / "stages" / f"yield_acceleration_soil.cohesion-{cohesion:g}.nc")
+    assert trajectory.scene_of(trials).soil.cohesion == cohesion
+    return float(trials.attrs["value"])
 
 
 def test_cases_and_samples_are_lists(finished: Path) -> None:
@@ -118,7 +130,8 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     folder = of(finished, "grid") / "trigger"
     table, points = pd.read_csv(folder / "trigger.csv"), pd.read_csv(folder / "points.csv")
     assert table["soil.cohesion"].tolist() == [20, 150] and sorted(set(points["amplitude"])) == [0.5, 8.5, 16.5]
-    assert table["yield_acceleration"].isna().all(), "two soils, two slopes"
+    of_soils = [searched_value(folder / "as-it-is", cohesion) for cohesion in (20.0, 150.0)]
+    np.testing.assert_array_equal(table["yield_acceleration"], of_soils)
     run = trajectory.read(folder / "as-it-is" / "runs" / "amplitude-8.5_soil.cohesion-20.nc")
     scene = trajectory.scene_of(run)
     assert (scene.motion.amplitude, scene.soil.cohesion) == (8.5, 20.0)

@@ -19,16 +19,13 @@ def asked(scene, stage=lambda wildcards: "end"):
 
 
 def stage_scene(wildcards):
-    """The scene of a gravity stage, a trunk or a run, of the plan of its folder."""
+    """The scene of a gravity stage, a trunk, a search or a run, of the plan of its folder."""
     plan, named = PLANS(wildcards.folder), dict(wildcards.items())
     if "run" in named:
         return plan.run_scene(named["run"])
-    return plan.stage(named["trunk"] if "trunk" in named else named["gravity"])
-
-
-def searched_scene(wildcards):
-    """The scene whose yield acceleration is searched."""
-    return PLANS(wildcards.folder).slope
+    return plan.stage(
+        next(named[kind] for kind in ("trunk", "gravity", "yields") if kind in named)
+    )
 
 
 def experiment_run(wildcards):

@@ -1,6 +1,6 @@
 # Purpose: what is found before any run; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
-# Outputs: preflight.csv, stages/yield_acceleration.nc where all runs have one slope, parts/*.csv, study.nc, study.csv;
+# Outputs: preflight.csv, stages/yield_acceleration*.nc, parts/*.csv, study.nc, study.csv;
 #          stages/factor_of_safety.nc where it is asked for, which the page then shows
 
 
@@ -32,18 +32,18 @@ rule preflight:
 
 
 rule yield_acceleration:
-    """Search the constant acceleration at which the slope fails: the strength of the sliding block beside every run."""
+    """Search the constant acceleration at which a slope fails: the strength of the sliding block beside its runs."""
     output:
-        "{folder}/stages/yield_acceleration.nc",
+        "{folder}/stages/{yields}.nc",
     log:
-        "{folder}/logs/yield_acceleration.log",
+        "{folder}/logs/{yields}.log",
     benchmark:
-        "{folder}/benchmarks/yield_acceleration.tsv"
+        "{folder}/benchmarks/{yields}.tsv"
     resources:
-        **asked(searched_scene, lambda wildcards: "yield_acceleration"),
+        **asked(stage_scene, lambda wildcards: "yield_acceleration"),
     params:
         sources=SEARCHING,
-        scene=lambda wildcards: planned(searched_scene(wildcards)),
+        scene=lambda wildcards: planned(stage_scene(wildcards)),
         by="yield_acceleration",
     script:
         "../scripts/simulate/simulate.py"
@@ -56,17 +56,22 @@ use rule yield_acceleration as factor_of_safety with:
         "{folder}/logs/factor_of_safety.log",
     benchmark:
         "{folder}/benchmarks/factor_of_safety.tsv"
+    resources:
+        **asked(
+            lambda wildcards: PLANS(wildcards.folder).slope,
+            lambda wildcards: "factor_of_safety",
+        ),
     params:
         sources=SEARCHING,
-        scene=lambda wildcards: planned(searched_scene(wildcards)),
+        scene=lambda wildcards: planned(PLANS(wildcards.folder).slope),
         by="factor_of_safety",
 
 
 rule measure:
     """Measure the runs of a part of the study."""
     input:
-        yields=lambda wildcards: (
-            f"{RESULTS}/stages/yield_acceleration.nc" if PLAN.one_slope else []
+        yields=lambda wildcards: sorted(
+            {search.file for search in PLAN.part_searches(wildcards.part).values()}
         ),
         runs=lambda wildcards: expand(
             RUN, folder=RESULTS, run=PLAN.part(wildcards.part)
@@ -85,7 +90,7 @@ rule measure:
         scenes=lambda wildcards: [
             planned(PLAN.run_scene(run)) for run in PLAN.part(wildcards.part)
         ],
-        slope=lambda wildcards: planned(PLAN.slope) if PLAN.one_slope else None,
+        searches=lambda wildcards: PLAN.part_searches(wildcards.part),
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
         settings=PLAN.study.metrics.model_dump(),
     script:

@@ -127,11 +127,9 @@ rule trigger_table:
     """Bracket the critical intensities, with the pseudo-static estimate and the sliding block's."""
     input:
         points="{folder}/trigger/points.csv",
-        yields=lambda wildcards: [
-            f"{folder}/stages/yield_acceleration.nc"
-            for folder in TRIGGER().searched.values()
-            if TRIGGER().one_slope
-        ],
+        yields=lambda wildcards: sorted(
+            {search.file for search in TRIGGER().searches.values()}
+        ),
     output:
         nc="{folder}/trigger/trigger.nc",
         csv=report(
@@ -144,10 +142,8 @@ rule trigger_table:
         "{folder}/trigger/logs/trigger.log",
     params:
         sources=SEARCHING + ANALYSIS,
-        scenes=lambda wildcards: TRIGGER().scenes,
-        slopes=lambda wildcards: [
-            planned(PLANS(folder).slope) for folder in TRIGGER().searched.values()
-        ],
+        scenes=lambda wildcards: TRIGGER().shaken,
+        searches=lambda wildcards: TRIGGER().searches,
         classes=lambda wildcards: TRIGGER().classes("trigger"),
         settings=PLAN.study.metrics.model_dump(),
         searched=lambda wildcards: TRIGGER().dimensions,

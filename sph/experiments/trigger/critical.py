@@ -15,14 +15,15 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.trigger.design import Searched, reached
-from sph.experiments.trigger.points import columns_in, label_columns, names
-from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
+from sph.experiments.trigger.design import INTENSITIES, Searched, reached
+from sph.experiments.trigger.points import Key, columns_in, label_columns, names
+from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED, MetricSettings, class_displacement
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.stability.extrapolation import RATIO, SMALLEST_RATIO, to_zero
 from sph.stability.search import Search
 from sph.storage.trajectory import Variable
+from sph.study.baseline import newmark_factor
 from sph.study.dimensions import Dimension, value_of
 from sph.study.tables import ROW, count_column, number_column, read_csv, text_column
 from sph.study.verdicts import FAILS, HOLDS
@@ -80,7 +81,8 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
         number_column(
             "yield_acceleration",
             "m s-2",
-            "pseudo-static estimate: constant acceleration at which the slope of the case fails; NaN where the values make several slopes",
+            "pseudo-static estimate: constant acceleration at which the slope fails; NaN where the case has more than ten slopes, or where "
+            "the search found none",
         ),
         number_column(
             "newmark_intensity",
@@ -154,14 +156,38 @@ def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
     return found
 
 
+def block_estimates(
+    scenes: Mapping[Key, Scene],
+    yields: Mapping[Key, float],
+    classes: Sequence[str],
+    settings: MetricSettings,
+    searched: Searched,
+    highest: float,
+) -> dict[Key, dict[str, dict[str, float]]]:
+    """The last two columns of the table, by case and values of the other dimensions and by class.
+
+    ``scenes`` are shaken at the ``highest`` intensity, each by the motion that its values give; ``yields`` are the yield accelerations
+    (m/s2) of their slopes, as far as they were searched.
+    """
+    power, found = INTENSITIES[searched.intensity_name], dict[Key, dict[str, dict[str, float]]]()
+    for at, scene in scenes.items():
+        yield_acceleration = yields.get(at, math.nan)
+        factors = {name: newmark_factor(scene, yield_acceleration, class_displacement(name, scene, settings)) for name in classes}
+        found[at] = {
+            name: {"yield_acceleration": yield_acceleration, "newmark_intensity": highest * factor ** (1.0 / power)}
+            for name, factor in factors.items()
+        }
+    return found
+
+
 def critical_table(
     points: pd.DataFrame,
     classes: Sequence[str],
-    estimates: Mapping[str, Mapping[str, Mapping[str, float]]],
+    estimates: Mapping[Key, Mapping[str, Mapping[str, float]]],
     searched: Searched,
     coarser: Mapping[str, tuple[str, float]] | None = None,
 ) -> pd.DataFrame:
-    """One row a case, value of the other dimensions and class; ``estimates`` hold the last two columns by case and class.
+    """One row a case, value of the other dimensions and class; ``estimates`` hold the last two columns, as by ``block_estimates``.
 
     ``coarser`` are the cases to extrapolate from, as by ``coarser_cases``.
     """
@@ -185,7 +211,7 @@ def critical_table(
             "intensity": searched.intensity_name,
             **found._asdict(),
             **at_zero(case, (*values, name)),
-            **estimates[case][name],
+            **estimates[case, *values][name],
         }
         for (case, *values, name), found in brackets.items()
     ]

@@ -27,7 +27,7 @@ from sph.scene.names import check_known
 from sph.scene.scheme import has_key
 from sph.scene.units import acceleration
 from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, scene_keys, value_of
-from sph.study.plan import Plan, Point
+from sph.study.plan import Plan, Point, SlopeSearch
 from sph.study.planned import Planned, planned
 
 FOLDER = "trigger"
@@ -356,25 +356,33 @@ class TriggerPlan:
         return {case: self.folders[self.fidelity, case] for case in self.trigger.cases}
 
     @property
-    def scenes(self) -> dict[str, dict[str, Any]]:
-        """Scene of every case, shaken at the largest intensity."""
-        strongest = {self.trigger.intensity.dimension: f"{self.trigger.intensity.highest:.6g}"}
-        return {case: self.plans[folder].scene(**strongest) for case, folder in self.searched.items()}
-
-    @property
     def shaken(self) -> dict[tuple[str, ...], Planned]:
         """Scenes shaken at the largest intensity, by case and the values of the other dimensions in their order."""
+        plans = {case: self.plans[folder] for case, folder in self.searched.items()}
+        return {(case, *others): planned(plans[case].scene(**point)) for (case, *others), point in self._strongest.items()}
+
+    @functools.cached_property
+    def _strongest(self) -> dict[tuple[str, ...], Point]:
+        """Points at the largest intensity, by case and the values of the other dimensions in their order."""
         found = {}
         for lattice in self.lattices("trigger"):
             point = dict(zip(self.names, lattice.labels((float(self.trigger.intensity.cells),)), strict=True))
             others = (value for name, value in point.items() if name != self.trigger.intensity.dimension)
-            found[lattice.case, *others] = planned(self.plans[self.searched[lattice.case]].scene(**point))
+            found[lattice.case, *others] = point
         return found
 
-    @property
-    def one_slope(self) -> bool:
-        """Whether all runs of a case share their gravity stage: one slope, whose yield acceleration is searched."""
-        return all(self.plans[folder].one_slope for folder in self.searched.values())
+    @functools.cached_property
+    def searches(self) -> dict[tuple[str, ...], SlopeSearch]:
+        """The searches for the yield accelerations of the slopes, by case and the values of the other dimensions.
+
+        A case of more than ``MOST_SLOPES`` slopes has none.
+        """
+        found: dict[tuple[str, ...], SlopeSearch] = {}
+        for case, folder in self.searched.items():
+            runs = {at: point_name(point) for at, point in self._strongest.items() if at[0] == case}
+            searches = self.plans[folder].searches_of(runs.values())
+            found |= {at: searches[run] for at, run in runs.items() if searches}
+        return found
 
     @property
     def tolerance(self) -> str:
