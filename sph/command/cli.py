@@ -329,9 +329,7 @@ def status(
         Path | None,
         typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity> of any study here; by default the configured one"),
     ] = None,
-    configfile: Annotated[
-        Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
-    ] = None,
+    configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     watching: Annotated[bool, typer.Option("--watch", help="look again every 2 s until all simulations are done")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
 ) -> None:
@@ -361,9 +359,7 @@ def explain(
     ],
     where: Annotated[list[str] | None, typer.Argument(metavar="[COLUMN=VALUE]...", help="which rows, all by default")] = None,
     column: Annotated[str | None, typer.Option(help="the only column to define; all by default")] = None,
-    configfile: Annotated[
-        Path | None, typer.Option(help="the study's configuration, laid over config/config.yaml as by snakemake --configfile")
-    ] = None,
+    configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable")] = False,
 ) -> None:
     """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 where one is not as planned now."""
@@ -495,7 +491,10 @@ def newmark(
 
 @app.command(epilog="Examples:  sph cost config/config.yaml  |  sph cost config/config.yaml --fidelity paper --cores 64 --speed 0.8")
 def cost(
-    study: Annotated[Path, typer.Argument(metavar="STUDY", help="configuration of a study (YAML), laid over config/config.yaml")],
+    study: Annotated[
+        Path,
+        typer.Argument(metavar="STUDY", help="configuration of a study (YAML); one that names no scene is laid over config/config.yaml"),
+    ],
     fidelity: Annotated[str | None, typer.Option(help="one of the study's fidelities; the one it names by default")] = None,
     cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; all of this machine's by default")] = None,
     speed: Annotated[

@@ -50,7 +50,7 @@ geometry:
 walls: {{base: absorbing, sides: absorbing}}
 soil:
   density: {density:g} # kg/m3                                         REPLACE
-  youngs_modulus: {modulus:.4g} # kPa, 2 (1 + nu) rho V_s^2 with V_s = {speed:g} m/s  REPLACE
+  youngs_modulus: {modulus:.4g} # kPa, 2 (1 + nu) rho V_s^2 / 1000 with V_s = {speed:g} m/s  REPLACE
   poisson_ratio: {poisson:g} #                                           REPLACE
   cohesion: 20.0 # kPa, at the peak                                REPLACE
   friction_angle: 30.0 # degree, at the peak                       REPLACE

@@ -29,7 +29,7 @@ RESOLVED: dict[str, Any] = dotted(
 
 NEEDED = {
     "soil.density": "density, kg/m3",
-    "soil.youngs_modulus": "Young's modulus, kPa; from the shear wave speed it is 2 (1 + nu) rho V_s^2",
+    "soil.youngs_modulus": "Young's modulus, kPa; from the shear wave speed it is 2 (1 + nu) rho V_s^2 / 1000, V_s in m/s",
     "soil.poisson_ratio": "Poisson's ratio",
     "soil.cohesion": "peak cohesion, kPa",
     "soil.friction_angle": "peak friction angle, degree",

@@ -98,7 +98,7 @@ def test_the_shipped_searches_are_valid() -> None:
 def test_figures_state_the_spacing_of_the_cases_they_show() -> None:
     study = read_yaml(ROOT / "config" / "studies" / "long_box.yaml")
     trigger = load_trigger("config/studies/long_box/trigger.yaml", load_study(study, [ROOT]), [ROOT])
-    assert "spacing 2.5 to 1 m" in trigger.note() and "spacing 1.25 m ·" in trigger.note("maps")
+    assert "spacing 2.5 to 1 m" in trigger.note() and trigger.note("maps").startswith("fidelity standard, case 1.25 m · ")
 
 
 def test_a_case_that_changes_nothing_shares_the_studys_stages(tmp_path: Path) -> None:

@@ -286,6 +286,9 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
         assert f"{amplitude} ({float(amplitude) / GRAVITY:.3g} g) {classes} {moved}" in first
     assert "0.100" in first and "0.400" in first and "1 of 4 runs diverged" in first and "Expected error" in first
     assert "2 of 4 runs move A by less than one particle spacing (2.5 m)" in first, "those at 4 m/s2, by 2.43 and by 0 m"
+    table["yield_acceleration"] = [2.0, 2.0, 3.0, 3.0]
+    write_csv(table, study.table)
+    assert "Yield acceleration at most 2 m/s² (0.204 g) to 3 m/s² (0.306 g)" in Words(build_page(study)).text, "of two slopes"
 
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:

@@ -396,14 +396,17 @@ class TriggerPlan:
 
     def note(self, search: str = "trigger") -> str:
         """The line on every figure of a search."""
-        scenes = [self.plans[self.searched[case]].built() for case in dict.fromkeys(lattice.case for lattice in self.lattices(search))]
+        cases = list(dict.fromkeys(lattice.case for lattice in self.lattices(search)))
+        scenes = [self.plans[self.searched[case]].built() for case in cases]
         spacings = [f"{spacing:.4g}" for spacing in sorted({scene.numerics.spacing for scene in scenes}, reverse=True)]
+        changed = f", case {cases[0]}" if len(cases) == 1 and self.trigger.cases[cases[0]] else ""
         parts = (
+            f"fidelity {self.fidelity}{changed}",
             f"scene {scenes[0].name}",
             f"spacing {' to '.join(dict.fromkeys((spacings[0], spacings[-1])))} m",
             f"{scenes[0].duration:g} s",
         )
-        return " · ".join((f"fidelity {self.fidelity}", *parts))
+        return " · ".join(parts)
 
 
 def _wanted(path: Path | str) -> Iterator[tuple[str, Point]]:
