@@ -85,7 +85,8 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
 
 
 def test_linear_reconstruction_takes_its_time(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
-    viscosity = {"numerics.artificial_viscosity": {"alpha": 0.1}}
+    steps = {"numerics.spacing": 2.5, "numerics.gradient_tolerance": 0.1}  # decide the cost, not samples and renewals
+    viscosity = steps | {"numerics.artificial_viscosity": {"alpha": 0.1}}
     plain, linear = (
         cost(small_slope(viscosity | {"numerics.artificial_viscosity.reconstruction": name})).seconds for name in ("none", "linear")
     )
