@@ -8,7 +8,8 @@ from typing import Any
 
 from sph.measures.metrics import PROBE, MetricSettings
 from sph.scene.schema import Scene
-from sph.study.plan import Plan, Study
+from sph.study.plan import Plan
+from sph.study.schema import Study
 
 SceneBuilder = Callable[[dict[str, Any]], Scene]
 """Makes a scene from dotted overrides."""

@@ -36,8 +36,9 @@ from sph.solver.compiled.jit import solver_digest
 from sph.storage import trajectory
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, point_name, value_of
-from sph.study.plan import Plan, Point
+from sph.study.plan import Plan
 from sph.study.planned import differing
+from sph.study.schema import Point
 from sph.study.tables import read_csv
 from sph.validation.suite import FOLDER as VALIDATION_FOLDER
 from sph.validation.suite import Suite, load_suite

@@ -18,7 +18,8 @@ from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
 from sph.storage.trajectory import Variable
-from sph.study.plan import NAME, Plan
+from sph.study.plan import Plan
+from sph.study.schema import NAME
 
 Overrides = dict[str, Any]
 Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]

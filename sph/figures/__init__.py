@@ -28,7 +28,7 @@ from sph.figures.overview import plot_trajectory
 from sph.figures.profile import figure_profiles
 from sph.figures.study import figure_map, figure_study
 from sph.figures.style import save
-from sph.study.plan import INPUT_FIGURES, PROFILES
+from sph.study.schema import INPUT_FIGURES, PROFILES
 
 __all__ = [
     "RUN_FIGURES",

@@ -16,7 +16,7 @@ from sph.figures import caption as caption_of
 from sph.figures.trigger import MAPPED
 from sph.page.answer import CRITICAL, FINDINGS, SAFETY
 from sph.storage.trajectory import Variable
-from sph.study.plan import INPUT_FIGURES, PROFILES
+from sph.study.schema import INPUT_FIGURES, PROFILES
 
 Held = TypeVar("Held")
 

@@ -11,7 +11,7 @@ from sph.figures import RUN_FIGURES, figure_profiles
 from sph.figures.history import draw_vertical_histories
 from sph.figures.style import WIDTH, add_note, label_panels, styled
 from sph.storage.trajectory import scene_of
-from sph.study.plan import INPUT_FIGURES
+from sph.study.schema import INPUT_FIGURES
 
 
 def _histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str, fidelity: str) -> Figure:

@@ -12,8 +12,9 @@ from typing import Any
 from sph.paper.claims import ClaimSettings
 from sph.scene.configuration import key, validated
 from sph.study.dimensions import SHORT_NAMES, value_of
-from sph.study.plan import INPUT_FIGURES, Axis, FigureCases, Number, Plan, Point, Study
+from sph.study.plan import Plan
 from sph.study.plan import load_study as load
+from sph.study.schema import INPUT_FIGURES, Axis, FigureCases, Number, Point, Study
 
 DIMENSIONS = tuple(SHORT_NAMES)
 """The paper varies what has a short name."""

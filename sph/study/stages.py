@@ -10,16 +10,21 @@ S_R, gamma and amplitude they are ``gravity`` and ``amplitude-6.0``), or, where 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.study.dimensions import named_point, point_name, scene_key
+from sph.study.planned import Planned
+
+AnyKey = TypeVar("AnyKey")
 
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, TRUNK = "gravity", "trunk"
 SEARCH = "yield_acceleration"
 """Begins the name of the search for the yield acceleration of a slope, which ends as that of its gravity stage."""
+MOST_SLOPES = 10
+"""Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
 
@@ -47,6 +52,22 @@ def search_name(gravity: str) -> str:
 def searched_gravity(name: str) -> str:
     """Name of the gravity stage of such a search; every other name as it is."""
     return GRAVITY + name.removeprefix(SEARCH) if name.startswith(SEARCH) else name
+
+
+class SlopeSearch(NamedTuple):
+    """The search for the yield acceleration of a slope."""
+
+    file: str
+    scene: Planned
+
+
+def yield_accelerations(searches: Mapping[AnyKey, SlopeSearch]) -> dict[AnyKey, float]:
+    """What searches found, m/s2, by the keys that they are given with: 0 for a slope that does not stand, NaN where one found none.
+
+    ValueError names a file of another slope.
+    """
+    values = {file: float(scene.read(file).attrs["value"]) for file, scene in {each.file: each.scene for each in searches.values()}.items()}
+    return {at: values[search.file] for at, search in searches.items()}
 
 
 class Stages(NamedTuple):

@@ -18,7 +18,7 @@ from sph.experiments.base import file_name
 from sph.experiments.cost_accuracy.design import load_trade
 from sph.paper.study import AnyStudy, load_study
 from sph.scene.configuration import found_file, merge, validated
-from sph.study.plan import MOST_RUNS
+from sph.study.sampling import MOST_RUNS
 from sph.validation.suite import load_suite
 
 ROOT = Path(__file__).resolve().parents[2]

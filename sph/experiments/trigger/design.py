@@ -27,8 +27,10 @@ from sph.scene.names import check_known
 from sph.scene.scheme import has_key
 from sph.scene.units import acceleration
 from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, scene_keys, value_of
-from sph.study.plan import Plan, Point, SlopeSearch
+from sph.study.plan import Plan
 from sph.study.planned import Planned, planned
+from sph.study.schema import Point
+from sph.study.stages import SlopeSearch
 
 FOLDER = "trigger"
 """Folder of the results, in that of the study at the searching fidelity."""

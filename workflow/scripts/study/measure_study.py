@@ -8,8 +8,8 @@ from sph.experiments.study_row import run_values
 from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.study.dimensions import CASE
-from sph.study.plan import SlopeSearch, yield_accelerations
 from sph.study.planned import Planned
+from sph.study.stages import SlopeSearch, yield_accelerations
 from sph.study.tables import Layout, study_rows, write_csv
 
 

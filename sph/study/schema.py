@@ -1,0 +1,207 @@
+"""The keys of a study: one scene with some of its keys varied, at a fidelity (``config/config.yaml``).
+
+The runs are a grid of values, a list of cases or a sample (``sph.study.sampling``); a dimension is any key of the scene, three of
+which have short names.  Values stay the strings they were written as (``sph.study.dimensions``).
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import math
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any
+
+import numpy as np
+import pandas as pd
+from pydantic import BeforeValidator, Field, model_validator
+
+from sph.measures.metrics import MetricSettings
+from sph.scene.configuration import Section, key, validated
+from sph.scene.names import check_known
+from sph.study.dimensions import CASE, Value, Values, as_written, check_names, in_order, in_si, is_number, point_name, value_of
+from sph.study.sampling import KINDS, MOST_RUNS, Sample
+
+NAME = r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$"
+LONGEST_NAME = 120
+"""Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
+OWN = "own"
+"""The fidelity of a study that names none: the scene as it is."""
+Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
+Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
+Case = Annotated[dict[str, Value], BeforeValidator(in_si), Field(min_length=1)]
+# ``load_study`` puts the cases in the place of the name of a file.
+Cases = Annotated[
+    tuple[Case, ...], Field(min_length=1), BeforeValidator(lambda cases: cases, json_schema_input_type=tuple[Case, ...] | str)
+]
+Point = dict[str, str]
+"""Value of every dimension of a run, as written."""
+
+
+def _dimensions_kept(grid: Any) -> Any:
+    """A dimension set to null is none: so a configuration laid over another takes it out."""
+    return in_si({name: values for name, values in grid.items() if values is not None}) if isinstance(grid, Mapping) else grid
+
+
+class FigureCases(Section):
+    """Which runs figures show."""
+
+    runs: tuple[str, ...] = key(
+        "runs, by the names of their files without suffix, whose profiles are drawn; none: four, evenly through the study",
+        default=(),
+        max_length=12,
+    )
+
+
+class Study(Section):
+    """The configuration of the workflow."""
+
+    study: str = key("name; results go to results/<study>/<fidelity>", pattern=NAME)
+    scene: str = key("scene file, relative to the working folder or the workflow's")
+    fidelity: str = key("which of the fidelities to run at", default=OWN)
+    grid: Annotated[dict[str, Values], BeforeValidator(_dimensions_kept), Field(min_length=1)] | None = key(
+        "values of each dimension, every combination is run; quote them to keep trailing zeros; dimensions: S_R, gamma, amplitude "
+        "or any dotted key of the scene that takes a number or a word",
+        source="Figs. 4-5, Sec. 3.2",
+        default=None,
+    )
+    cases: Cases | None = key(
+        "instead of a grid: the runs one by one, a value of each dimension; or the name of a CSV file with a column a dimension",
+        default=None,
+    )
+    sample: Sample | None = key("instead of a grid: runs that fill ranges of the dimensions", default=None)
+    fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key(
+        "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
+    )
+    figures: FigureCases = key("runs shown in figures", default=FigureCases())
+    metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
+    experiments: dict[str, str] = key(
+        "file of an experiment, by the name of its target, searched for like the scene; of others config/<name>.yaml", default={}
+    )
+
+    @model_validator(mode="after")
+    def _known(self) -> Study:
+        check_known("fidelity", [self.fidelity], self.fidelities)
+        return self
+
+    @model_validator(mode="after")
+    def _runs_known(self) -> Study:
+        chosen = [kind for kind in KINDS if getattr(self, kind) is not None]
+        if len(chosen) != 1:
+            raise ValueError(f"one of {', '.join(KINDS)} says which runs there are (found {' and '.join(chosen) or 'none'})")
+        if self.sample is not None:
+            check_names("sample.ranges", self.sample.ranges)
+        elif self.grid is not None:
+            check_names("grid", self.grid)
+            for name, values in self.grid.items():
+                if len({value_of(value) for value in values}) < len(values):
+                    raise ValueError(f"grid.{name}: {list(values)} holds one value twice")
+            runs = math.prod(len(values) for values in self.grid.values())
+            if runs > MOST_RUNS:
+                raise ValueError(f"grid: {', '.join(self.grid)}: the grid has {runs:,} points, at most {MOST_RUNS:,}")
+        else:
+            assert self.cases is not None
+            check_names("cases", self.cases[0])
+            if len(self.cases) > MOST_RUNS:
+                raise ValueError(f"cases: {len(self.cases):,} runs, at most {MOST_RUNS:,}")
+            for number, case in enumerate(self.cases, 1):
+                if set(case) != set(self.cases[0]):
+                    raise ValueError(f"cases: number {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}")
+        return self
+
+    @functools.cached_property
+    def names(self) -> list[str]:
+        """The dimensions, in the order of file names and tables."""
+        return in_order(self.grid or (self.sample.ranges if self.sample else self.cases[0] if self.cases else ()))
+
+    def is_grid_over(self, names: Sequence[str]) -> bool:
+        """Whether the study is a grid over exactly these dimensions."""
+        return self.grid is not None and self.names == in_order(names)
+
+    def needs_grid_over(self, names: Sequence[str], what: str) -> None:
+        """ValueError, which says ``what`` needs it, where the study is not a grid over exactly these dimensions."""
+        if not self.is_grid_over(names):
+            raise ValueError(f"{what} need a grid over exactly {', '.join(names)}; study {self.study!r} varies {', '.join(self.names)}")
+
+    def file_of(self, experiment: str) -> str:
+        """File that configures an experiment, as written."""
+        return self.experiments.get(experiment, f"config/{experiment}.yaml")
+
+    @functools.cached_property
+    def values(self) -> dict[str, tuple[str, ...]]:
+        """Values of each dimension of a grid, numbers increasing and words as written; of a list, those of all runs in their order."""
+        if self.grid is None:
+            points = self.sample.points() if self.sample else self.cases or ()
+            return {name: tuple(point[name] for point in points) for name in self.names}
+        return {
+            name: tuple(sorted(self.grid[name], key=float) if all(map(is_number, self.grid[name])) else self.grid[name])
+            for name in self.names
+        }
+
+    @functools.cached_property
+    def numbered(self) -> bool:
+        """Whether the names of runs are numbers: in a list, and in a grid whose dimensions make too long a name."""
+        longest = point_name({name: max(values, key=len) for name, values in self.values.items()})
+        return self.grid is None or len(longest) > LONGEST_NAME
+
+    @functools.cached_property
+    def runs(self) -> dict[str, Point]:
+        """Every run by the name of its file, in the order of the tables."""
+        combined = zip(*self.values.values(), strict=True) if self.grid is None else itertools.product(*self.values.values())
+        points = [dict(zip(self.names, values, strict=True)) for values in combined]
+        if self.numbered:
+            return {f"{CASE}-{number:06d}": point for number, point in enumerate(points, 1)}
+        return {point_name(point): point for point in points}
+
+    @property
+    def points(self) -> pd.DataFrame:
+        """Table of all runs, values as written."""
+        return pd.DataFrame(list(self.runs.values()), columns=self.names)
+
+    def name_of(self, point: Mapping[str, str]) -> str:
+        """Name of the file of a run of the study."""
+        return next(name for name, own in self.runs.items() if own == point) if self.numbered else point_name(point)
+
+    def shown_runs(self, most: int, chosen: Sequence[str] = ()) -> list[str]:
+        """Names of at most ``most`` runs, evenly through the study, with the ``chosen`` ones, in the order of the tables."""
+        names = list(self.runs)
+        for name in chosen:
+            if name not in self.runs:
+                raise ValueError(f"figures.runs: there is no run {name!r}; the first are {', '.join(names[:3])}")
+        even = np.unique(np.linspace(0, len(names) - 1, min(max(most - len(chosen), 0), len(names))).round().astype(int))
+        wanted = {names[number] for number in even} | set(chosen)
+        return [name for name in names if name in wanted]
+
+    @property
+    def page_runs(self) -> list[str]:
+        """Names of the runs that the page shows."""
+        few = len(self.runs) <= MOST_SHOWN
+        return list(self.runs) if few else self.shown_runs(MOST_SHOWN, self.figure_files.get(PROFILES, []))
+
+    @property
+    def figure_files(self) -> dict[str, list[str]]:
+        """Names of the runs from which a figure is drawn, by the name of its file; ValueError where the study lacks what one needs.
+
+        The figures of all runs (``sph.figures.STUDY_FIGURES``) are not among them.
+        """
+        return dict.fromkeys(INPUT_FIGURES, list(self.runs)[:1]) | {PROFILES: self.profile_runs}
+
+    @property
+    def profile_runs(self) -> list[str]:
+        """Names of the runs whose profiles are drawn."""
+        return self.shown_runs(FEW_PROFILES if not self.figures.runs else 0, self.figures.runs)
+
+
+INPUT_FIGURES = ("fig1", "fig2", "fig3")
+"""Figures of what goes in, which need one run: geometry, motion, initial particles."""
+PROFILES = "profiles"
+"""The figure of some runs at their end."""
+FEW_PROFILES = 4
+"""Runs that it shows where the study does not choose them."""
+MOST_SHOWN = 200
+"""Most runs that the page shows, evenly through the study."""
+
+
+def read_study(data: Mapping[str, Any], origin: str) -> Study:
+    """Validate the keys of a study; ValueError names ``origin``, key and value."""
+    return validated(Study, data, origin)
