@@ -23,8 +23,8 @@ from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"
 """What was found in the scenes before their runs: errors and warnings are told."""
-SAFETY = "{fidelity}/stages/factor_of_safety.nc"
-"""The search for the factor of safety, where it was made."""
+SAFETY = "{fidelity}/stages/factor_of_safety*.nc"
+"""The searches for the factors of safety of slopes, where they were made."""
 CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
 AMPLITUDE = "amplitude"
@@ -89,11 +89,12 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
 
 
 def safety(files: Sequence[str]) -> str:
-    """The factor of safety at the spacing of the runs, where it was searched, or why it was not found."""
-    for file in files:
-        facts = trajectory.read(file).attrs
-        return f"not found: {facts['reason']}" if facts["reason"] else f"{float(facts['value']):.2f}"
-    return ""
+    """The factor of safety at the spacing of the runs, least to most over the slopes where it was searched, or why it was not found."""
+    searches = [trajectory.read(file).attrs for file in files]
+    found = [float(facts["value"]) for facts in searches if not facts["reason"]]
+    if found:
+        return " to ".join(dict.fromkeys(f"{value:.2f}" for value in (min(found), max(found))))
+    return next((f"not found: {facts['reason']}" for facts in searches), "")
 
 
 def limit(findings: Sequence[Finding], code: str, of_runs: str, closely: str) -> tuple[str, str]:

@@ -20,7 +20,7 @@ from sph.study.dimensions import Dimension, dimension, named_point, scene_key, t
 from sph.study.planned import planned
 from sph.study.sampling import read_cases
 from sph.study.schema import MOST_SHOWN, Point, Study, read_study
-from sph.study.stages import MOST_SLOPES, SharedStages, SlopeSearch, Stages, search_name, searched_gravity, stage_point
+from sph.study.stages import GRAVITY, MOST_SLOPES, SharedStages, SlopeSearch, Stages, search_name, searched_limit, stage_point
 from sph.study.tables import Layout
 
 PART = 500
@@ -108,13 +108,18 @@ class Plan:
         return self.scene(**self._stage_point(name))
 
     def _stage_point(self, name: str) -> Point:
-        name = searched_gravity(name)
-        if name in self._shared.points:
-            return self._shared.points[name]
-        found = stage_point(name, self.study.names) if self._named else None
+        limit = searched_limit(name)
+        stage = name if limit is None else GRAVITY + name.removeprefix(limit)
+        if stage in self._shared.points:
+            return self._shared.points[stage]
+        found = stage_point(stage, self.study.names) if self._named else None
         if found is None:
-            raise ValueError(f"study {self.study.study!r} has no stage {name!r}; the first are {', '.join(list(self._shared.points)[:3])}")
+            what, known = ("stage", list(self._shared.points)) if limit is None else ("search", self._searches(limit))
+            raise ValueError(f"study {self.study.study!r} has no {what} {name!r}; the first are {', '.join(known[:3])}")
         return found
+
+    def _searches(self, limit: str) -> list[str]:
+        return [search_name(gravity, limit) for gravity in self.gravities]
 
     def gravity_of(self, trunk: str) -> str:
         """Name of the gravity stage of a shared pre-failure run."""
@@ -156,12 +161,12 @@ class Plan:
 
     def searches_of(self, runs: Iterable[str]) -> dict[str, SlopeSearch]:
         """The same of other runs, by the names of their files; none of runs of more than ``MOST_SLOPES`` slopes."""
-        names = {run: search_name(self.stages(run).gravity) for run in runs}
-        slopes = dict.fromkeys(names.values())
-        if len(slopes) > MOST_SLOPES:
+        slopes = {run: self.stages(run).gravity for run in runs}
+        if len(set(slopes.values())) > MOST_SLOPES:
             return {}
-        found = {name: SlopeSearch(f"{self.folder}/stages/{name}.nc", planned(self.stage(name))) for name in slopes}
-        return {run: found[name] for run, name in names.items()}
+        files = {gravity: f"{self.folder}/stages/{search_name(gravity)}.nc" for gravity in dict.fromkeys(slopes.values())}
+        found = {gravity: SlopeSearch(gravity, file, planned(self.stage(gravity))) for gravity, file in files.items()}
+        return {run: found[gravity] for run, gravity in slopes.items()}
 
     @functools.cached_property
     def dimensions(self) -> list[Dimension]:

@@ -21,8 +21,9 @@ AnyKey = TypeVar("AnyKey")
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, TRUNK = "gravity", "trunk"
-SEARCH = "yield_acceleration"
-"""Begins the name of the search for the yield acceleration of a slope, which ends as that of its gravity stage."""
+YIELD = "yield_acceleration"
+SEARCHES = (YIELD, "factor_of_safety")
+"""Limits of a slope that are searched; the name of a search begins with the limit and ends as that of the slope's gravity stage."""
 MOST_SLOPES = 10
 """Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
@@ -44,19 +45,21 @@ def stage_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
     return None
 
 
-def search_name(gravity: str) -> str:
-    """Name of the search for the yield acceleration of the slope that a gravity stage settles."""
-    return SEARCH + gravity.removeprefix(GRAVITY)
+def search_name(gravity: str, limit: str = YIELD) -> str:
+    """Name of the search for a limit of the slope that a gravity stage settles."""
+    return limit + gravity.removeprefix(GRAVITY)
 
 
-def searched_gravity(name: str) -> str:
-    """Name of the gravity stage of such a search; every other name as it is."""
-    return GRAVITY + name.removeprefix(SEARCH) if name.startswith(SEARCH) else name
+def searched_limit(name: str) -> str | None:
+    """The limit that a search with this name looks for; None for the name of no search."""
+    return next((limit for limit in SEARCHES if name.startswith(limit)), None)
 
 
 class SlopeSearch(NamedTuple):
     """The search for the yield acceleration of a slope."""
 
+    gravity: str
+    """name of the gravity stage that settles the slope"""
     file: str
     scene: Planned
 

@@ -24,6 +24,7 @@ from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import AXES, CASE
+from sph.study.stages import MOST_SLOPES
 
 ROW = ("row",)
 """The dimension of a flat table."""
@@ -63,7 +64,8 @@ BASELINE: tuple[Variable, ...] = (
         "f8",
         "m s-2",
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s (pseudo-static search, to 1 %); 0 "
-        "where it fails without; NaN where the study has more than ten slopes, or where the search found none (its file says why)",
+        f"where it fails without; NaN where the study has more than {MOST_SLOPES} slopes, or where the search found none (its file says "
+        "why)",
     ),
     Variable(
         "newmark_displacement",

@@ -46,9 +46,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
-        "grid": {"gravity": 2, "trunk": 4, "simulate": 4, "yield_acceleration": 2},
-        "cases": {"gravity": 1, "trunk": 1, "simulate": 2, "yield_acceleration": 1},
-        "sample": {"gravity": 2, "trunk": 2, "simulate": 2, "yield_acceleration": 2},
+        "grid": {"gravity": 2, "trunk": 4, "simulate": 4, "slope_limit": 2},
+        "cases": {"gravity": 1, "trunk": 1, "simulate": 2, "slope_limit": 1},
+        "sample": {"gravity": 2, "trunk": 2, "simulate": 2, "slope_limit": 2},
     }
     for study in (GRID, CASES, SAMPLE):
         config = configured(folder, study)
@@ -85,6 +85,21 @@ def searched_value(folder: Path, cohesion: float) -> float:
     trials = trajectory.read(folder / "stages" / f"yield_acceleration_soil.cohesion-{cohesion:g}.nc")
     assert trajectory.scene_of(trials).soil.cohesion == cohesion
     return float(trials.attrs["value"])
+
+
+def test_the_page_has_the_factors_of_safety_that_were_asked_for(finished: Path) -> None:
+    folder, config = of(finished, "grid"), ("--configfile", str(finished / "grid.yaml"))
+    files = [folder / "stages" / f"factor_of_safety_soil.cohesion-{cohesion}.nc" for cohesion in (20, 150)]
+    wanted = [str(file.relative_to(finished)) for file in files]
+    result = snakemake(finished, "--cores", "2", *wanted, str((folder / "report.html").relative_to(finished)), *config)
+    assert result.returncode == 0, result.stderr
+    weak, strong = (float(trajectory.read(file).attrs["value"]) for file in files)
+    assert 0.5 < weak < 1.0 < strong
+    assert planned_jobs(finished, *config) == {"page": 1, "all": 1}, "the page is given what was asked for once it is there"
+    assert snakemake(finished, "--cores", "2", *config).returncode == 0
+    assert f"{weak:.2f} to {strong:.2f} at the spacing of the runs" in (folder / "report.html").read_text(encoding="utf-8")
+    for file in files:
+        file.unlink()
 
 
 def test_cases_and_samples_are_lists(finished: Path) -> None:

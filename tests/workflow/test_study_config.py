@@ -17,6 +17,7 @@ from sph.solver.restart import check_restart
 from sph.study.dimensions import named_point
 from sph.study.plan import Plan
 from sph.study.sampling import chosen_study
+from sph.study.stages import SEARCHES, searched_limit
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -171,6 +172,19 @@ def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:
     assert chosen.gravity_of(trunk) == gravity
     stage = make_scene(chosen.stage(gravity))
     assert (stage.soil.cohesion, stage.coupling.S_R, stage.motion.amplitude) == (150.0, 0.25, 6.0)
+
+
+def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
+    chosen = free(grid={"amplitude": [2, 6], "soil.cohesion": [20, 150]})
+    for limit in SEARCHES:
+        assert chosen.stage(f"{limit}_soil.cohesion-150") == chosen.stage("gravity_soil.cohesion-150")
+        assert searched_limit(f"{limit}_soil.cohesion-150") == limit
+        with pytest.raises(ValueError, match=f"no search '{limit}'; the first are {limit}_soil.cohesion-20, {limit}_soil.cohesion-150$"):
+            chosen.stage(limit)
+    assert searched_limit("gravity_soil.cohesion-150") is None
+    assert [search.gravity for search in chosen.searches.values()] == 2 * chosen.gravities
+    with pytest.raises(ValueError, match="no stage 'trunk'"):
+        chosen.stage("trunk")
 
 
 @pytest.mark.parametrize(

@@ -83,7 +83,7 @@ def searched(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_searches_are_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", *TARGETS)
-    assert jobs["want_points"] == jobs["measure_points"] == 8 and jobs["yield_acceleration"] == 2 and jobs["map_figure"] == 5
+    assert jobs["want_points"] == jobs["measure_points"] == 8 and jobs["slope_limit"] == 2 and jobs["map_figure"] == 5
     assert "study" not in jobs
 
 

@@ -78,7 +78,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
-    once = {"all": 1, "preflight": 1, "gravity": 1, "yield_acceleration": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
+    once = {"all": 1, "preflight": 1, "gravity": 1, "slope_limit": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
     assert planned_jobs(folder, *config) == once | {"trunk": 2, "simulate": 8, "figure": 3, "paper_figure": 4}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
@@ -89,7 +89,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
-    once = {"all": 1, "preflight": 1, "gravity": 1, "yield_acceleration": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
+    once = {"all": 1, "preflight": 1, "gravity": 1, "slope_limit": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
     assert jobs == once | {"trunk": 3, "simulate": 24, "figure": 3, "paper_figure": 4}
 
 

@@ -24,7 +24,7 @@ def stage_scene(wildcards):
     if "run" in named:
         return plan.run_scene(named["run"])
     return plan.stage(
-        next(named[kind] for kind in ("trunk", "gravity", "yields") if kind in named)
+        next(named[kind] for kind in ("trunk", "gravity", "limit") if kind in named)
     )
 
 

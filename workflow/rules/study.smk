@@ -1,7 +1,7 @@
 # Purpose: what is found before any run; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
 # Outputs: preflight.csv, stages/yield_acceleration*.nc, parts/*.csv, study.nc, study.csv;
-#          stages/factor_of_safety.nc where it is asked for, which the page then shows
+#          stages/factor_of_safety*.nc where they are asked for, which the page then shows
 
 
 rule preflight:
@@ -31,40 +31,24 @@ rule preflight:
         "../scripts/study/preflight.py"
 
 
-rule yield_acceleration:
-    """Search the constant acceleration at which a slope fails: the strength of the sliding block beside its runs."""
+rule slope_limit:
+    """Search a limit of a slope: its yield acceleration, which is the strength of the sliding block beside its runs, or its factor of safety."""
     output:
-        "{folder}/stages/{yields}.nc",
+        "{folder}/stages/{limit}.nc",
     log:
-        "{folder}/logs/{yields}.log",
+        "{folder}/logs/{limit}.log",
     benchmark:
-        "{folder}/benchmarks/{yields}.tsv"
+        "{folder}/benchmarks/{limit}.tsv"
+    wildcard_constraints:
+        limit=f"({'|'.join(SEARCHES)})(_[^/]+)?",
     resources:
-        **asked(stage_scene, lambda wildcards: "yield_acceleration"),
+        **asked(stage_scene, lambda wildcards: searched_limit(wildcards.limit)),
     params:
         sources=SEARCHING,
         scene=lambda wildcards: planned(stage_scene(wildcards)),
-        by="yield_acceleration",
+        by=lambda wildcards: searched_limit(wildcards.limit),
     script:
         "../scripts/simulate/simulate.py"
-
-
-use rule yield_acceleration as factor_of_safety with:
-    output:
-        "{folder}/stages/factor_of_safety.nc",
-    log:
-        "{folder}/logs/factor_of_safety.log",
-    benchmark:
-        "{folder}/benchmarks/factor_of_safety.tsv"
-    resources:
-        **asked(
-            lambda wildcards: PLANS(wildcards.folder).slope,
-            lambda wildcards: "factor_of_safety",
-        ),
-    params:
-        sources=SEARCHING,
-        scene=lambda wildcards: planned(PLANS(wildcards.folder).slope),
-        by="factor_of_safety",
 
 
 rule measure:

@@ -25,6 +25,7 @@ from sph.stability.search import Search
 from sph.storage.trajectory import Variable
 from sph.study.baseline import newmark_factor
 from sph.study.dimensions import Dimension, value_of
+from sph.study.stages import MOST_SLOPES
 from sph.study.tables import ROW, count_column, number_column, read_csv, text_column
 from sph.study.verdicts import FAILS, HOLDS
 
@@ -81,8 +82,8 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
         number_column(
             "yield_acceleration",
             "m s-2",
-            "pseudo-static estimate: constant acceleration at which the slope fails; NaN where the case has more than ten slopes, or where "
-            "the search found none",
+            "pseudo-static estimate: constant acceleration at which the slope fails; NaN where the case has more than "
+            f"{MOST_SLOPES} slopes, or where the search found none",
         ),
         number_column(
             "newmark_intensity",
