@@ -19,7 +19,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import yaml
-from relations import RELATIONS, Case
+from answers import Case
+from relations import RELATIONS
 
 ALWAYS = ("weaker_soil_never_moves_less", "stronger_shaking_never_fails_later")
 """Relations that every scene is tried with, since chance enters them."""

@@ -9,10 +9,11 @@ from pathlib import Path
 
 import answers
 import numpy as np
+import of_strength
 import pytest
-import relations
 from answers import Case
-from relations import RELATIONS, never_less, weaker
+from of_strength import never_less, weaker
+from relations import BY_SUBJECT, RELATIONS
 
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Result, run
@@ -59,8 +60,8 @@ def test_a_wrong_answer_is_noticed(name: str, tmp_path: Path, monkeypatch: pytes
             ds["x"] = ds["x"] + np.array(error, ds["x"].dtype)
         return result
 
-    for module in (answers, relations):
-        monkeypatch.setattr(module, "run", wrong)
+    for module in (answers, *BY_SUBJECT):
+        monkeypatch.setattr(module, "run", wrong, raising=False)
     with pytest.raises(AssertionError):
         RELATIONS[name].check(fitting(name, tmp_path, 1)[0])
 
@@ -78,13 +79,13 @@ def test_weaker_soil_that_moves_less_is_noticed(tmp_path: Path, monkeypatch: pyt
         return short
 
     monkeypatch.setattr(answers, "run", kept)
-    monkeypatch.setattr(relations, "mean_displacement", lambda _: scenes[-1].soil.cohesion)
+    monkeypatch.setattr(of_strength, "mean_displacement", lambda _: scenes[-1].soil.cohesion)
     never_less(case, weak, strong)
     with pytest.raises(AssertionError, match="the weaker moves 10 to 10 m, the stronger 20 to 20 m"):
         never_less(case, strong, weak)
-    assert len({scene.numerics.spacing for scene in scenes}) == len(relations.LATTICES)
+    assert len({scene.numerics.spacing for scene in scenes}) == len(of_strength.LATTICES)
     chance = iter(np.linspace(1.0, 2.0, 10))
-    monkeypatch.setattr(relations, "mean_displacement", lambda _: scenes[-1].soil.cohesion * next(chance))
+    monkeypatch.setattr(of_strength, "mean_displacement", lambda _: scenes[-1].soil.cohesion * next(chance))
     never_less(case, weaker(strong, 0.55), weak)
 
 
