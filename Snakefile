@@ -68,7 +68,7 @@ report: "workflow/report/workflow.rst"
 
 wildcard_constraints:
     gravity="gravity(_[^/]+)?",
-    trunk="(amplitude-|trunk)[^/]*",
+    pre_failure="pre_failure(_[^/]+)?",
     folder=f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+)?",
 
 

@@ -50,14 +50,14 @@ class Kind(StrEnum):
     """What a simulation is for."""
 
     GRAVITY = "gravity"
-    TRUNK = "trunk"
+    PRE_FAILURE = "pre_failure"
     RUN = "run"
     SEARCH = "search"
 
 
 TITLES = {
     Kind.GRAVITY: "gravity stage",
-    Kind.TRUNK: "shaking to the first failure",
+    Kind.PRE_FAILURE: "shaking to the first failure",
     Kind.RUN: "runs",
     Kind.SEARCH: "yield acceleration",
 }
@@ -149,10 +149,10 @@ def _configuration_of(study: str, base: Path) -> Path | None:
 def jobs(plan: Plan) -> list[Job]:
     """All simulations of a study, as the rules of ``workflow/rules`` make them."""
     found = [Job(Kind.GRAVITY, "gravity", name, f"stages/{name}.nc", make_scene(plan.stage(name))) for name in plan.gravities]
-    for name in plan.trunks:
-        found.append(Job(Kind.TRUNK, "trunk", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
+    for name in plan.pre_failures:
+        found.append(Job(Kind.PRE_FAILURE, "pre_failure", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
     for name, point in plan.study.runs.items():
-        found.append(Job(Kind.RUN, plan.stages(name).trunk, name, f"runs/{name}.nc", plan.built(**point)))
+        found.append(Job(Kind.RUN, plan.stages(name).pre_failure, name, f"runs/{name}.nc", plan.built(**point)))
     for gravity in dict.fromkeys(search.gravity for search in plan.searches.values()):
         name = search_name(gravity)
         found.append(Job(Kind.SEARCH, "search", name, f"stages/{name}.nc", make_scene(plan.stage(gravity))))

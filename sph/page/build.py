@@ -225,9 +225,9 @@ def cost_of(table: pd.DataFrame, study: StudyFiles) -> Cost:
     shared = math.nan
     if len(study.runs) == study.size:
         gravities = {gravity: _seconds(gravity) for gravity, _ in study.stages}
-        trunks = {trunk: (_seconds(trunk), gravities[gravity]) for gravity, trunk in study.stages}
-        own = apart - math.fsum(trunks[trunk][0] for _, trunk in study.stages)
-        shared = own + math.fsum(gravities.values()) + math.fsum(seconds - gravity for seconds, gravity in trunks.values())
+        pre_failures = {file: (_seconds(file), gravities[gravity]) for gravity, file in study.stages}
+        own = apart - math.fsum(pre_failures[file][0] for _, file in study.stages)
+        shared = own + math.fsum(gravities.values()) + math.fsum(seconds - gravity for seconds, gravity in pre_failures.values())
     return Cost(shared, apart, (float(speeds.min()), float(speeds.max())))
 
 

@@ -157,7 +157,7 @@ def _same_first_failure(study: xr.Dataset, settings: ClaimSettings) -> Verdict:
         raise NotCovered(f"no particle fails at {settings.amplitude:g} m/s²")
     spread = float(np.ptp(times))  # NaN if only some fail
     measured = _each(cases, lambda case: f"{case['first_failure_time']:.4f} s")
-    note = "true by construction, S_R acts only after the first failure and the runs branch from one trunk there"
+    note = "true by construction, S_R acts only after the first failure and the runs branch there from one shared pre-failure run"
     return Verdict(f"first failure: {measured}; spread {spread:.4f} s ({note})", _verdict(spread <= settings.same_instant))
 
 

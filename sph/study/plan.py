@@ -121,10 +121,10 @@ class Plan:
     def _searches(self, limit: str) -> list[str]:
         return [search_name(gravity, limit) for gravity in self.gravities]
 
-    def gravity_of(self, trunk: str) -> str:
+    def gravity_of(self, pre_failure: str) -> str:
         """Name of the gravity stage of a shared pre-failure run."""
         found = self._shared.gravity_of
-        return found[trunk] if trunk in found else self._shared.of(trunk, self._stage_point(trunk)).gravity
+        return found[pre_failure] if pre_failure in found else self._shared.of(pre_failure, self._stage_point(pre_failure)).gravity
 
     def files(self, others: Mapping[str, Point] | None = None) -> dict[str, Point]:
         """The dimensions that the scene of each stage, search and run sets, by file; ``others`` are runs, by name, that the study lacks."""
@@ -140,14 +140,14 @@ class Plan:
         return list(dict.fromkeys(stages.gravity for stages in self._shared.of_runs.values()))
 
     @property
-    def trunks(self) -> list[str]:
+    def pre_failures(self) -> list[str]:
         """Names of all shared pre-failure runs."""
-        return list(dict.fromkeys(stages.trunk for stages in self._shared.of_runs.values()))
+        return list(dict.fromkeys(stages.pre_failure for stages in self._shared.of_runs.values()))
 
     @property
     def page_stages(self) -> list[str]:
         """Names of the stages whose cost the page counts: all, where it shows all runs."""
-        return self.gravities + self.trunks if len(self.study.runs) <= MOST_SHOWN else []
+        return self.gravities + self.pre_failures if len(self.study.runs) <= MOST_SHOWN else []
 
     @property
     def slope(self) -> dict[str, Any]:

@@ -1,10 +1,11 @@
 """What runs of a study share: the *gravity stage* and the *pre-failure run*, which shakes until the first failure.
 
-Runs share the gravity stage if they agree in every key that acts before the shaking, and the pre-failure run (``trunk`` in file names) if
-they agree in all keys but ``sph.solver.run.BRANCH_KEYS``.
+Runs share the gravity stage if they agree in every key that acts before the shaking, and the pre-failure run if they agree in all keys
+but ``sph.solver.restart.BRANCH_KEYS``.
 
-A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``trunk_soil.cohesion-20_motion.frequency-1``; over
-S_R, gamma and amplitude they are ``gravity`` and ``amplitude-6.0``), or, where runs are numbered, after the first run that needs it.
+A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``pre_failure_soil.cohesion-20_motion.frequency-1``;
+over S_R, gamma and amplitude they are ``gravity`` and ``pre_failure_amplitude-6.0``), or, where runs are numbered, after the first run
+that needs it.
 """
 
 from __future__ import annotations
@@ -20,13 +21,13 @@ AnyKey = TypeVar("AnyKey")
 
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
-GRAVITY, TRUNK = "gravity", "trunk"
+GRAVITY, PRE_FAILURE = "gravity", "pre_failure"
 YIELD = "yield_acceleration"
 SEARCHES = (YIELD, "factor_of_safety")
 """Limits of a slope that are searched; the name of a search begins with the limit and ends as that of the slope's gravity stage."""
 MOST_SLOPES = 10
 """Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
-IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), TRUNK: BRANCH_KEYS}
+IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), PRE_FAILURE: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
 
 
@@ -37,7 +38,7 @@ def acting_in(kind: str, names: Iterable[str]) -> list[str]:
 
 def stage_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
     """The values of the dimensions that act in a stage with this name, where names say values; None where there are none."""
-    for kind in (GRAVITY, TRUNK):
+    for kind in (GRAVITY, PRE_FAILURE):
         for acting in (acting_in(kind, dimensions), dimensions):
             found = named_point(name.removeprefix(f"{kind}_"), acting)
             if found is not None:
@@ -77,7 +78,7 @@ class Stages(NamedTuple):
     """What a run continues from: names of the files."""
 
     gravity: str
-    trunk: str
+    pre_failure: str
 
 
 class SharedStages:
@@ -94,13 +95,13 @@ class SharedStages:
         self.of_runs: dict[str, Stages] = {}
         for name, point in runs.items():
             self.of_runs[name] = found = self.of(name, point)
-            self.gravity_of[found.trunk] = found.gravity
-            for kind, stage in zip((GRAVITY, TRUNK), found, strict=True):
+            self.gravity_of[found.pre_failure] = found.gravity
+            for kind, stage in zip((GRAVITY, PRE_FAILURE), found, strict=True):
                 self.points.setdefault(stage, self._acting(kind, point))
 
     def of(self, name: str, point: Mapping[str, str]) -> Stages:
         """The stages of a run, one of the study's or, where runs are not numbered, another."""
-        return Stages(self._name(GRAVITY, name, point), self._name(TRUNK, name, point))
+        return Stages(self._name(GRAVITY, name, point), self._name(PRE_FAILURE, name, point))
 
     def _name(self, kind: str, run: str, point: Mapping[str, str]) -> str:
         acting = self._acting(kind, point)
@@ -108,7 +109,7 @@ class SharedStages:
             return kind
         if self._numbered:
             return f"{kind}_{self._numbers.setdefault(((kind, ''), *acting.items()), run)}"
-        return point_name(acting) if kind == TRUNK and list(acting) == ["amplitude"] else f"{kind}_{point_name(acting)}"
+        return f"{kind}_{point_name(acting)}"
 
     def _acting(self, kind: str, point: Mapping[str, str]) -> dict[str, str]:
         """The dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""

@@ -147,8 +147,8 @@ def test_the_generic_profile_with_another_command_to_submit(slurm: LocalSlurm, a
         f"sbatch --parsable --cpus-per-task={{threads}} --mem={{resources.mem_mb}} --time={{resources.runtime}} --output={folder}/job.log"
     )
     with_sbatch = ["--cluster-generic-submit-cmd", submit, "--cluster-generic-cancel-cmd", "scancel", "--latency-wait", "5"]
-    asked = command(folder, "--profile", str(PROFILE.with_name("generic")), *with_sbatch, target="stages/amplitude-8.0.nc")
+    asked = command(folder, "--profile", str(PROFILE.with_name("generic")), *with_sbatch, target="stages/pre_failure_amplitude-8.0.nc")
     done = subprocess.run(asked, cwd=folder, env=environment(slurm), capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr + (folder / "job.log").read_text()
     assert len(slurm.jobs()) == before + 1
-    same_files(folder / RESULTS / "stages" / "amplitude-8.0.nc", alone / "stages" / "amplitude-8.0.nc")
+    same_files(folder / RESULTS / "stages" / "pre_failure_amplitude-8.0.nc", alone / "stages" / "pre_failure_amplitude-8.0.nc")

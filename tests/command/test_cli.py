@@ -80,11 +80,11 @@ def quick(**changes: Any) -> list[str]:
 
 def test_a_trajectory_repeats_its_run(scene_file: Path, tmp_path: Path) -> None:
     """To the last bit, whichever stages it was made in, and to the same stage."""
-    gravity, trunk, branch, again = (tmp_path / f"{name}.nc" for name in ("gravity", "trunk", "branch", "again"))
+    gravity, pre_failure, branch, again = (tmp_path / f"{name}.nc" for name in ("gravity", "pre_failure", "branch", "again"))
     made_by = {
         gravity: ["--until", "gravity", *quick(**{"coupling.S_R": 0.9})],
-        trunk: ["--until", "first_failure", "--restart", gravity, *quick(**{"coupling.S_R": 0.5})],
-        branch: ["--restart", trunk, *quick(**{"coupling.S_R": 0.1, "coupling.gamma": 10.0, "name": "branch"})],
+        pre_failure: ["--until", "first_failure", "--restart", gravity, *quick(**{"coupling.S_R": 0.5})],
+        branch: ["--restart", pre_failure, *quick(**{"coupling.S_R": 0.1, "coupling.gamma": 10.0, "name": "branch"})],
     }
     for path, options in made_by.items():
         assert call("run", scene_file, *options, "--out", path).exit_code == 0
@@ -97,7 +97,7 @@ def test_a_trajectory_repeats_its_run(scene_file: Path, tmp_path: Path) -> None:
         assert trajectory.read(again).attrs["scene"] == trajectory.read(path).attrs["scene"]
     one, other = (json.loads(call("metrics", file, "--json").stdout) for file in (again, branch))
     assert [name for name in one if json.dumps(one[name]) != json.dumps(other[name]) and name not in TIMINGS] == []
-    assert trajectory.read(branch)["failed"].values.any() and trajectory.read(trunk).attrs["status"] == "paused"
+    assert trajectory.read(branch)["failed"].values.any() and trajectory.read(pre_failure).attrs["status"] == "paused"
 
 
 def test_a_repeated_run_tells_other_bits(scene_file: Path, tmp_path: Path) -> None:

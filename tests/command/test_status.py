@@ -166,8 +166,8 @@ def test_lines_come_at_every_tenth_and_every_half_minute(tmp_path: Path) -> None
 def test_the_time_left_is_that_of_finished_jobs_of_the_kind(study: Folder) -> None:
     study.finish("gravity", 6.0)  # of 1 s: 12 s for the two after it, as long as nothing better is known
     assert estimate(study.states())[0::2] == (8 * 12.0, 3) and math.isnan(estimate(study.states()).time)
-    study.finish("amplitude-8.0", 3.0)
-    study.finish("amplitude-0.1", 1.0)
+    study.finish("pre_failure_amplitude-8.0", 3.0)
+    study.finish("pre_failure_amplitude-0.1", 1.0)
     assert estimate(study.states())[0::2] == (8 * 12.0, 1)
     study.finish(POINT, 20.0)
     study.finish(POINT.replace("8.0", "0.1"), 2.0, "unfailed")
@@ -201,14 +201,14 @@ def call(*arguments: object) -> Any:
 
 def test_the_command_touches_nothing_and_works_from_either_end(study: Folder, monkeypatch: pytest.MonkeyPatch) -> None:
     study.finish("gravity", 6.0)
-    study.log("amplitude-8.0", HERE, told(1.80, 50.0))
+    study.log("pre_failure_amplitude-8.0", HERE, told(1.80, 50.0))
     before = {path: path.stat().st_mtime_ns for path in study.base.rglob("*")}
     named = call(study.path)
     assert named.exit_code == 0, named.output
     for text in (
         "gravity stage                 1 of 1 done",
         "0 of 2 done, 1 running, 1 waiting",
-        "running: amplitude-8.0: at 1.80 s",
+        "running: pre_failure_amplitude-8.0: at 1.80 s",
         "50 s left",
     ):
         assert text in named.stdout or text.replace("50", "49") in named.stdout

@@ -95,10 +95,10 @@ def test_files_that_a_search_has_asked_for_are_known_by_its_tables(study: tuple[
         project.scene(run)
     wants(folder, "trigger-0", "slip: sides,0.10,100,8", "as it is,0.10,100,7")
     project = Project(folder.parents[2], None, folder)
-    for file in (run, f"{case}/stages/amplitude-8.nc", f"{case}/stages/gravity.nc", f"{case}/stages/yield_acceleration.nc"):
+    for file in (run, f"{case}/stages/pre_failure_amplitude-8.nc", f"{case}/stages/gravity.nc", f"{case}/stages/yield_acceleration.nc"):
         assert project.scene(file).walls.sides == "free_slip"
     assert project.scene(run).motion.amplitude == 8.0  # type: ignore[union-attr]
-    for file in ("runs/S_R-0.10_gamma-100_amplitude-7.nc", "stages/amplitude-7.nc"):
+    for file in ("runs/S_R-0.10_gamma-100_amplitude-7.nc", "stages/pre_failure_amplitude-7.nc"):
         assert project.scene(f"results/paper/draft/{file}").motion.amplitude == 7.0  # type: ignore[union-attr]
     assert project.scene("results/paper/draft/runs/S_R-0.10_gamma-100_amplitude-6.0.nc").coupling.S_R == 0.1
     assert project.scene("results/paper/draft/sensitivity/runs/tornado/base.nc").name == "paper"

@@ -148,8 +148,8 @@ def test_any_dimensions_are_searched(tmp_path: Path) -> None:
     scene = own.built(**own.point(run))
     assert (scene.motion.amplitude, scene.layers["clay"].soil.cohesion, scene.walls.sides) == (1.0, 5.0, "free_slip")
     stages = own.stages(run)
-    assert stages.gravity == "gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip" == own.gravity_of(stages.trunk)
-    assert own.stage(stages.trunk)["motion"]["amplitude"] == 1.0
+    assert stages.gravity == "gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip" == own.gravity_of(stages.pre_failure)
+    assert own.stage(stages.pre_failure)["motion"]["amplitude"] == 1.0
     files = {at: search.file.removeprefix(f"{own.folder}/stages/") for at, search in plan.searches.items()}
     assert files["as it is", "5", "fixed"] == "yield_acceleration_layers.clay.soil.cohesion-5_walls.sides-fixed.nc" and len(files) == 4
     units = {found.name: found.unit for found in plan.dimensions.all}

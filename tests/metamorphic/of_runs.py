@@ -30,10 +30,10 @@ from sph.study.plan import load_study
 @relation()
 def run_in_stages(case: Case, chance: np.random.Generator) -> None:
     """To the end of the gravity stage, on to the first failure and on to the end, through files: the bits of a run without a stop."""
-    gravity, trunk = case.folder / "gravity.nc", case.folder / "trunk.nc"
+    gravity, pre_failure = case.folder / "gravity.nc", case.folder / "pre_failure.nc"
     run_to_file(case.scene, gravity, "gravity")
-    paused = run_to_file(case.scene, trunk, "first_failure", gravity)
-    same_bits(case.result, run(case.scene, restart=trunk) if paused.status == "paused" else paused)
+    paused = run_to_file(case.scene, pre_failure, "first_failure", gravity)
+    same_bits(case.result, run(case.scene, restart=pre_failure) if paused.status == "paused" else paused)
 
 
 @relation()
@@ -182,7 +182,7 @@ def study_against_single_runs(case: Case, chance: np.random.Generator) -> None:
     case.others[:] = [name]
     assert scenes[0].model_dump_json() == scenes[1].model_dump_json()
     stages = plans[0].stages(name)
-    gravity, trunk = case.folder / "study_gravity.nc", case.folder / "study_trunk.nc"
+    gravity, pre_failure = case.folder / "study_gravity.nc", case.folder / "study_pre_failure.nc"
     run_to_file(make_scene(plans[0].stage(stages.gravity)), gravity, "gravity")
-    run_to_file(make_scene(plans[0].stage(stages.trunk)), trunk, "first_failure", gravity)
-    same_bits(run(scenes[0]), run(scenes[0], restart=trunk))
+    run_to_file(make_scene(plans[0].stage(stages.pre_failure)), pre_failure, "first_failure", gravity)
+    same_bits(run(scenes[0]), run(scenes[0], restart=pre_failure))

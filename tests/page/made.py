@@ -76,7 +76,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
     join_study([f"{FOLDER}/parts/000001.csv"], layout, f"{FOLDER}/study.nc", f"{FOLDER}/study.csv")
     write_claims(read_study(f"{FOLDER}/study.nc"), f"{FOLDER}/claims.csv")
     gravity = synthetic()
-    for name, seconds in {"gravity": 0.5, "amplitude-4.0": 0.75, "amplitude-6.0": 1.0}.items():
+    for name, seconds in {"gravity": 0.5, "pre_failure_amplitude-4.0": 0.75, "pre_failure_amplitude-6.0": 1.0}.items():
         gravity.attrs["wall_time_s"] = seconds
         trajectory.write(f"{FOLDER}/stages/{name}.nc", gravity)
     for path in certain(FOLDER, PAPER_SECTIONS):
@@ -85,7 +85,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
             Image.linear_gradient("L").save(path)
     weak = Finding("fails-unshaken", "error", "the slope does not stand unshaken", "fails", "to stand", "soil.cohesion")
     write_preflight(f"{FOLDER}/preflight.csv", [Row(weak, 4, next(iter(runs)))])
-    stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/amplitude-{point['amplitude']}.nc") for point in points]
+    stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/pre_failure_amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}
     return StudyFiles(
         "made", "up", FOLDER, f"{FOLDER}/study.csv", layout, DIMENSIONS, 4, by_name, stages,

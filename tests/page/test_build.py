@@ -209,7 +209,7 @@ def test_the_runs_are_kept_in_the_detail_that_fits(study: StudyFiles) -> None:
 
 
 def test_cost_counts_shared_stages_once(study: StudyFiles) -> None:
-    # Each run says 2 s; two each hold trunks of 0.75 and 1 s, and both trunks the gravity stage of 0.5 s.
+    # Each run says 2 s; two each hold pre-failure runs of 0.75 and 1 s, and both of these the gravity stage of 0.5 s.
     text = Words(build_page(study)).text
     assert "(5.75 s)" in text and f"{8 / 3600:.3g} core-hours had every run" in text
 

@@ -119,10 +119,10 @@ def test_without_shaking_it_counts_from_the_end_of_the_gravity_stage(small_slope
 
 
 def test_a_branch_stops_where_an_unbranched_run_does(tmp_path: Path, small_slope: Builder, stopped: Result) -> None:
-    trunk = small_slope(SLIDE | {"coupling.S_R": 0.1, "early_stop": {"speed": 0.5, "window": 0.1}})
-    paused = run(trunk, until="first_failure")
+    pre_failure = small_slope(SLIDE | {"coupling.S_R": 0.1, "early_stop": {"speed": 0.5, "window": 0.1}})
+    paused = run(pre_failure, until="first_failure")
     assert paused.status == "paused"
-    same_bits(run(small_slope(SLIDE | STOP), restart=written(tmp_path / "trunk.nc", paused)), stopped)
+    same_bits(run(small_slope(SLIDE | STOP), restart=written(tmp_path / "pre_failure.nc", paused)), stopped)
 
 
 def test_a_run_paused_within_the_window_stops_where_an_unbranched_one_does(tmp_path: Path, small_slope: Builder, stopped: Result) -> None:

@@ -168,10 +168,10 @@ def test_a_layer_s_own_coupling_does_not_act_before_the_first_failure(small_slop
         small_slope({"layers": {"cover": {"region": {"kind": "depth", "bottom": 8.0}, "S_R": S_R, "gamma": gamma}}})
         for S_R, gamma in ((0.1, 100.0), (0.5, 1.0))
     )
-    trunk = run(one, until="first_failure")
-    assert trunk.status == "paused"
-    trajectory.write(tmp_path / "trunk.nc", trunk.trajectory, trunk.restart)
-    whole, branched = run(other), run(other, restart=tmp_path / "trunk.nc")
+    pre_failure = run(one, until="first_failure")
+    assert pre_failure.status == "paused"
+    trajectory.write(tmp_path / "pre_failure.nc", pre_failure.trajectory, pre_failure.restart)
+    whole, branched = run(other), run(other, restart=tmp_path / "pre_failure.nc")
     same_bits(branched, whole)
     assert whole.trajectory["displacement_x"].values[-1].min() > run(one).trajectory["displacement_x"].values[-1].min() + 1.0
 

@@ -121,13 +121,13 @@ def test_a_field_without_variance_gives_the_bits_of_a_table_of_one_soil(small_sl
 
 def test_a_run_that_goes_on_keeps_its_field_and_another_seed_is_another_slope(small_slope: Any, tmp_path: Path) -> None:
     scene = small_slope({"uncertain": varied()})
-    whole, trunk = run(scene), run(scene, until="first_failure")
-    trajectory.write(tmp_path / "trunk.nc", trunk.trajectory, trunk.restart)
-    same_bits(run(scene, restart=tmp_path / "trunk.nc"), whole)
+    whole, pre_failure = run(scene), run(scene, until="first_failure")
+    trajectory.write(tmp_path / "pre_failure.nc", pre_failure.trajectory, pre_failure.restart)
+    same_bits(run(scene, restart=tmp_path / "pre_failure.nc"), whole)
     other = small_slope({"uncertain": varied() | {"seed": 2}})
     assert not np.array_equal(run(other).trajectory["displacement_x"], whole.trajectory["displacement_x"])
     with pytest.raises(ValueError, match=r"uncertain\.seed: 1 in the file, 2 in the scene"):
-        run(other, restart=tmp_path / "trunk.nc")
+        run(other, restart=tmp_path / "pre_failure.nc")
 
 
 def test_summary_finding_and_map_of_a_field(small_slope: Any) -> None:

@@ -17,7 +17,7 @@ from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]
 
-TRUNK = {"coupling.S_R": 0.5, "coupling.gamma": 1.0}
+PRE_FAILURE = {"coupling.S_R": 0.5, "coupling.gamma": 1.0}
 BRANCH = {"coupling.S_R": 0.1, "coupling.gamma": 100.0, "name": "branch"}
 
 
@@ -28,18 +28,18 @@ def paused(path: Path, result: Result) -> Path:
 
 
 @pytest.mark.parametrize("variant", ["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
-def test_trunk_and_branch_equal_an_unbranched_run(tmp_path: Path, small_slope: Builder, variant: str) -> None:
+def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, small_slope: Builder, variant: str) -> None:
     extra = VARIANTS[variant]
-    trunk, branch = small_slope(TRUNK | extra), small_slope(BRANCH | extra)
-    at_rest = paused(tmp_path / "gravity.nc", run(small_slope(TRUNK | extra | {"motion.amplitude": 1.0}), until="gravity"))
-    first = run(trunk, until="first_failure", restart=at_rest)
+    pre_failure, branch = small_slope(PRE_FAILURE | extra), small_slope(BRANCH | extra)
+    at_rest = paused(tmp_path / "gravity.nc", run(small_slope(PRE_FAILURE | extra | {"motion.amplitude": 1.0}), until="gravity"))
+    first = run(pre_failure, until="first_failure", restart=at_rest)
     assert not first.trajectory["failed"].values.any()
     at_failure = paused(tmp_path / "first_failure.nc", first)
     branched = run(branch, restart=at_failure)
     unbranched = run(branch)
     failed = float(branched.trajectory["failed_fraction"][-1])
     assert branched.status == "complete" and failed > 0.1, "the branch must fail for the test to mean something"
-    assert np.nanmin(branched.trajectory["t_f"].values) > trunk.gravity.duration
+    assert np.nanmin(branched.trajectory["t_f"].values) > pre_failure.gravity.duration
     same_bits(branched, unbranched)
 
 
@@ -59,13 +59,13 @@ def test_two_runs_are_the_same(small_slope: Builder) -> None:
 
 @pytest.fixture(scope="module")
 def gravity_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
-    return paused(tmp_path_factory.mktemp("restart") / "gravity.nc", run(small_slope(TRUNK), until="gravity"))
+    return paused(tmp_path_factory.mktemp("restart") / "gravity.nc", run(small_slope(PRE_FAILURE), until="gravity"))
 
 
 @pytest.fixture(scope="module")
 def failed_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
     path = tmp_path_factory.mktemp("restart") / "failed.nc"
-    result = run(small_slope(TRUNK))
+    result = run(small_slope(PRE_FAILURE))
     assert result.status == "complete" and result.trajectory["failed"].values.any()
     trajectory.write(path, result.trajectory, result.restart)
     return path
@@ -88,7 +88,7 @@ def failed_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) 
 )
 def test_other_scenes_are_refused_by_key(gravity_file: Path, small_slope: Builder, overrides: dict[str, Any]) -> None:
     with pytest.raises(ValueError) as raised:
-        run(small_slope(TRUNK | overrides), restart=gravity_file)
+        run(small_slope(PRE_FAILURE | overrides), restart=gravity_file)
     message = str(raised.value)
     assert "gravity.nc" in message
     key, value = next(iter(overrides.items()))
@@ -99,21 +99,21 @@ def test_other_scenes_are_refused_by_key(gravity_file: Path, small_slope: Builde
 
 def test_every_differing_key_is_named(gravity_file: Path, small_slope: Builder) -> None:
     with pytest.raises(ValueError) as raised:
-        run(small_slope(TRUNK | {"soil.density": 2000.0, "soil.cohesion": 10.0}), restart=gravity_file)
+        run(small_slope(PRE_FAILURE | {"soil.density": 2000.0, "soil.cohesion": 10.0}), restart=gravity_file)
     assert "soil.density" in str(raised.value) and "soil.cohesion" in str(raised.value)
 
 
 def test_motion_may_change_before_the_shaking_only(tmp_path: Path, gravity_file: Path, small_slope: Builder) -> None:
-    assert run(small_slope(TRUNK | {"motion.amplitude": 7.0}), restart=gravity_file).status == "complete"
-    later = paused(tmp_path / "later.nc", run(small_slope(TRUNK), until="first_failure", restart=gravity_file))
+    assert run(small_slope(PRE_FAILURE | {"motion.amplitude": 7.0}), restart=gravity_file).status == "complete"
+    later = paused(tmp_path / "later.nc", run(small_slope(PRE_FAILURE), until="first_failure", restart=gravity_file))
     with pytest.raises(ValueError, match=r"motion\.amplitude"):
-        run(small_slope(TRUNK | {"motion.amplitude": 7.0}), restart=later)
+        run(small_slope(PRE_FAILURE | {"motion.amplitude": 7.0}), restart=later)
 
 
 def test_strength_may_not_change_after_a_failure(failed_file: Path, small_slope: Builder) -> None:
     for change in ({"coupling.S_R": 0.1}, {"coupling.gamma": 100.0}, {"coupling.fluid_tension_limit": 5.0}):
         with pytest.raises(ValueError, match=next(iter(change))):
-            run(small_slope(TRUNK | change | {"duration": 3.5}), restart=failed_file)
+            run(small_slope(PRE_FAILURE | change | {"duration": 3.5}), restart=failed_file)
 
 
 def test_strength_may_not_change_after_a_failure_between_frames(tmp_path: Path, small_slope: Builder) -> None:
@@ -124,21 +124,21 @@ def test_strength_may_not_change_after_a_failure_between_frames(tmp_path: Path, 
         if not kept and float((state := result()).trajectory["failed_fraction"][-1]) > 0:
             kept.append(state)
 
-    Run(small_slope(TRUNK)).go(checkpoint=keep)
+    Run(small_slope(PRE_FAILURE)).go(checkpoint=keep)
     assert not kept[0].trajectory["failed"].values.any()
     trajectory.write(tmp_path / "between.nc", kept[0].trajectory, kept[0].restart)
     with pytest.raises(ValueError, match=r"coupling\.S_R"):
-        run(small_slope(TRUNK | {"coupling.S_R": 0.1}), restart=tmp_path / "between.nc")
+        run(small_slope(PRE_FAILURE | {"coupling.S_R": 0.1}), restart=tmp_path / "between.nc")
 
 
 def test_a_longer_duration_goes_on(failed_file: Path, small_slope: Builder) -> None:
-    longer = small_slope(TRUNK | {"duration": 3.5, "name": "longer", "title": "longer"})
+    longer = small_slope(PRE_FAILURE | {"duration": 3.5, "name": "longer", "title": "longer"})
     same_bits(run(longer, restart=failed_file), run(longer))
 
 
 def test_a_shorter_duration_than_reached_is_refused(failed_file: Path, small_slope: Builder) -> None:
     with pytest.raises(ValueError, match="duration"):
-        run(small_slope(TRUNK | {"duration": 2.75}), restart=failed_file)
+        run(small_slope(PRE_FAILURE | {"duration": 2.75}), restart=failed_file)
 
 
 def test_unfailed(tmp_path: Path, small_slope: Builder) -> None:
@@ -158,7 +158,7 @@ def test_foreign_files_are_refused(tmp_path: Path, small_slope: Builder) -> None
 
 def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
     earlier = trajectory.read(gravity_file).attrs
-    result = run(small_slope(TRUNK), restart=gravity_file).trajectory
+    result = run(small_slope(PRE_FAILURE), restart=gravity_file).trajectory
     n = result.sizes["particle"]
     assert result.attrs["particle_steps"] == 3000 * n
     assert earlier["particle_steps"] == 1000 * n
@@ -168,7 +168,7 @@ def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
 def test_a_diverged_run_stays_diverged(tmp_path: Path, small_slope: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its branches are results of the same status; they neither go on nor come back to life."""
     monkeypatch.setattr("sph.solver.guard.MAX_SPEED_RATIO", 1e-9)
-    stopped = run(small_slope(TRUNK), until="first_failure")
+    stopped = run(small_slope(PRE_FAILURE), until="first_failure")
     assert stopped.status == "diverged"
     trajectory.write(tmp_path / "diverged.nc", stopped.trajectory, stopped.restart)
     monkeypatch.undo()

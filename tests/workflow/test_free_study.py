@@ -46,9 +46,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
-        "grid": {"gravity": 2, "trunk": 4, "simulate": 4, "slope_limit": 2},
-        "cases": {"gravity": 1, "trunk": 1, "simulate": 2, "slope_limit": 1},
-        "sample": {"gravity": 2, "trunk": 2, "simulate": 2, "slope_limit": 2},
+        "grid": {"gravity": 2, "pre_failure": 4, "simulate": 4, "slope_limit": 2},
+        "cases": {"gravity": 1, "pre_failure": 1, "simulate": 2, "slope_limit": 1},
+        "sample": {"gravity": 2, "pre_failure": 2, "simulate": 2, "slope_limit": 2},
     }
     for study in (GRID, CASES, SAMPLE):
         config = configured(folder, study)
@@ -160,10 +160,10 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
     larger = SAMPLE | {"sample": SAMPLE["sample"] | {"size": 3}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, larger))
-    assert (jobs["gravity"], jobs["trunk"], jobs["simulate"], jobs["measure"]) == (1, 1, 1, 1)
+    assert (jobs["gravity"], jobs["pre_failure"], jobs["simulate"], jobs["measure"]) == (1, 1, 1, 1)
     wider = GRID | {"grid": GRID["grid"] | {"motion.frequency": ["1.0", "2.0", "3.0"]}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, wider))
-    assert "gravity" not in jobs and (jobs["trunk"], jobs["simulate"]) == (2, 2)
+    assert "gravity" not in jobs and (jobs["pre_failure"], jobs["simulate"]) == (2, 2)
 
 
 @pytest.mark.parametrize("target", ["results/grid/draft/claims.csv", "results/grid/draft/figures/fig4.png"])

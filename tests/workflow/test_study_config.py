@@ -166,10 +166,10 @@ def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:
     chosen = free(grid={"S_R": [0.1, 0.5], "gamma": [1, 100], "amplitude": [2, 6], "motion.frequency": [1, 2], "soil.cohesion": [20, 150]})
     assert len(chosen.study.runs) == 32
     assert chosen.gravities == ["gravity_soil.cohesion-20", "gravity_soil.cohesion-150"]
-    assert len(chosen.trunks) == 8 and chosen.trunks[0] == "trunk_amplitude-2_motion.frequency-1_soil.cohesion-20"
+    assert len(chosen.pre_failures) == 8 and chosen.pre_failures[0] == "pre_failure_amplitude-2_motion.frequency-1_soil.cohesion-20"
     name = "S_R-0.5_gamma-1_amplitude-6_motion.frequency-2_soil.cohesion-150"
-    gravity, trunk = chosen.stages(name)
-    assert chosen.gravity_of(trunk) == gravity
+    gravity, pre_failure = chosen.stages(name)
+    assert chosen.gravity_of(pre_failure) == gravity
     stage = make_scene(chosen.stage(gravity))
     assert (stage.soil.cohesion, stage.coupling.S_R, stage.motion.amplitude) == (150.0, 0.25, 6.0)
 
@@ -183,8 +183,8 @@ def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
             chosen.stage(limit)
     assert searched_limit("gravity_soil.cohesion-150") is None
     assert [search.gravity for search in chosen.searches.values()] == 2 * chosen.gravities
-    with pytest.raises(ValueError, match="no stage 'trunk'"):
-        chosen.stage("trunk")
+    with pytest.raises(ValueError, match="no stage 'pre_failure'"):
+        chosen.stage("pre_failure")
 
 
 @pytest.mark.parametrize(
@@ -195,22 +195,22 @@ def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
     ],
 )  # fmt: skip
 def test_the_solver_accepts_every_stage_that_is_shared(key: str) -> None:
-    """By the comparison that it makes itself: of a gravity stage at its end, of a trunk in which nothing failed until then."""
+    """By the comparison that it makes itself: of a gravity stage at its end, of a pre-failure run in which nothing failed until then."""
     values = {"walls.layers": [2, 3], "duration": [12, 15], "numerics.time_step": ["1e-4", "5e-5"], "geometry.slope_angle": [50, 60]}
     values |= {"motion.decay_start": [8, 9], "outputs.frame_interval": [0.25, 0.5], "gravity.damping": [10, 20]}
     chosen = free(grid={key: values.get(key, ["0.1", "0.2"]), "S_R" if key != "S_R" else "gamma": ["0.3", "0.4"]})
     for name in chosen.study.runs:
-        gravity, trunk = chosen.stages(name)
-        scenes = [make_scene(chosen.stage(gravity)), make_scene(chosen.stage(trunk)), make_scene(chosen.run_scene(name))]
+        gravity, pre_failure = chosen.stages(name)
+        scenes = [make_scene(chosen.stage(gravity)), make_scene(chosen.stage(pre_failure)), make_scene(chosen.run_scene(name))]
         check_restart(scenes[0], scenes[1], scenes[0].gravity.duration, False, gravity)
-        check_restart(scenes[1], scenes[2], scenes[1].duration, False, trunk)
+        check_restart(scenes[1], scenes[2], scenes[1].duration, False, pre_failure)
 
 
 def test_a_stage_that_does_not_stand_alone_is_not_shared() -> None:
     """A gravity stage of 4 s ends after the shaking of the scene file has begun."""
     cases = [{"gravity.duration": 4, "motion.start": 4, "motion.decay_start": 10, "motion.end": 11, "S_R": S_R} for S_R in (0.1, 0.5)]
     chosen = free(cases=cases)
-    assert chosen.gravities == ["gravity_case-000001", "gravity_case-000002"] and chosen.trunks == ["trunk_case-000001"]
+    assert chosen.gravities == ["gravity_case-000001", "gravity_case-000002"] and chosen.pre_failures == ["pre_failure_case-000001"]
     assert make_scene(chosen.stage("gravity_case-000002")).coupling.S_R == 0.5
 
 
@@ -219,7 +219,7 @@ def test_cases_and_samples_are_numbered_and_share_stages() -> None:
     chosen = free(cases=cases)
     assert chosen.study.runs["case-000002"] == {"S_R": "0.50", "soil.cohesion": "20"}
     assert chosen.gravities == ["gravity_case-000001", "gravity_case-000003"]
-    assert chosen.stages("case-000002") == ("gravity_case-000001", "trunk_case-000001")
+    assert chosen.stages("case-000002") == ("gravity_case-000001", "pre_failure_case-000001")
     few, more = (free(sample={"size": size, "ranges": {"soil.cohesion": [5, 50], "S_R": [0.1, 0.5]}}) for size in (5, 9))
     assert list(more.study.runs.items())[:5] == list(few.study.runs.items()), "a larger sample keeps its runs"
 

@@ -102,14 +102,16 @@ def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> 
     assert claim["verdict"].tolist() == ["not covered"] * 2 and claim["measured"].str.contains("S_R 0.10: ").all()
 
 
-def test_runs_share_trunks_and_those_of_the_study(searched: Path) -> None:
+def test_runs_share_pre_failure_runs_and_those_of_the_study(searched: Path) -> None:
     own, other = searched / "results/small/draft", searched / FOLDER / "fixed-sides"
     for folder, sides in ((own, "free_slip"), (other, "fixed")):
-        trunk = trajectory.read(folder / "stages/amplitude-8.0.nc")
-        assert trajectory.scene_of(trunk).walls.sides == sides
+        pre_failure = trajectory.read(folder / "stages/pre_failure_amplitude-8.0.nc")
+        assert trajectory.scene_of(pre_failure).walls.sides == sides
         assert (folder / "runs/S_R-0.10_gamma-100_amplitude-8.0.nc").exists()
     jobs = planned_jobs(searched, *write(searched), "results/small/draft/study.csv")
-    assert jobs == {"trunk": 1, "simulate": 4, "measure": 1, "study": 1}, "0.1 m/s2 alone is new: the maps ran the four corners at 8 m/s2"
+    assert jobs == {"pre_failure": 1, "simulate": 4, "measure": 1, "study": 1}, (
+        "0.1 m/s2 alone is new: the maps ran the four corners at 8 m/s2"
+    )
     assert STUDY["grid"]["amplitude"] == ["0.1", "8.0"]
 
 
@@ -169,5 +171,5 @@ def test_a_smaller_tolerance_runs_only_the_new_halves(searched: Path) -> None:
     table = read_critical(searched / FOLDER / "trigger.csv")
     assert (table["upper"] - table["lower"] == 2.0).all() and (table["runs"] == 5).all()
     after = runs(searched)
-    assert len(after) == len(before) + 4, "a trunk and a run for each of two brackets"
+    assert len(after) == len(before) + 4, "a pre-failure run and a run for each of two brackets"
     assert {path: after[path] for path in before} == before, "no finished run is made again"

@@ -79,7 +79,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
     once = {"all": 1, "preflight": 1, "gravity": 1, "slope_limit": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert planned_jobs(folder, *config) == once | {"trunk": 2, "simulate": 8, "figure": 3, "paper_figure": 4}
+    assert planned_jobs(folder, *config) == once | {"pre_failure": 2, "simulate": 8, "figure": 3, "paper_figure": 4}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
@@ -90,7 +90,7 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
     once = {"all": 1, "preflight": 1, "gravity": 1, "slope_limit": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert jobs == once | {"trunk": 3, "simulate": 24, "figure": 3, "paper_figure": 4}
+    assert jobs == once | {"pre_failure": 3, "simulate": 24, "figure": 3, "paper_figure": 4}
 
 
 @pytest.mark.parametrize(("target", "rule"), [("results/paper/paper/runs/S_R-0.10_gamma-1_amplitude-2.0.nc", "simulate"), ("docs", "docs")])
@@ -159,22 +159,22 @@ def test_an_amplitude_that_fails_nothing_needs_no_branches(finished: Path) -> No
     folder = finished / "results" / "small" / "draft"
     study = read_study(folder / "study.nc")
     assert (study["status"].sel(amplitude=0.1) == "unfailed").all() and (study["status"].sel(amplitude=8.0) == "complete").all()
-    trunk = trajectory.read(folder / "stages" / "amplitude-0.1.nc")
+    pre_failure = trajectory.read(folder / "stages" / "pre_failure_amplitude-0.1.nc")
     run = trajectory.read(folder / "runs" / "S_R-0.50_gamma-1_amplitude-0.1.nc")
-    assert run.attrs["particle_steps"] == trunk.attrs["particle_steps"], "the branch made no step of its own"
+    assert run.attrs["particle_steps"] == pre_failure.attrs["particle_steps"], "the branch made no step of its own"
     assert trajectory.scene_of(run).coupling.S_R == 0.5
-    assert run.equals(trunk)
+    assert run.equals(pre_failure)
 
 
-def test_branches_start_from_the_shared_trunk(finished: Path) -> None:
+def test_branches_start_from_the_shared_pre_failure_run(finished: Path) -> None:
     folder = finished / "results" / "small" / "draft"
-    trunk = trajectory.read(folder / "stages" / "amplitude-8.0.nc")
-    assert trunk.attrs["status"] == "paused" and not trunk["failed"].any()
-    shared = trunk.sizes["sample"]
+    pre_failure = trajectory.read(folder / "stages" / "pre_failure_amplitude-8.0.nc")
+    assert pre_failure.attrs["status"] == "paused" and not pre_failure["failed"].any()
+    shared = pre_failure.sizes["sample"]
     for path in folder.glob("runs/*_amplitude-8.0.nc"):
         run = trajectory.read(path)
         assert run["failed"].any()
-        np.testing.assert_array_equal(run["kinetic_energy"][:shared], trunk["kinetic_energy"])
+        np.testing.assert_array_equal(run["kinetic_energy"][:shared], pre_failure["kinetic_energy"])
 
 
 def test_figures_are_drawn(finished: Path) -> None:
@@ -221,7 +221,7 @@ def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:
 
 def test_a_scene_key_reruns_the_stages(finished: Path) -> None:
     jobs = planned_jobs(finished, *write_config(finished, fidelities={"draft": {"soil": {"cohesion": 140.0}}}))
-    assert jobs["gravity"] == 1 and jobs["trunk"] == 2 and jobs["simulate"] == 8
+    assert jobs["gravity"] == 1 and jobs["pre_failure"] == 2 and jobs["simulate"] == 8
 
 
 def test_a_bad_configuration_is_refused_before_any_job(finished: Path) -> None:
@@ -337,7 +337,7 @@ def test_a_study_killed_with_its_jobs_is_finished_by_the_same_command(
 def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     """In one line on stderr, beside Snakemake's own words, and in the job's log; earlier results stay."""
     folder = copied / "results" / "small" / "draft"
-    stage = folder / "stages" / "amplitude-8.0.nc"
+    stage = folder / "stages" / "pre_failure_amplitude-8.0.nc"
     stage.write_bytes(stage.read_bytes()[:10_000])
     before = {path: path.read_bytes() for path in folder.glob("runs/*_amplitude-0.1.nc")}
     shutil.rmtree(folder / "logs")
@@ -353,13 +353,13 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     assert before and all(path.read_bytes() == data for path, data in before.items())
     # The remedy is the one that the line names.
     stage.unlink()
-    assert planned_jobs(copied, *write_config(copied), "--", RUN) == {"trunk": 1, "simulate": 1}
+    assert planned_jobs(copied, *write_config(copied), "--", RUN) == {"pre_failure": 1, "simulate": 1}
 
 
 @pytest.mark.long
 def test_results_from_the_future(finished: Path, copied: Path) -> None:
     """A clock that was wrong: inputs newer than now are worked up once, and to the same result."""
-    stage = copied / "results" / "small" / "draft" / "stages" / "amplitude-8.0.nc"
+    stage = copied / "results" / "small" / "draft" / "stages" / "pre_failure_amplitude-8.0.nc"
     os.utime(stage, (2**33, 2**33))
     result = snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN)
     assert result.returncode == 0, result.stderr

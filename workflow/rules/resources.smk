@@ -19,12 +19,12 @@ def asked(scene, stage=lambda wildcards: "end"):
 
 
 def stage_scene(wildcards):
-    """The scene of a gravity stage, a trunk, a search or a run, of the plan of its folder."""
+    """The scene of a gravity stage, a pre-failure run, a search or a run, of the plan of its folder."""
     plan, named = PLANS(wildcards.folder), dict(wildcards.items())
     if "run" in named:
         return plan.run_scene(named["run"])
     return plan.stage(
-        next(named[kind] for kind in ("trunk", "gravity", "limit") if kind in named)
+        next(named[kind] for kind in ("pre_failure", "gravity", "limit") if kind in named)
     )
 
 

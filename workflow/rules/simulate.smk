@@ -1,6 +1,6 @@
 # Purpose: simulate every run; those of a study and of the trigger share work that is done once, of other experiments each stands on its own.
 # Inputs:  the scene, with the files of its ground line and motion, and the solver's sources, by their contents.
-# Outputs: stages/gravity*.nc, stages/amplitude-*.nc or trunk*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger;
+# Outputs: stages/gravity*.nc, stages/pre_failure*.nc, runs/*.nc, in the study's folder or in that of a case of the trigger;
 #          runs/**/*.nc in the folder of an experiment
 
 
@@ -22,19 +22,19 @@ rule gravity:
         "../scripts/simulate/simulate.py"
 
 
-rule trunk:
+rule pre_failure:
     """Shake until the first failure; shared by all runs that differ in what acts after it: S_R and gamma."""
     input:
         restart=lambda wildcards: "{folder}/stages/{gravity}.nc".format(
             folder=wildcards.folder,
-            gravity=PLANS(wildcards.folder).gravity_of(wildcards.trunk),
+            gravity=PLANS(wildcards.folder).gravity_of(wildcards.pre_failure),
         ),
     output:
-        "{folder}/stages/{trunk}.nc",
+        "{folder}/stages/{pre_failure}.nc",
     log:
-        "{folder}/logs/{trunk}.log",
+        "{folder}/logs/{pre_failure}.log",
     benchmark:
-        "{folder}/benchmarks/{trunk}.tsv"
+        "{folder}/benchmarks/{pre_failure}.tsv"
     priority: 10
     resources:
         **asked(stage_scene),
@@ -47,11 +47,11 @@ rule trunk:
 
 
 rule simulate:
-    """Simulate a run from its trunk to the end; a trunk in which nothing failed is taken over as it is."""
+    """Simulate a run from its pre-failure run to the end; one in which nothing failed is taken over as it is."""
     input:
-        restart=lambda wildcards: "{folder}/stages/{trunk}.nc".format(
+        restart=lambda wildcards: "{folder}/stages/{pre_failure}.nc".format(
             folder=wildcards.folder,
-            trunk=PLANS(wildcards.folder).stages(wildcards.run).trunk,
+            pre_failure=PLANS(wildcards.folder).stages(wildcards.run).pre_failure,
         ),
     output:
         RUN,
