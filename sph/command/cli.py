@@ -561,7 +561,7 @@ def motion(
 
 
 @app.command(epilog="Example:  sph reference scene > keys.md")
-def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, presets, ...")]) -> None:
+def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, ...")]) -> None:
     """Print a table of keys, variables or measured results (Markdown)."""
     with refusals():
         from sph.command.reference import TABLES, markdown

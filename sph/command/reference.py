@@ -28,7 +28,7 @@ from sph.experiments.assumptions import read_limits
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import percent
 from sph.experiments.cost_accuracy.convergence import CONVERGENCE
-from sph.experiments.cost_accuracy.design import PRESETS
+from sph.experiments.cost_accuracy.design import FIDELITY
 from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, summary
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.robustness import REFUSED, TIME_STEP, read_extremes
@@ -118,11 +118,11 @@ def variant_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield variant.name, speed, f"{variant.cost:.3g} s", *errors, f"{variant.classes_agree} of {variant.cases}"
 
 
-def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+def fidelity_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (fidelity, time of a run, A's displacement and run-out in each case, errors, class) of a cost-accuracy study."""
-    presets = table[table["parameter"] == PRESETS]
-    for variant in summary(presets):
-        own = presets[presets["variant"] == variant.variant]
+    fidelities = table[table["parameter"] == FIDELITY]
+    for variant in summary(fidelities):
+        own = fidelities[fidelities["variant"] == variant.variant]
         values = [" / ".join(f"{value:.3g}" for value in own[metric]) + " m" for metric in QUANTITIES.values()]
         baseline = " / ".join(advice.percent(error) for error in variant.baseline_errors.values())
         yield variant.variant, f"{variant.cost:.3g} s", *values, *_errors(variant), baseline, f"{variant.classes_agree} of {variant.cases}"
@@ -130,9 +130,9 @@ def preset_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
 
 def resolved_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (fidelity, spacing, time of a run, A's displacement in each case, errors, class) of the scheme of one's own slopes."""
-    presets = table[table["parameter"] == PRESETS]
-    for variant in summary(presets):
-        own = presets[presets["variant"] == variant.variant]
+    fidelities = table[table["parameter"] == FIDELITY]
+    for variant in summary(fidelities):
+        own = fidelities[fidelities["variant"] == variant.variant]
         values = " / ".join(f"{value:.3g}" for value in own["displacement_magnitude"]) + " m"
         classes = f"{variant.classes_agree} of {variant.cases}"
         yield variant.variant, f"{own['spacing'].iloc[0]:g} m", f"{variant.cost:.3g} s", values, *_errors(variant), classes
@@ -246,7 +246,7 @@ def fidelity_lines() -> Iterator[tuple[str, ...]]:
     times = read_measured("times").set_index("task")["wall_time"]
     compared = read_measured("fidelities").set_index("fidelity")
     measured_trade = advice.shipped_table()
-    for variant in [] if measured_trade is None else summary(measured_trade[measured_trade["parameter"] == PRESETS]):
+    for variant in [] if measured_trade is None else summary(measured_trade[measured_trade["parameter"] == FIDELITY]):
         task = STUDY_AT + variant.variant
         against = ("-", "-")
         if variant.variant in compared.index:
@@ -259,7 +259,7 @@ def fidelity_lines() -> Iterator[tuple[str, ...]]:
 def _study_tasks() -> set[str]:
     """The timed tasks that are the whole study, one a fidelity."""
     table = advice.shipped_table()
-    return set() if table is None else {STUDY_AT + fidelity for fidelity in table["variant"][table["parameter"] == PRESETS]}
+    return set() if table is None else {STUDY_AT + fidelity for fidelity in table["variant"][table["parameter"] == FIDELITY]}
 
 
 def _fidelities_table() -> Reference:
@@ -327,7 +327,7 @@ SWEEP_HEAD = (
 )  # fmt: skip
 STEP_HEAD = ("scheme", "largest sound step over the limit", "first that diverges")
 VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
-PRESET_HEAD = (
+FIDELITY_ERROR_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
     "class as the reference",
 )  # fmt: skip
@@ -437,7 +437,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference(("command", "what it does"), list(command_lines())),
     "schemes": _schemes_table,
-    "presets": lambda: measured(PRESET_HEAD, preset_rows),
+    "fidelity_errors": lambda: measured(FIDELITY_ERROR_HEAD, fidelity_rows),
     "trade": lambda: measured(VARIANT_HEAD, variant_lines),
     "resolved": lambda: measured(RESOLVED_HEAD, resolved_lines, "resolved"),
     "resolution": lambda: measured(VARIANT_HEAD, variant_lines, "resolved"),

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from sph.experiments.cost_accuracy.design import PRESETS
+from sph.experiments.cost_accuracy.design import FIDELITY
 from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, Summary, non_dominated, summary
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled, write_note, written
 
@@ -65,11 +65,11 @@ def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mappin
     ax.plot(cost[front], error[front], color=GREY, linewidth=1.0, drawstyle="steps-post", zorder=1)
     for variant, x, y, good in zip(variants, cost, error, agrees, strict=True):
         colour, marker = looks[variant.parameter]
-        preset = variant.parameter == PRESETS
-        size, layer = (6, 4) if preset else (5, 3)
+        fidelity = variant.parameter == FIDELITY
+        size, layer = (6, 4) if fidelity else (5, 3)
         face = colour if good else "white"
         ax.plot(x, y, linestyle="", marker=marker, color=colour, markerfacecolor=face, markersize=size, zorder=layer)
-        if preset:
+        if fidelity:
             ax.annotate(variant.variant, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5)
     ax.set(xscale="log", yscale="log", xlabel="computing time of one run (s)")
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

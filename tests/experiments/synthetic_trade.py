@@ -52,10 +52,10 @@ DISPLACEMENTS = {
     "spacing/2-m": 10.0,
     "spacing/1.5-m": 9.7,
     "skin/0.6": 10.9,
-    "preset/paper": 15.0,
+    "fidelity/paper": 15.0,
 }
 """Of A in the weak case, m; a tenth of it in the strong one.  The run-out is a metre more."""
-COSTS = {"spacing/5-m": 1.0, "spacing/3-m": 4.0, "spacing/2-m": 20.0, "spacing/1.5-m": 60.0, "skin/0.6": 5.0, "preset/paper": 30.0}
+COSTS = {"spacing/5-m": 1.0, "spacing/3-m": 4.0, "spacing/2-m": 20.0, "spacing/1.5-m": 60.0, "skin/0.6": 5.0, "fidelity/paper": 30.0}
 """Of the weak case, s."""
 
 
@@ -65,7 +65,7 @@ def trade_runs(overrides: Mapping[str, Any] | None = None, fidelities: Mapping[s
 
 def runs_of(made: TradeRuns, **changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """What was measured of every run; ``changes`` by the variant's file name with '/' and '-' as '_'."""
-    by_name = {"preset/draft": "spacing/5-m"}
+    by_name = {"fidelity/draft": "spacing/5-m"}
     runs = {}
     for name, run in made.runs.items():
         variant = name.rpartition("/")[0]

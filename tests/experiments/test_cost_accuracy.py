@@ -72,14 +72,14 @@ class TestResolution:
 
     def test_it_is_valid_and_its_slope_has_the_height_that_errors_are_looked_up_by(self) -> None:
         shipped = load_trade("config/resolution.yaml", study_plan({"paper": {}}), [ROOT])
-        assert {row.variant for row in shipped.rows if row.parameter == "preset"} == {"draft", "standard", "fine"}
+        assert {row.variant for row in shipped.rows if row.parameter == "fidelity"} == {"draft", "standard", "fine"}
         assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
         geometry = load_scene(ROOT / "config" / "scenes" / "long_box.yaml").geometry
         assert geometry.slope_height == advice.HEIGHT  # type: ignore[union-attr]
 
     @pytest.mark.parametrize(
         ("spacing", "variant"),
-        [(0.5, "preset: standard"), (0.4, "spacing: 5/6 m"), (0.3125, "preset: fine"), (0.8334, "spacing: 5/3 m"), (1.26, None)],
+        [(0.5, "fidelity: standard"), (0.4, "spacing: 5/6 m"), (0.3125, "fidelity: fine"), (0.8334, "spacing: 5/3 m"), (1.26, None)],
     )
     def test_a_slope_of_ones_own_is_looked_up_by_its_rows_of_particles(self, spacing: float, variant: str | None) -> None:
         # 12.5 m high: 0.5 m is as 1 m on the slope of the study, 25 m high.  Coarser than 2.5 m there nothing was measured.
@@ -106,10 +106,10 @@ class TestResolution:
 
 
 class TestConfiguration:
-    def test_the_shipped_study_is_valid_and_covers_the_presets(self) -> None:
+    def test_the_shipped_study_is_valid_and_covers_the_fidelities(self) -> None:
         config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
         shipped = load_trade("config/trade.yaml", study_plan(config["fidelities"]), [ROOT])
-        assert {row.variant for row in shipped.rows if row.parameter == "preset"} == {"draft", "standard", "paper", "fine"}
+        assert {row.variant for row in shipped.rows if row.parameter == "fidelity"} == {"draft", "standard", "paper", "fine"}
         assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
         assert all(row.runs and set(row.runs) <= set(shipped.runs) for row in shipped.rows)
         contents = [
@@ -124,7 +124,7 @@ class TestConfiguration:
     def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
         rows = {(row.parameter, row.variant, row.case): row.runs for row in trade_runs().rows}
         assert rows["skin", "0.3", "weak"] == rows["spacing", "3 m", "weak"] == tuple(f"spacing/3-m/weak_{n}" for n in (1, 2, 3))
-        assert rows["preset", "draft", "weak"] == rows["spacing", "5 m", "weak"]
+        assert rows["fidelity", "draft", "weak"] == rows["spacing", "5 m", "weak"]
         assert rows["skin", "0.6", "weak"] == ("skin/0.6/weak_1",)
         assert rows["spacing", "3 m", "strong"] == ("spacing/3-m/strong_1",), "only the timed case is repeated"
         assert rows["spacing", "1.5 m", "weak"] == ("spacing/1.5-m/weak_1",) and ("spacing", "1.5 m", "strong") not in rows
@@ -165,7 +165,7 @@ class TestConfiguration:
             ({"parameters": {"spacing": {"exceptions": {"7 m": {}}}}}, ("parameters.spacing", "'7 m'", "5 m, 3 m")),
             ({"parameters": {"skin": {"cases": ["medium"]}}}, ("parameters.skin", "'medium'", "weak, strong")),
             ({"parameters": {"skin": {"cases": ["strong"]}}}, ("parameters.skin", "timed case 'weak'")),
-            ({"parameters": {"preset": TRADE["parameters"]["skin"]}}, ("'preset'", "another name")),
+            ({"parameters": {"fidelity": TRADE["parameters"]["skin"]}}, ("'fidelity'", "another name")),
             ({"parameters": {"skin": {"repeats": 0}}}, ("parameters.skin.repeats", "0")),
             ({"reference": {"variant": "9 m"}}, ("reference", "'9 m'")),
             ({"reference": {"variant": "1.5 m"}}, ("reference", "'1.5 m'", "missing: strong")),
@@ -236,7 +236,7 @@ class TestTable:
     def test_repeats_that_differ_are_told(self) -> None:
         made = trade_runs()
         runs = runs_of(made)
-        runs["preset/draft/weak_2"]["displacement_magnitude"] = np.nextafter(12.0, 13.0)
+        runs["fidelity/draft/weak_2"]["displacement_magnitude"] = np.nextafter(12.0, 13.0)
         frame = trade_table(made.rows, runs, "paper", "m")
         assert row_of(frame, "spacing", "5 m")["reproducible"] == 0.0
         assert row_of(frame, "spacing", "3 m")["reproducible"] == 1.0
@@ -274,7 +274,10 @@ class TestTable:
         values = measured_run(run, MetricSettings())
         assert (values["particles"], values["steps"], values["spacing"]) == (2404, 30, 1.0)
         frame = trade_table(
-            [VariantRow("preset", "paper", "only", "accuracy", {}, {}, True, True, (("a", "b"),))], {"a": values, "b": values}, "paper", "m"
+            [VariantRow("fidelity", "paper", "only", "accuracy", {}, {}, True, True, (("a", "b"),))],
+            {"a": values, "b": values},
+            "paper",
+            "m",
         )
         assert frame.iloc[0]["displacement_magnitude"] == pytest.approx(3.0) and frame.iloc[0]["reproducible"] == 1.0
 
@@ -291,7 +294,7 @@ class TestTable:
         values = {"displacement_magnitude": (9.0, 10.0, 14.0), "runout": (12.0, 11.0, 13.0), "onset_time": (4.0, 5.0, 6.0)}
         values |= {"energy_error": (1e-3, -4e-3, 2e-3), "wall_time": (1.0, 2.0, 4.0), "collapse_class": ("collapse", "damaged", "collapse")}
         runs = {name: first | {key: each[at] for key, each in values.items()} for at, names in enumerate(row.lattices) for name in names}
-        (found,) = trade_table([row._replace(parameter="preset", variant="paper", reference=True)], runs, "paper", "m").to_dict("records")
+        (found,) = trade_table([row._replace(parameter="fidelity", variant="paper", reference=True)], runs, "paper", "m").to_dict("records")
         assert (found["displacement_magnitude"], found["runout"]) == (11.0, 12.0)
         assert found["onset_after_start"] == 5.0 - first["shaking_start"]
         assert (found["energy_error"], found["wall_time"], found["collapse_class"]) == (-4e-3, 7.0, "collapse")
@@ -326,7 +329,7 @@ class TestSummary:
 class TestAdvice:
     def test_the_cheapest_within_the_error_is_named(self) -> None:
         frame = trade_frame()
-        for error, name in ((0.25, "preset: draft"), (0.1, "spacing: 3 m")):
+        for error, name in ((0.25, "fidelity: draft"), (0.1, "spacing: 3 m")):
             found = advise(frame, error)
             assert found.fits and found.variant.name == name
 
@@ -335,7 +338,7 @@ class TestAdvice:
         assert advise(trade_frame(), 0.19, ("displacement",)).variant.cost == pytest.approx(4.4)
 
     def test_a_variant_of_another_class_is_no_answer(self) -> None:
-        changed = trade_frame(**{"preset_draft": {"collapse_class": "minor"}})
+        changed = trade_frame(**{"fidelity_draft": {"collapse_class": "minor"}})
         assert advise(changed, 0.25).variant.name == "spacing: 3 m"
 
     def test_a_variant_that_changes_the_model_is_no_answer(self) -> None:
@@ -346,13 +349,13 @@ class TestAdvice:
 
     def test_a_variant_above_its_time_step_limit_is_no_answer(self) -> None:
         exceeded = {"time_step_ratio": 1.01}
-        assert advise(trade_frame(preset_draft=exceeded, spacing_5_m=exceeded), 0.25).variant.name == "spacing: 3 m"
+        assert advise(trade_frame(fidelity_draft=exceeded, spacing_5_m=exceeded), 0.25).variant.name == "spacing: 3 m"
 
     def test_a_fidelity_can_be_the_measure(self) -> None:
         # A moves by 15 m at paper and by 12 m at draft; the run-outs are a metre more.
         frame = against(trade_frame(), "paper")
-        assert advise(frame, 0.25).variant.name == "preset: draft"
-        draft = next(variant for variant in summary(frame) if variant.name == "preset: draft")
+        assert advise(frame, 0.25).variant.name == "fidelity: draft"
+        draft = next(variant for variant in summary(frame) if variant.name == "fidelity: draft")
         assert draft.errors["displacement"] == pytest.approx(0.2) and draft.errors["runout"] == pytest.approx(1 - 13 / 16)
         with pytest.raises(ValueError, match="fidelity: 'best' must be one of draft, paper"):
             against(trade_frame(), "best")
@@ -419,23 +422,23 @@ class TestExpectedError:
         path = tmp_path / "slope.yaml"
         path.write_text(yaml.safe_dump(SCENE, sort_keys=False))
         shown = call("info", path, "--set", "numerics.smoothing_ratio=1.3").stdout
-        assert "expected error" in shown and "A's displacement within 20 %" in shown and "preset: draft" in shown
+        assert "expected error" in shown and "A's displacement within 20 %" in shown and "fidelity: draft" in shown
 
 
 class TestReference:
     def test_the_tables_of_the_readme_come_from_the_shipped_table(self, shipped: Path) -> None:
-        variants, presets = markdown(TABLES["trade"]()), markdown(TABLES["presets"]())
+        variants, fidelities = markdown(TABLES["trade"]()), markdown(TABLES["fidelity_errors"]())
         assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in variants and "test machine, 2 cores" in variants
         assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in variants
-        assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 0 % / 0 % | 2 of 2 |" in presets
+        assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 0 % / 0 % | 2 of 2 |" in fidelities
 
     def test_without_a_table_they_say_so(self, absent: None) -> None:
-        for name in ("trade", "presets"):
+        for name in ("trade", "fidelity_errors"):
             assert TABLES[name]().rows == [] and markdown(TABLES[name]()).startswith("Not measured yet")
 
 
 class TestFigures:
-    def test_every_variant_but_the_reference_has_a_point_and_presets_their_name(self) -> None:
+    def test_every_variant_but_the_reference_has_a_point_and_fidelities_their_name(self) -> None:
         figure = figure_tradeoff(trade_frame(**{"skin_0.6": {"collapse_class": "minor"}}))
         for ax in figure.axes:
             points = [line for line in ax.lines if line.get_marker() not in (None, "None")]

@@ -40,7 +40,7 @@ TRADE: dict[str, Any] = {
         },
     },
 }
-"""Three spacings; the preset 'draft' is the coarsest."""
+"""Three spacings; the fidelity 'draft' is the coarsest."""
 
 MADE = {"trade": 1, "trade_table": 1, "trade_figure_tradeoff": 1, "trade_figure_convergence": 1}
 """Jobs beside the runs."""
@@ -82,7 +82,7 @@ def test_the_tables_hold_every_variant_and_case(climbed: Path) -> None:
 
 def test_runs_are_whole_and_share_no_stage(climbed: Path) -> None:
     folder = climbed / "results" / "trade"
-    run = trajectory.read(folder / "runs" / "preset" / "draft" / "S_R-0.10_2.nc")
+    run = trajectory.read(folder / "runs" / "fidelity" / "draft" / "S_R-0.10_2.nc")
     assert run.attrs["particle_steps"] == 3000 * run.sizes["particle"]
     assert not (folder / "stages").exists()
 

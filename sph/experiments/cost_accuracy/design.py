@@ -23,7 +23,7 @@ from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.study.plan import Plan
 
-PRESETS = "preset"
+FIDELITY = "fidelity"
 """Parameter whose variants are the study's fidelities."""
 NOT_SCHEME = ("name", "title", "scheme", "duration", "geometry", "soil", "layers", "water", "uncertain", "motion", "probes", "outputs")
 """Sections and keys of a scene that say what is simulated, not how."""
@@ -82,9 +82,9 @@ class Trade(Cases):
     baseline: str = key("fidelity from which deviations are given as well", default="paper")
     convergence: str = key("parameter whose variants differ in spacing: the order of convergence is measured on it", default="spacing")
     fidelities: dict[Name, Overrides] | None = key(
-        f"scene keys of the fidelities that are variants of {PRESETS!r}, by name; null: those of the study", min_length=1, default=None
+        f"scene keys of the fidelities that are variants of {FIDELITY!r}, by name; null: those of the study", min_length=1, default=None
     )
-    parameters: dict[Name, Parameter] = key(f"the parameters, by name; the study's fidelities are added as '{PRESETS}'", min_length=1)
+    parameters: dict[Name, Parameter] = key(f"the parameters, by name; the study's fidelities are added as '{FIDELITY}'", min_length=1)
 
     @model_validator(mode="before")
     @classmethod
@@ -93,8 +93,8 @@ class Trade(Cases):
 
     @model_validator(mode="after")
     def _known(self) -> Trade:
-        if PRESETS in self.parameters:
-            raise ValueError(f"parameters: {PRESETS!r} is the parameter of the study's fidelities, choose another name")
+        if FIDELITY in self.parameters:
+            raise ValueError(f"parameters: {FIDELITY!r} is the parameter of the study's fidelities, choose another name")
         check_known("convergence", [self.convergence], self.parameters)
         check_known("timed_case", [self.timed_case], self.cases)
         for name, parameter in self.parameters.items():
@@ -206,7 +206,7 @@ class TradeRuns:
 
     def _variants(self) -> Iterator[tuple[str, str, Overrides]]:
         for label, settings in self._fidelities.items():
-            yield PRESETS, label, merge(self.trade.overrides, settings)
+            yield FIDELITY, label, merge(self.trade.overrides, settings)
         for name, parameter in self.trade.parameters.items():
             for label, settings in parameter.variants.items():
                 yield name, label, merge(merge(self.trade.overrides, parameter.base), settings)

@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sph.experiments.cost_accuracy.design import PRESETS, VariantRow, settings_text
+from sph.experiments.cost_accuracy.design import FIDELITY, VariantRow, settings_text
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.storage.trajectory import Status, Variable, scene_of
 from sph.study.tables import ROW, number_column, read_csv, text_column
@@ -31,7 +31,7 @@ def _metric(name: str) -> Variable:
 
 
 TRADE: tuple[Variable, ...] = (
-    text_column("parameter", f"what is varied; '{PRESETS}' for the fidelities of the study"),
+    text_column("parameter", f"what is varied; '{FIDELITY}' for the fidelities of the study"),
     text_column("variant", "its value"),
     text_column("case", "point of the study"),
     text_column("changes", "accuracy: how well the scene is computed; model: what is computed"),
@@ -86,7 +86,7 @@ def trade_table(rows: Sequence[VariantRow], runs: Mapping[str, Mapping[str, Any]
     """Frame with the columns ``COLUMNS`` from the rows of a cost-accuracy study and what was measured of its runs, by name."""
     found = [_row(row, [[runs[name] for name in repeats] for repeats in row.lattices], machine) for row in rows]
     references = {row["case"]: row for row in found if row["reference"]}
-    baselines = {row["case"]: row for row in found if (row["parameter"], row["variant"]) == (PRESETS, baseline)}
+    baselines = {row["case"]: row for row in found if (row["parameter"], row["variant"]) == (FIDELITY, baseline)}
     for row in found:
         row["class_as_reference"] = int(row["collapse_class"] == references[row["case"]]["collapse_class"])
         for name, metric in QUANTITIES.items():
@@ -153,13 +153,13 @@ def read_trade(path: Path | str) -> pd.DataFrame:
 
 def against(frame: pd.DataFrame, fidelity: str) -> pd.DataFrame:
     """The table with a fidelity for its reference; ValueError names one that was not measured in every case."""
-    presets = frame[frame["parameter"] == PRESETS]
-    own = presets[presets["variant"] == fidelity].set_index("case")
+    fidelities = frame[frame["parameter"] == FIDELITY]
+    own = fidelities[fidelities["variant"] == fidelity].set_index("case")
     if set(own.index) != set(frame["case"]):
-        raise ValueError(f"fidelity: {fidelity!r} must be one of {', '.join(dict.fromkeys(presets['variant']))}, measured in every case")
+        raise ValueError(f"fidelity: {fidelity!r} must be one of {', '.join(dict.fromkeys(fidelities['variant']))}, measured in every case")
     at = own.loc[frame["case"]]
     found = frame.assign(
-        reference=((frame["parameter"] == PRESETS) & (frame["variant"] == fidelity)).astype(int),
+        reference=((frame["parameter"] == FIDELITY) & (frame["variant"] == fidelity)).astype(int),
         class_as_reference=(frame["collapse_class"].to_numpy() == at["collapse_class"].to_numpy()).astype(int),
     )
     for name, metric in QUANTITIES.items():
