@@ -15,7 +15,7 @@ from sph.paper.study import load_study
 from sph.study.planned import planned, sources
 from sph.study.preflight import MOST_SCENES
 from sph.study.sampling import chosen_study
-from sph.study.stages import SEARCHES, searched_limit
+from sph.study.searches import SAFETY, SLOPE_LIMITS, searched_limit
 from sph.experiments.trigger.design import load_trigger, plan_of
 from sph.scene.configuration import check_files
 from sph.solver.compiled.jit import solver_digest

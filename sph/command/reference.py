@@ -326,10 +326,10 @@ SWEEP_HEAD = (
     "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
 )  # fmt: skip
 STEP_HEAD = ("scheme", "largest sound step over the limit", "first that diverges")
-VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "class as the reference")
+VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "same class as the reference")
 FIDELITY_ERROR_HEAD = (
     "fidelity", "one run", "A's displacement", "run-out", "A's displacement within", "run-out within", "both, of `paper`",
-    "class as the reference",
+    "same class as the reference",
 )  # fmt: skip
 RESOLVED_HEAD = (
     "fidelity",
@@ -338,7 +338,7 @@ RESOLVED_HEAD = (
     "A's displacement",
     "A's displacement within",
     "run-out within",
-    "class as the reference",
+    "same class as the reference",
 )
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")

@@ -38,7 +38,6 @@ from sph.storage.files import beside
 from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.sampling import chosen_study
-from sph.study.stages import search_name
 
 REFRESH = 2.0
 """Wall time between looks of ``--watch``, s."""
@@ -152,10 +151,9 @@ def jobs(plan: Plan) -> list[Job]:
     for name in plan.pre_failures:
         found.append(Job(Kind.PRE_FAILURE, "pre_failure", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
     for name, point in plan.study.runs.items():
-        found.append(Job(Kind.RUN, plan.stages(name).pre_failure, name, f"runs/{name}.nc", plan.built(**point)))
-    for gravity in dict.fromkeys(search.gravity for search in plan.searches.values()):
-        name = search_name(gravity)
-        found.append(Job(Kind.SEARCH, "search", name, f"stages/{name}.nc", make_scene(plan.stage(gravity))))
+        found.append(Job(Kind.RUN, f"runs of {plan.stages(name).pre_failure}", name, f"runs/{name}.nc", plan.built(**point)))
+    for name in dict.fromkeys(search.name for search in plan.searches.values()):
+        found.append(Job(Kind.SEARCH, "search", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
     return found
 
 

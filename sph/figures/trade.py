@@ -65,11 +65,11 @@ def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mappin
     ax.plot(cost[front], error[front], color=GREY, linewidth=1.0, drawstyle="steps-post", zorder=1)
     for variant, x, y, good in zip(variants, cost, error, agrees, strict=True):
         colour, marker = looks[variant.parameter]
-        fidelity = variant.parameter == FIDELITY
-        size, layer = (6, 4) if fidelity else (5, 3)
+        named = variant.parameter == FIDELITY
+        size, layer = (6, 4) if named else (5, 3)
         face = colour if good else "white"
         ax.plot(x, y, linestyle="", marker=marker, color=colour, markerfacecolor=face, markersize=size, zorder=layer)
-        if fidelity:
+        if named:
             ax.annotate(variant.variant, (x, y), xytext=(5, 4), textcoords="offset points", fontweight="bold", zorder=5)
     ax.set(xscale="log", yscale="log", xlabel="computing time of one run (s)")
     ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
@@ -19,11 +20,12 @@ from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
+from sph.study.searches import SAFETY
 from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"
 """What was found in the scenes before their runs: errors and warnings are told."""
-SAFETY = "{fidelity}/stages/factor_of_safety*.nc"
+FACTORS = f"{{fidelity}}/stages/{SAFETY}*.nc"
 """The searches for the factors of safety of slopes, where they were made."""
 CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
@@ -53,7 +55,7 @@ def answer(
     of_runs = " to ".join(dict.fromkeys(map(in_both, (yields.min(), yields.max())))) if len(yields) else ""
     facts = [
         ("Without shaking", *unshaken(table, rows)),
-        ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(SAFETY)), "sph fos")),
+        ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(FACTORS)), "sph fos")),
         ("Yield acceleration", *limit(findings, "yield-acceleration", of_runs, "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
     ]
@@ -89,12 +91,14 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
 
 
 def safety(files: Sequence[str]) -> str:
-    """The factor of safety at the spacing of the runs, least to most over the slopes where it was searched, or why it was not found."""
+    """The factor of safety at the spacing of the runs, least to most over the slopes where it was searched, and why it was not found."""
     searches = [trajectory.read(file).attrs for file in files]
     found = [float(facts["value"]) for facts in searches if not facts["reason"]]
-    if found:
-        return " to ".join(dict.fromkeys(f"{value:.2f}" for value in (min(found), max(found))))
-    return next((f"not found: {facts['reason']}" for facts in searches), "")
+    reasons = list(dict.fromkeys(str(facts["reason"]) for facts in searches if facts["reason"]))
+    words = [" to ".join(dict.fromkeys(f"{value:.2f}" for value in (min(found), max(found))))] if found else []
+    if found and any(Path(file).stem != SAFETY for file in files):
+        words[0] += f" of {len(found)} slopes" if len(found) > 1 else " of one slope"
+    return "; ".join(words + [f"not found: {reason}" for reason in reasons])
 
 
 def limit(findings: Sequence[Finding], code: str, of_runs: str, closely: str) -> tuple[str, str]:

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple, TypeVar
 from sph.figures import RUN_FIGURES, STUDY_FIGURES
 from sph.figures import caption as caption_of
 from sph.figures.trigger import MAPPED
-from sph.page.answer import CRITICAL, FINDINGS, SAFETY
+from sph.page.answer import CRITICAL, FINDINGS
 from sph.storage.trajectory import Variable
 from sph.study.schema import INPUT_FIGURES, PROFILES
 
@@ -149,9 +149,9 @@ DOCS = {
     "Limits of the model": "docs/model/limits.md",
 }
 """Pages of the documentation that say what the program is worth, whichever study it runs."""
-SECTIONS = (PREFLIGHT, FIGURES, *OF_EVERY_STUDY)
+SECTIONS = (PREFLIGHT, FIGURES, TRIGGER, MAPS, *OF_EVERY_STUDY)
 """The sections of a study of any dimensions, in their order on the page."""
-FIRST_SCREEN = (FINDINGS, SAFETY, CRITICAL)
+FIRST_SCREEN = (FINDINGS, CRITICAL)
 """Files from which the page begins, where they exist."""
 
 

@@ -86,7 +86,7 @@ def cost(scene: Scene, since: float = 0.0, until: float | None = None) -> Cost:
 
 
 def search_cost(scene: Scene) -> Cost:
-    """Cost of the search for a scene's yield acceleration; of one that has none, a single static test of the scene as it is."""
+    """Cost of the search for a limit of a scene; of one that has none, a single static test of the scene as it is."""
     try:
         one = cost(static_scene(scene, FailureRule(), acceleration=1.0))
     except ValueError:

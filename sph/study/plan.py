@@ -20,8 +20,9 @@ from sph.study.dimensions import Dimension, dimension, named_point, scene_key, t
 from sph.study.planned import planned
 from sph.study.sampling import read_cases
 from sph.study.schema import MOST_SHOWN, Point, Study, read_study
-from sph.study.stages import GRAVITY, MOST_SLOPES, SharedStages, SlopeSearch, Stages, search_name, searched_limit, stage_point
-from sph.study.tables import Layout
+from sph.study.searches import SLOPE_LIMITS, SlopeSearch, search_name, searched_limit
+from sph.study.stages import GRAVITY, SharedStages, Stages, stage_point
+from sph.study.tables import MOST_SLOPES, Layout
 
 PART = 500
 """Runs that are measured by one job."""
@@ -114,12 +115,16 @@ class Plan:
             return self._shared.points[stage]
         found = stage_point(stage, self.study.names) if self._named else None
         if found is None:
-            what, known = ("stage", list(self._shared.points)) if limit is None else ("search", self._searches(limit))
+            what, known = ("stage", list(self._shared.points)) if limit is None else ("search", self._search_names(limit))
             raise ValueError(f"study {self.study.study!r} has no {what} {name!r}; the first are {', '.join(known[:3])}")
         return found
 
-    def _searches(self, limit: str) -> list[str]:
+    def _search_names(self, limit: str) -> list[str]:
         return [search_name(gravity, limit) for gravity in self.gravities]
+
+    def search_files(self, limit: str) -> list[str]:
+        """Files of the searches for a limit of the study's slopes."""
+        return [f"{self.folder}/stages/{name}.nc" for name in self._search_names(limit)]
 
     def gravity_of(self, pre_failure: str) -> str:
         """Name of the gravity stage of a shared pre-failure run."""
@@ -130,7 +135,8 @@ class Plan:
         """The dimensions that the scene of each stage, search and run sets, by file; ``others`` are runs, by name, that the study lacks."""
         runs = self.study.runs | dict(others or {})
         shared = SharedStages(runs, self.study.numbered, self._stands) if others else self._shared
-        searches = {search_name(stages.gravity): shared.points[stages.gravity] for stages in shared.of_runs.values()}
+        gravities = {stages.gravity: shared.points[stages.gravity] for stages in shared.of_runs.values()}
+        searches = {search_name(gravity, limit): point for gravity, point in gravities.items() for limit in SLOPE_LIMITS}
         of = {"stages": shared.points | searches, "runs": runs}
         return {f"{self.folder}/{place}/{name}.nc": point for place, points in of.items() for name, point in points.items()}
 
@@ -164,8 +170,10 @@ class Plan:
         slopes = {run: self.stages(run).gravity for run in runs}
         if len(set(slopes.values())) > MOST_SLOPES:
             return {}
-        files = {gravity: f"{self.folder}/stages/{search_name(gravity)}.nc" for gravity in dict.fromkeys(slopes.values())}
-        found = {gravity: SlopeSearch(gravity, file, planned(self.stage(gravity))) for gravity, file in files.items()}
+        names = {gravity: search_name(gravity) for gravity in slopes.values()}
+        found = {
+            gravity: SlopeSearch(name, f"{self.folder}/stages/{name}.nc", planned(self.stage(gravity))) for gravity, name in names.items()
+        }
         return {run: found[gravity] for run, gravity in slopes.items()}
 
     @functools.cached_property

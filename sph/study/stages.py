@@ -11,22 +11,14 @@ that needs it.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.study.dimensions import named_point, point_name, scene_key
-from sph.study.planned import Planned
-
-AnyKey = TypeVar("AnyKey")
 
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 GRAVITY, PRE_FAILURE = "gravity", "pre_failure"
-YIELD = "yield_acceleration"
-SEARCHES = (YIELD, "factor_of_safety")
-"""Limits of a slope that are searched; the name of a search begins with the limit and ends as that of the slope's gravity stage."""
-MOST_SLOPES = 10
-"""Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 IDLE = {GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), PRE_FAILURE: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
 
@@ -44,34 +36,6 @@ def stage_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
             if found is not None:
                 return found
     return None
-
-
-def search_name(gravity: str, limit: str = YIELD) -> str:
-    """Name of the search for a limit of the slope that a gravity stage settles."""
-    return limit + gravity.removeprefix(GRAVITY)
-
-
-def searched_limit(name: str) -> str | None:
-    """The limit that a search with this name looks for; None for the name of no search."""
-    return next((limit for limit in SEARCHES if name.startswith(limit)), None)
-
-
-class SlopeSearch(NamedTuple):
-    """The search for the yield acceleration of a slope."""
-
-    gravity: str
-    """name of the gravity stage that settles the slope"""
-    file: str
-    scene: Planned
-
-
-def yield_accelerations(searches: Mapping[AnyKey, SlopeSearch]) -> dict[AnyKey, float]:
-    """What searches found, m/s2, by the keys that they are given with: 0 for a slope that does not stand, NaN where one found none.
-
-    ValueError names a file of another slope.
-    """
-    values = {file: float(scene.read(file).attrs["value"]) for file, scene in {each.file: each.scene for each in searches.values()}.items()}
-    return {at: values[search.file] for at, search in searches.items()}
 
 
 class Stages(NamedTuple):

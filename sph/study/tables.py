@@ -24,7 +24,6 @@ from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import AXES, CASE
-from sph.study.stages import MOST_SLOPES
 
 ROW = ("row",)
 """The dimension of a flat table."""
@@ -57,6 +56,8 @@ EXPECTED: tuple[Variable, ...] = tuple(
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
 """The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.cost_accuracy.advice``."""
+MOST_SLOPES = 10
+"""Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 BASELINE: tuple[Variable, ...] = (
     Variable(
         "yield_acceleration",

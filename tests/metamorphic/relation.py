@@ -10,9 +10,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-from answers import (
-    Case,
-)
+from answers import Case
 
 
 class Relation(NamedTuple):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 import zlib
 from html.parser import HTMLParser
@@ -20,7 +21,7 @@ from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
 from sph.measures.fields import displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.page.answer import FINDINGS, SAFETY, going, levels, limit, searched, unshaken
+from sph.page.answer import FINDINGS, going, levels, limit, safety, searched, unshaken
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
 from sph.page.sections import DOCS, existing
@@ -292,7 +293,7 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
 
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
-    findings, safety = (Path(FOLDER).parent / pattern.format(fidelity="up") for pattern in (FINDINGS, SAFETY))
+    findings, factor = Path(FOLDER).parent / FINDINGS.format(fidelity="up"), Path(FOLDER) / "stages" / "factor_of_safety.nc"
     thin = Finding("thin-layer", "warning", "the layer clay is thin", "2 particles across", "at least 4", "numerics.spacing")
     note = Finding("factor-of-safety", "note", "static factor of safety", "1.41 ± 0.10, extrapolated from spacings of 2 and 1 m")
     write_preflight(findings, [Row(thin, 3, "one"), Row(note, 1, "one")])
@@ -304,13 +305,26 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     words, how = limit([note, weaker], note.code, "", "sph fos")
     assert words == "1.09 ± 0.08 to 1.41 ± 0.10" and "of 2 slopes" in how and "sph fos" in how
     run = trajectory.read(next(iter(study.runs.values())))
-    trajectory.write(safety, search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ())))
-    first = Words(build_page(study._replace(files=existing(FOLDER, study.sections)))).text.partition("One run")[0]
+    found = search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ()))
+    trajectory.write(factor, found)
+    first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), str(factor)]))).text.partition("One run")[0]
     assert (
         "3 of 4 runs: the layer clay is thin: 2 particles across, wanted at least 4" in first
         and "Factor of safety 1.41 ± 0.10 " in first
         and "1.35 at the spacing of the runs" in first
     )
+
+
+def test_factors_of_safety_of_several_slopes(tmp_path: Path) -> None:
+    """The least and the most, of how many, and why there is none: it may be the weakest that has none."""
+    assert safety([]) == ""
+    files = [str(tmp_path / f"factor_of_safety_S_R-{number}.nc") for number in range(3)]
+    for file, lower, upper, reason in zip(files, (1.3, 1.1, math.nan), (1.4, 1.2, math.nan), ("", "", "fails even at 0.1"), strict=True):
+        trajectory.write(file, search_dataset(load_scene(SCENES / "paper.yaml"), "factor_of_safety", Search(lower, upper, ()), reason))
+    assert safety(files[:1]) == "1.35 of one slope"
+    assert safety(files[:2]) == "1.15 to 1.35 of 2 slopes"
+    assert safety(files) == "1.15 to 1.35 of 2 slopes; not found: fails even at 0.1"
+    assert safety(files[2:]) == "not found: fails even at 0.1"
 
 
 def test_whether_it_stands_is_said_once() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -87,19 +88,21 @@ def searched_value(folder: Path, cohesion: float) -> float:
     return float(trials.attrs["value"])
 
 
-def test_the_page_has_the_factors_of_safety_that_were_asked_for(finished: Path) -> None:
-    folder, config = of(finished, "grid"), ("--configfile", str(finished / "grid.yaml"))
+def test_the_page_has_the_factors_of_safety_that_were_asked_for(finished: Path, tmp_path: Path) -> None:
+    """Those of the study's slopes, and no other file of such a name."""
+    place = Path(shutil.copytree(finished, tmp_path / "study"))
+    folder, config = of(place, "grid"), configured(place, GRID)
     files = [folder / "stages" / f"factor_of_safety_soil.cohesion-{cohesion}.nc" for cohesion in (20, 150)]
-    wanted = [str(file.relative_to(finished)) for file in files]
-    result = snakemake(finished, "--cores", "2", *wanted, str((folder / "report.html").relative_to(finished)), *config)
+    result = snakemake(place, "--cores", "2", *(str(file.relative_to(place)) for file in files), *config)
     assert result.returncode == 0, result.stderr
     weak, strong = (float(trajectory.read(file).attrs["value"]) for file in files)
     assert 0.5 < weak < 1.0 < strong
-    assert planned_jobs(finished, *config) == {"page": 1, "all": 1}, "the page is given what was asked for once it is there"
-    assert snakemake(finished, "--cores", "2", *config).returncode == 0
-    assert f"{weak:.2f} to {strong:.2f} at the spacing of the runs" in (folder / "report.html").read_text(encoding="utf-8")
-    for file in files:
-        file.unlink()
+    for other in ("factor_of_safety.nc", "factor_of_safety_soil.cohesion-99.nc"):
+        shutil.copy(files[0], folder / "stages" / other)
+    assert planned_jobs(place, *config) == {"page": 1, "all": 1}
+    result = snakemake(place, "--cores", "2", *config)
+    assert result.returncode == 0, result.stderr
+    assert f"{weak:.2f} to {strong:.2f} of 2 slopes at the spacing of the runs" in (folder / "report.html").read_text(encoding="utf-8")
 
 
 def test_cases_and_samples_are_lists(finished: Path) -> None:

@@ -14,10 +14,11 @@ from sph.paper.study import AnyStudy, PaperStudy, load_study, paper_study
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
+from sph.stability.record import SEARCHES
 from sph.study.dimensions import named_point
 from sph.study.plan import Plan
 from sph.study.sampling import chosen_study
-from sph.study.stages import SEARCHES, searched_limit
+from sph.study.searches import SLOPE_LIMITS, searched_limit
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -176,13 +177,16 @@ def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:
 
 def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
     chosen = free(grid={"amplitude": [2, 6], "soil.cohesion": [20, 150]})
-    for limit in SEARCHES:
+    assert set(SLOPE_LIMITS) <= set(SEARCHES)
+    for limit in SLOPE_LIMITS:
         assert chosen.stage(f"{limit}_soil.cohesion-150") == chosen.stage("gravity_soil.cohesion-150")
         assert searched_limit(f"{limit}_soil.cohesion-150") == limit
         with pytest.raises(ValueError, match=f"no search '{limit}'; the first are {limit}_soil.cohesion-20, {limit}_soil.cohesion-150$"):
             chosen.stage(limit)
+        files = chosen.search_files(limit)
+        assert files == [f"{chosen.folder}/stages/{limit}_soil.cohesion-{c}.nc" for c in (20, 150)] and set(files) <= set(chosen.files())
     assert searched_limit("gravity_soil.cohesion-150") is None
-    assert [search.gravity for search in chosen.searches.values()] == 2 * chosen.gravities
+    assert [search.name for search in chosen.searches.values()] == 2 * [f"yield_acceleration_soil.cohesion-{c}" for c in (20, 150)]
     with pytest.raises(ValueError, match="no stage 'pre_failure'"):
         chosen.stage("pre_failure")
 

@@ -14,7 +14,11 @@ rule page:
             "{results}/stages/{stage}.nc", results=RESULTS, stage=PLAN.page_stages
         ),
         files=list(
-            dict.fromkeys(certain(RESULTS, SECTIONS) + existing(RESULTS, SECTIONS))
+            dict.fromkeys(
+                certain(RESULTS, SECTIONS)
+                + existing(RESULTS, SECTIONS)
+                + list(filter(os.path.isfile, PLAN.search_files(SAFETY)))
+            )
         ),
     output:
         report(

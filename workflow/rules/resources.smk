@@ -24,7 +24,9 @@ def stage_scene(wildcards):
     if "run" in named:
         return plan.run_scene(named["run"])
     return plan.stage(
-        next(named[kind] for kind in ("pre_failure", "gravity", "limit") if kind in named)
+        next(
+            named[kind] for kind in ("pre_failure", "gravity", "limit") if kind in named
+        )
     )
 
 

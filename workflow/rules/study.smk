@@ -19,7 +19,7 @@ rule preflight:
         f"{RESULTS}/benchmarks/preflight.tsv"
     priority: 100
     resources:
-        **asked(lambda wildcards: PLAN.slope, lambda wildcards: "factor_of_safety"),
+        **asked(lambda wildcards: PLAN.slope, lambda wildcards: SAFETY),
     params:
         sources=SEARCHING + ANALYSIS,
         scenes=lambda wildcards: {
@@ -40,7 +40,7 @@ rule slope_limit:
     benchmark:
         "{folder}/benchmarks/{limit}.tsv"
     wildcard_constraints:
-        limit=f"({'|'.join(SEARCHES)})(_[^/]+)?",
+        limit=f"({'|'.join(SLOPE_LIMITS)})(_[^/]+)?",
     resources:
         **asked(stage_scene, lambda wildcards: searched_limit(wildcards.limit)),
     params:

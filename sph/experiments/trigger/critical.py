@@ -25,8 +25,7 @@ from sph.stability.search import Search
 from sph.storage.trajectory import Variable
 from sph.study.baseline import newmark_factor
 from sph.study.dimensions import Dimension, value_of
-from sph.study.stages import MOST_SLOPES
-from sph.study.tables import ROW, count_column, number_column, read_csv, text_column
+from sph.study.tables import MOST_SLOPES, ROW, count_column, number_column, read_csv, text_column
 from sph.study.verdicts import FAILS, HOLDS
 
 ONE = Searched((Dimension("amplitude", "m/s2", "", False),), "amplitude")

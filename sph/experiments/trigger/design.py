@@ -30,7 +30,7 @@ from sph.study.dimensions import Dimension, Values, check_names, dimension, in_o
 from sph.study.plan import Plan
 from sph.study.planned import Planned, planned
 from sph.study.schema import Point
-from sph.study.stages import SlopeSearch
+from sph.study.searches import SlopeSearch
 
 FOLDER = "trigger"
 """Folder of the results, in that of the study at the searching fidelity."""

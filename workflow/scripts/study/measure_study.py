@@ -9,7 +9,7 @@ from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.study.dimensions import CASE
 from sph.study.planned import Planned
-from sph.study.stages import SlopeSearch, yield_accelerations
+from sph.study.searches import SlopeSearch, yield_accelerations
 from sph.study.tables import Layout, study_rows, write_csv
 
 

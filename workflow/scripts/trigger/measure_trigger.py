@@ -10,7 +10,7 @@ from sph.jobs.log import Job, job_log
 from sph.measures.metrics import MetricSettings
 from sph.storage import trajectory
 from sph.study.planned import Planned
-from sph.study.stages import SlopeSearch, yield_accelerations
+from sph.study.searches import SlopeSearch, yield_accelerations
 from sph.study.tables import flat_dataset, write_csv
 
 
