@@ -120,7 +120,7 @@ def limit_strength_ratio(
     return float(scipy.optimize.brentq(surplus, 1.0 / LARGEST_FACTOR, 1.0 / SMALLEST_FACTOR, rtol=1e-6))
 
 
-def endless_factor(
+def infinite_slope_factor(
     inclination: float,
     depth: float,
     unit_weight: float,

@@ -13,7 +13,7 @@ from sph.scene.geometry import Slope
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.stability.extrapolation import extrapolate
-from sph.stability.limit_analysis import DRY, Wet, endless_factor, limit_factor, limit_strength_ratio
+from sph.stability.limit_analysis import DRY, Wet, infinite_slope_factor, limit_factor, limit_strength_ratio
 from sph.stability.standing import slope_height
 from sph.storage import trajectory
 from sph.validation.level import Found, Level, Result
@@ -73,7 +73,7 @@ def _beside_limit(result: Result) -> Found:
     if not isinstance(slope, Slope):
         tilt, water = result.scene.gravity.inclination, result.scene.water
         ratio = 0.0 if water is None else water.r_u or 0.0
-        limit = endless_factor(tilt, slope.height, weight, soil.cohesion_si, soil.friction_angle, soil.dilation_angle, ratio)
+        limit = infinite_slope_factor(tilt, slope.height, weight, soil.cohesion_si, soil.friction_angle, soil.dilation_angle, ratio)
         text = f"F, infinite slope of {tilt:g}°, φ = {soil.friction_angle:g}°, ψ = {soil.dilation_angle:g}°"
         if water is not None:
             text += f", r_u = {ratio:g} {water.pressure}"

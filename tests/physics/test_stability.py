@@ -18,7 +18,7 @@ from sph.command.cli import REFUSED, app
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
-from sph.stability.limit_analysis import endless_factor
+from sph.stability.limit_analysis import infinite_slope_factor
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Trial, search
 from sph.stability.standing import SMOOTHING_RATIO, VISCOSITY, FailureRule, divided_strength, stand, static_scene, weakened
@@ -41,7 +41,7 @@ LAYER: dict[str, Any] = {
     "gravity": {"ramp": 1.0, "duration": 2.0},
     "numerics": {"spacing": 0.5, "smoothing_ratio": 1.3},
 }
-"""An endless layer of soil on a rough base."""
+"""An infinite layer of soil on a rough base."""
 
 CUT: dict[str, Any] = {
     "geometry": {
@@ -190,18 +190,18 @@ def test_scenes_without_stability_are_refused(overrides: dict[str, Any], wanted:
 
 @pytest.mark.long
 @pytest.mark.parametrize("friction_angle", [0.0, 30.0])
-def test_factor_of_safety_of_an_endless_slope(friction_angle: float) -> None:
+def test_factor_of_safety_of_an_infinite_slope(friction_angle: float) -> None:
     """Tolerance, stated before the first run: 20 rows of particles know the depth of the slip surface to half a kernel's support,
     1.3 spacings in 20, and the search ends at 2 %: 8.5 %.
     """
     cohesion = COHESION if friction_angle == 0 else 40e3
-    exact = endless_factor(20.0, HEIGHT, UNIT_WEIGHT, cohesion, friction_angle, 0.0)
+    exact = infinite_slope_factor(20.0, HEIGHT, UNIT_WEIGHT, cohesion, friction_angle, 0.0)
     scene = layer({"gravity.inclination": 20.0, "soil.friction_angle": friction_angle, "soil.cohesion": cohesion / 1e3})
     assert factor_of_safety(scene, tolerance=0.02).value == pytest.approx(exact, rel=0.085)
 
 
 @pytest.mark.long
-def test_critical_strength_ratio_of_an_endless_slope() -> None:
+def test_critical_strength_ratio_of_an_infinite_slope() -> None:
     """S_R c = gamma H sin(theta); tolerance as above."""
     found = critical_strength_ratio(layer({"gravity.inclination": 20.0}), tolerance=0.02)
     assert found.lower == found.failed

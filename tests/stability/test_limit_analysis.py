@@ -13,7 +13,7 @@ from sph.stability.limit_analysis import (
     Wet,
     _moment_below,
     _work_of_water,
-    endless_factor,
+    infinite_slope_factor,
     limit_factor,
     limit_strength_ratio,
     stability_number,
@@ -66,15 +66,15 @@ def test_factor_and_ratio_are_where_the_weakened_slope_is_at_its_stability_numbe
     assert limit_strength_ratio(60.0, 25.0, 1964.0 * 9.81, 150e3, 20.0) == pytest.approx(0.46, abs=0.005)
 
 
-def test_endless_slopes_in_closed_form() -> None:
+def test_infinite_slopes_in_closed_form() -> None:
     """Without friction c / (gamma H sin(i)), without cohesion tan(phi) / tan(i) with associated flow, and sin(phi_s) for it without."""
-    assert endless_factor(20.0, 10.0, 2e4, 1e5, 0.0, 0.0) == pytest.approx(0.5 / math.sin(math.radians(20.0)), rel=1e-5)
-    assert endless_factor(20.0, 10.0, 2e4, 0.0, 30.0, 30.0) == pytest.approx(
+    assert infinite_slope_factor(20.0, 10.0, 2e4, 1e5, 0.0, 0.0) == pytest.approx(0.5 / math.sin(math.radians(20.0)), rel=1e-5)
+    assert infinite_slope_factor(20.0, 10.0, 2e4, 0.0, 30.0, 30.0) == pytest.approx(
         math.tan(math.radians(30.0)) / math.tan(math.radians(20.0)), rel=1e-5
     )
     sine = math.tan(math.radians(20.0))  # phi is where sin(phi) carries tan(i) without dilation
     expected = math.tan(math.radians(30.0)) / math.tan(math.asin(sine))
-    assert endless_factor(20.0, 10.0, 2e4, 0.0, 30.0, 0.0) == pytest.approx(expected, rel=1e-5)
+    assert infinite_slope_factor(20.0, 10.0, 2e4, 0.0, 30.0, 0.0) == pytest.approx(expected, rel=1e-5)
 
 
 def test_refusals() -> None:

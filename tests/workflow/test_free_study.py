@@ -97,6 +97,7 @@ def test_the_page_has_the_factors_of_safety_that_were_asked_for(finished: Path, 
     assert result.returncode == 0, result.stderr
     weak, strong = (float(trajectory.read(file).attrs["value"]) for file in files)
     assert 0.5 < weak < 1.0 < strong
+    sph("explain", *files, "--configfile", config[1])
     for other in ("factor_of_safety.nc", "factor_of_safety_soil.cohesion-99.nc"):
         shutil.copy(files[0], folder / "stages" / other)
     assert planned_jobs(place, *config) == {"page": 1, "all": 1}
@@ -158,6 +159,10 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     assert not (folder / "claim.csv").exists() and (folder / "figures" / "trigger.png").exists()
     assert planned_jobs(finished, *config, "--", "trigger") == {}
     sph("explain", folder / "points.csv", "--configfile", config[1])
+    assert planned_jobs(finished, *config) == {"page": 1, "all": 1}, "which shows what was found"
+    assert snakemake(finished, "--cores", "2", *config).returncode == 0
+    page = (of(finished, "grid") / "report.html").read_text(encoding="utf-8")
+    assert "Critical intensities of the shaking" in page and page.count("data:image/png") == 7
 
 
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
