@@ -101,7 +101,7 @@ def run(
         str | None, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure; end, or as the trajectory, by default")
     ] = None,
     threads: Annotated[
-        int, typer.Option(min=1, max=256, help="for a large scene; below some 10,000 particles a thread a run is faster")
+        int, typer.Option(min=1, max=256, help="for one large scene; below some 10,000 particles one thread per run is faster")
     ] = 1,
     checkpoint: Annotated[
         float | None,
@@ -471,10 +471,10 @@ def newmark(
     unit: UnitOption = None,
     baseline: BaselineOption = None,
     band_pass: BandPassOption = None,
-    direction: Annotated[str, typer.Option(help="of the motion: recorded, turned, or both for the larger displacement")] = "recorded",
+    direction: Annotated[str, typer.Option(help="polarity: recorded, turned (reversed) or both, for the larger displacement")] = "recorded",
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
-    """Slide Newmark's rigid block on a ground motion; positive accelerations drive it downslope, as in a scene."""
+    """Find the displacement of a Newmark sliding block under a ground motion; positive accelerations drive it downslope, as in a scene."""
     with refusals("reading the motion and sliding the block"):
         from sph.command.newmark import DIRECTIONS, lines, slide
 

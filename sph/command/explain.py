@@ -361,8 +361,8 @@ def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
     agreeing = sum(not row.differs for row in rows)
     what = "the run agrees" if agreeing and not rows[0].point else "agrees" if len(rows) == 1 else f"{agreeing} of {len(rows)} rows agree"
     if agreeing < len(rows) == 1:
-        return [*text, "does not agree with what is planned now; the same snakemake command makes again what it knows to be outdated, "
-                "a file that is deleted in any case"]  # fmt: skip
+        return [*text, "does not agree with what is planned now; repeat the snakemake command, which remakes what it knows is outdated; "
+                "delete a file to have it remade in any case"]  # fmt: skip
     return [*text, f"{what} with the configuration, the files on disk and the installed solver"]
 
 

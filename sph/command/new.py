@@ -32,7 +32,7 @@ DENSITY, POISSON = 1900.0, 0.3
 
 SCENE_TEXT = """\
 {scene_schema}# {title}
-# Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked so, then look:
+# Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked REPLACE, then check:
 #   sph check {scene} --plot scene.png
 #   sph fos {scene}
 #   sph run {scene}

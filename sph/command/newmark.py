@@ -113,7 +113,7 @@ def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, An
         scene = load_scene(path, laid_over(path, overrides, treatment))
         if isinstance(scene.motion, ConstantAcceleration):
             raise ValueError(
-                f"{path}: motion.kind: constant is a load that stays, and a sliding block comes to rest after a motion that ends"
+                f"{path}: motion.kind: constant is a load that stays, under which a sliding block never stops; give a motion that ends"
             )
         motion, heed, recorded = motion_of(scene), cut_off(scene), isinstance(scene.motion, Record)
         vertical = isinstance(scene.motion, Record) and scene.motion.vertical is not None

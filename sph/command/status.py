@@ -120,7 +120,7 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
     base = place.parents[2] if place else Path.cwd()
     shipped = base / "config" / "config.yaml"
     if configfile is None and not shipped.is_file():
-        raise ValueError(f"{shipped}: no such file; go where the study was started, or name its folder of results or its --configfile")
+        raise ValueError(f"{shipped}: no such file; go to the folder the study was started in, or give its results folder or --configfile")
     data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
     if place and configfile is None and data.get("study") != place.parent.name:
         configfile = _configuration_of(place.parent.name, base)

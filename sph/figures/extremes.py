@@ -47,7 +47,7 @@ DARKEST = 0.9
 
 @styled
 def figure_extremes(table: pd.DataFrame) -> Figure:
-    """Every run of the sweeps, a row a sweep and case, a cell a value, coloured by a check a panel from good (light) to bad (dark);
+    """Every run of the sweeps: a row per sweep and case, a cell per value, a panel per check, coloured from good (light) to bad (dark);
     D diverged, R refused.
 
     ``table`` as from ``read_extremes``.  Raises ValueError for an empty one.

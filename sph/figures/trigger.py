@@ -78,7 +78,7 @@ def _across(table: pd.DataFrame, others: Sequence[Dimension]) -> tuple[Dimension
 
 @styled
 def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
-    """Critical intensity against the first other dimension of numbers, a curve a value of the rest, a row a class and a column a case;
+    """Critical intensity against the first other numeric dimension: a curve per value of the rest, a row per class, a column per case;
     against the cases where that dimension has one value.
 
     ``table`` as from ``read_critical``; bars are the brackets.  An arrow stands where there is no bracket: down, the class is reached at

@@ -199,7 +199,7 @@ METRICS: tuple[Variable, ...] = (
         "nearest_neighbour_p05",
         "1",
         "fifth percentile over the soil of the distance to the nearest soil particle, over the spacing, in the last frame; "
-        "a lattice has 1, pairs of particles press it down",
+        "1 on a lattice, less where particles pair up",
     ),
     _number(
         "energy_error",

@@ -77,7 +77,7 @@ class GravityStage(Section):
         "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
     )
     initial_stress: Literal["none", "geostatic"] | UniformStress = key(
-        "stress at the start: none, that of level ground at rest at the depth below the surface (needs ramp: 0), or a uniform pressure",
+        "stress at the start: none; geostatic, K0 stress of level ground at the same depth (needs ramp: 0); or a uniform pressure",
         default="none",
     )
 

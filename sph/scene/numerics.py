@@ -12,7 +12,7 @@ class ArtificialViscosity(Section):
 
     alpha: float = key("coefficient, on V_p", ge=0, le=10, default=0.1)
     reconstruction: Literal["none", "linear"] = key(
-        "what two particles dissipate: all of their approach, or what a linear field of velocities leaves of it",
+        "approach velocity on which it acts: all of it (none), or what remains after linear reconstruction of the velocities (linear)",
         source="linear: Frontiere, Raskin and Owen 2017",
         default="none",
     )
@@ -43,7 +43,7 @@ class ShortRangeRepulsion(Section):
 class AdaptiveStep(Section):
     """The time step divided by a whole number, as the stiffest mode of the particles' present arrangement demands."""
 
-    courant: float = key("largest step over the limit measured during the run", ge=0.01, lt=1, default=0.8)
+    courant: float = key("largest step as a fraction of the limit measured during the run (Courant factor)", ge=0.01, lt=1, default=0.8)
 
 
 class Numerics(Section):
@@ -79,7 +79,7 @@ class Numerics(Section):
         "mixed: kernel gradients are kept in single precision, all fields and sums in double; double: all in double", default="mixed"
     )
     artificial_viscosity: ArtificialViscosity | None = key("pairwise artificial viscosity", default=ArtificialViscosity())
-    artificial_stress: ArtificialStress | None = key("against numerical fracture of solids under tension", default=None)
+    artificial_stress: ArtificialStress | None = key("against the tensile instability (numerical fracture)", default=None)
     gradient_correction: GradientCorrection | None = key("corrected velocity gradients", default=None)
     short_range_repulsion: ShortRangeRepulsion | None = key("against pairing of particles", default=ShortRangeRepulsion())
 

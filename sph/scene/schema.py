@@ -89,7 +89,7 @@ class EarlyStop(Section):
     )
     window: float = key("length of the interval at rest, after the shaking, at whose end the run ends", "s", gt=0, le=1000, default=1.0)
     solid_weight: float = key(
-        "no failed particle has a larger weight of its solid state (beta), or the slope may stand now and fail later",
+        "largest weight of the solid state (beta) left in any failed particle; with more, the slope may stand now and fail later",
         ge=0,
         lt=1,
         default=0.05,
@@ -196,7 +196,7 @@ class Scene(Section):
             )
         if self.gravity.initial_stress == "geostatic" and self.gravity.inclination != 0:
             raise ValueError(
-                f"gravity.inclination: {self.gravity.inclination} degree with gravity.initial_stress: geostatic, that of level ground"
+                f"gravity.inclination: {self.gravity.inclination} degree must be 0 with gravity.initial_stress: geostatic (level ground)"
             )
         if self.gravity.duration > self.duration:
             raise ValueError(f"gravity.duration: {self.gravity.duration} s is longer than duration: {self.duration} s")
@@ -293,7 +293,7 @@ class Scene(Section):
         if any(kind.slips or kind.reflects for kind in walls.kinds) and walls.layers < needed:
             raise ValueError(
                 f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
-                f"a no-slip, contact or free-slip wall needs {needed}, or soil beside it fails without shaking"
+                f"a no-slip, contact or free-slip wall needs {needed}; with fewer, the soil beside it fails without shaking"
             )
         self._check_absorbing()
         for name, value in walls.friction or ():
@@ -323,7 +323,7 @@ class Scene(Section):
         if self.prescribed_velocity_gradient is not None:
             raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
         if isinstance(self.motion, ConstantAcceleration):
-            raise ValueError(f"motion.kind: constant with {where}, which holds no load that stays; choose walls that stand still")
+            raise ValueError(f"motion.kind: constant with {where}, which cannot resist a sustained load; choose rigid walls")
         if sides.absorbs and not (base.grips or base.reflects or base.absorbs):
             raise ValueError(
                 f"walls.base: {walls.base} with walls.sides: absorbing, "
@@ -354,7 +354,7 @@ class Scene(Section):
                 "soil.dilation_angle: above 0 with water.pressure: carried, that of soil that keeps its volume; set it to 0 in all layers"
             )
         if water.pressure == "carried" and self.walls.friction is not None:
-            raise ValueError("walls.friction: with water.pressure: carried it would count the pressure of the water; choose contact walls")
+            raise ValueError("walls.friction: with water.pressure: carried it acts on total, not effective, stress; choose contact walls")
         if water.points is not None:
             ends = sorted(float(geometry.in_survey(x, 0.0)[0]) for x in (0.0, geometry.width))
             near = 1e-6 * geometry.width
@@ -389,7 +389,7 @@ class Scene(Section):
             if variable.quantity == "friction_angle" and soil.dilation_angle > (variable.lower or 0.0):
                 raise ValueError(
                     f"uncertain: the random field of {variable.of} goes below the dilation angle, {soil.dilation_angle:g} degrees; "
-                    "write lower, at least as large"
+                    "set its key lower to at least that angle"
                 )
 
     @property

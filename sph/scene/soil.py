@@ -85,7 +85,7 @@ class Initiation(Section):
     """Plastic slip over a length before a particle fails."""
 
     slip: float = key(
-        "slip over the length at which strength begins to fall: in a shear test, displacement beyond the peak before the stress drops",
+        "slip, summed over the length, at which strength begins to fall: in a shear test, the displacement from peak to drop in stress",
         "m",
         "Palmer and Rice 1973",
         gt=0,
@@ -113,10 +113,10 @@ class Coupling(Section):
     gamma: float = key("rate of the loss of strength after failure", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0)
     fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
     initiation: Initiation | None = key(
-        "plastic slip before a particle fails; null: it fails where its stress reaches the surface (the paper)", default=None
+        "plastic slip before a particle fails; null: it fails once its stress reaches the yield surface (the paper)", default=None
     )
     initial_state: Literal["solid", "fluid"] = key(
-        "solid: particles fail when their stress reaches the surface (the paper); fluid: all have failed long before the start",
+        "solid: particles fail when their stress reaches the yield surface (the paper); fluid: all failed long before the start",
         default="solid",
     )
     fluid_tension_limit: float | None = key(

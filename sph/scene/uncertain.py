@@ -73,8 +73,8 @@ class Variable(Section):
     sd: float | None = key(
         "standard deviation without bounds, instead of cov, in the unit of the scene's key", ge=0, le=LARGEST, default=None
     )
-    lower: float | None = key("no value is smaller; the distribution is cut off there; null: not", ge=-LARGEST, le=LARGEST, default=None)
-    upper: float | None = key("no value is larger; the distribution is cut off there; null: not", ge=-LARGEST, le=LARGEST, default=None)
+    lower: float | None = key("lower bound, at which the distribution is truncated; null: none", ge=-LARGEST, le=LARGEST, default=None)
+    upper: float | None = key("upper bound, at which the distribution is truncated; null: none", ge=-LARGEST, le=LARGEST, default=None)
 
     field: RandomField | None = key("how it varies in space, for cohesions and friction angles; null: one value", default=None)
 
@@ -218,7 +218,7 @@ class Uncertain(Section):
         smallest = float(np.linalg.eigvalsh(self.correlation_matrix)[0])
         if smallest < 1e-9:
             raise ValueError(
-                f"correlations: no variables have these, since their matrix is not positive definite (smallest eigenvalue {smallest:.3g}); "
+                f"correlations: inconsistent, since their matrix is not positive definite (smallest eigenvalue {smallest:.3g}); "
                 "choose smaller ones"
             )
         return self

@@ -106,13 +106,13 @@ class Walls(Section):
 
     base: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "none"], FORMER] = key(
         "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, one that soil may leave and slide on as its "
-        "own strength allows, a frictionless floor, a half-space that takes waves up (the motion is then that of its outcrop), or nothing",
+        "own strength allows, a frictionless floor, a half-space that absorbs waves (the motion is then its outcrop motion), or nothing",
         source="Sec. 2.4; no_slip, contact, free_slip ours; absorbing: Joyner and Chen 1975",
         default="fixed",
     )
     sides: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "periodic", "none"], FORMER] = key(
         "side walls: fixed particles that hold the soil (the paper), a no-slip wall, one that soil may leave and slide on as its own "
-        "strength allows, a frictionless wall, level ground that goes on and takes waves up (free field), soil that goes on periodically, "
+        "strength allows, a frictionless wall, level ground that continues and absorbs waves (free field), soil that repeats periodically, "
         "or nothing",
         source="Sec. 2.4; no_slip, contact, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
         default="fixed",

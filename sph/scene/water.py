@@ -42,7 +42,7 @@ class Water(FileSection):
         default=None,
     )
     r_u: Ratio | None = key(
-        "pore pressure over the vertical stress of the soil above in the initial slope; a layer may have its own", "-", default=None
+        "pore pressure ratio: u over the total vertical stress in the initial slope; a layer may have its own", "-", default=None
     )
     unit_weight: float = key("unit weight of water, for a level or a line", "kN/m3", gt=0, le=100, default=9.81)
 

@@ -375,7 +375,7 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     measured = f"{in_both(peak)}, where {in_both(float(held[weakest]))} are enough {depth:.3g} m deep"
     what = "level ground behind the crest that moves as one is sheared off as well"
     return [
-        finding("level-ground-fails", what, measured, "an answer read with the whole ground in motion, or less shaking", "motion.amplitude")
+        finding("level-ground-fails", what, measured, "results read with all of the ground failing, or weaker shaking", "motion.amplitude")
     ]
 
 

@@ -116,4 +116,4 @@ def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
     if turned <= POLARITY * as_it_is:
         return []
     measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
-    return [finding("record-polarity", "turned round the record drives the slope further", measured, "runs of both directions", key)]
+    return [finding("record-polarity", "the reversed record drives the slope further", measured, "runs of both directions", key)]

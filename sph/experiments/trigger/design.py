@@ -67,7 +67,7 @@ INTENSITIES = {
 class Intensity(Span):
     """The intensity of the shaking that is searched."""
 
-    dimension: str = key(f"what is searched, one of {', '.join(INTENSITIES)}; all but the first of a recorded motion", default="amplitude")
+    dimension: str = key(f"what is searched, one of {', '.join(INTENSITIES)}; all but the first need a record", default="amplitude")
 
 
 class Confirm(Section):
@@ -126,7 +126,7 @@ class Trigger(Section):
         check_known("intensity.dimension", [self.intensity.dimension], INTENSITIES)
         check_names("at", self.at)
         if self.intensity.dimension in self.at:
-            raise ValueError(f"at.{self.intensity.dimension}: is the intensity that is searched")
+            raise ValueError(f"at.{self.intensity.dimension}: is the intensity that is searched; leave it out of at")
         if self.maps and set(self.maps.over) != set(self.at):
             raise ValueError(f"maps.over: {', '.join(self.maps.over)}: must be the dimensions of at ({', '.join(self.at) or 'none'})")
         for name, values in self.at.items():

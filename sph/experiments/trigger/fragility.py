@@ -219,7 +219,7 @@ def fit_columns(units: str) -> tuple[Variable, ...]:
         number_column("dispersion_upper", "1", "upper end"),
         count_column("resamples_without_fit", "samples that determine no distribution, which the intervals leave out"),
         number_column(
-            "distance", "1", "of the middles of the brackets from a lognormal distribution (Kolmogorov-Smirnov); NaN if any is open"
+            "distance", "1", "Kolmogorov-Smirnov distance of the bracket midpoints from a lognormal distribution; NaN if any is open"
         ),
         number_column("p_value", "1", "probability of a larger distance if they are lognormal (Lilliefors)"),
         text_column("sentence", "the result in words"),

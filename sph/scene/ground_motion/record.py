@@ -61,7 +61,7 @@ class SpectralAcceleration(Section):
 
     period: float = key("period of the oscillator", "s", gt=0, le=100)
     value: Acceleration = key("pseudo-acceleration of the oscillator", "m/s2", ge=0, le=1e4)
-    damping: float = key("its share of critical damping", gt=0, lt=1, default=0.05)
+    damping: float = key("damping ratio of the oscillator", gt=0, lt=1, default=0.05)
 
 
 class Record(Section):
@@ -91,7 +91,7 @@ class Record(Section):
         "instead of amplitude: spectral acceleration of the horizontal component to which the record is scaled", default=None
     )
     factor: float = key(
-        "multiplies all components; negative turns them round; 1 or -1 where the record is scaled", ge=-1e3, le=1e3, default=1.0
+        "multiplies all components; negative reverses their polarity; 1 or -1 where the record is scaled", ge=-1e3, le=1e3, default=1.0
     )
     baseline: Baseline | None = key("removal of drift, before all else and once more at the end; null: none", default=None)
     band_pass: BandPass | None = key("band-pass filter, after the baseline; null: none", default=None)

@@ -82,7 +82,7 @@ def samples(path: Path | str, lines: list[str], first: int, width: int, scale: f
                 )
             found.append(value)
     if len(found) != announced:
-        raise ValueError(f"{path}: must hold the {announced:,} samples that its head announces, holds {len(found):,}; is it whole?")
+        raise ValueError(f"{path}: must hold the {announced:,} samples that its header states, holds {len(found):,}; is it whole?")
     return scale * np.array(found)
 
 
