@@ -95,9 +95,9 @@ def safety(files: Sequence[str]) -> str:
     searches = [trajectory.read(file).attrs for file in files]
     found = [float(facts["value"]) for facts in searches if not facts["reason"]]
     reasons = list(dict.fromkeys(str(facts["reason"]) for facts in searches if facts["reason"]))
-    words = [" to ".join(dict.fromkeys(f"{value:.2f}" for value in (min(found), max(found))))] if found else []
-    if found and any(Path(file).stem != SAFETY for file in files):
-        words[0] += f" of {len(found)} slopes" if len(found) > 1 else " of one slope"
+    several = any(Path(file).stem != SAFETY for file in files)  # of a study of several slopes, of which the file names one
+    count = "" if not several else " of one slope" if len(found) == 1 else f" of {len(found)} slopes"
+    words = [" to ".join(dict.fromkeys(f"{value:.2f}" for value in (min(found), max(found)))) + count] if found else []
     return "; ".join(words + [f"not found: {reason}" for reason in reasons])
 
 

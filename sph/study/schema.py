@@ -27,6 +27,14 @@ LONGEST_NAME = 120
 """Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
 OWN = "own"
 """The fidelity of a study that names none: the scene as it is."""
+INPUT_FIGURES = ("fig1", "fig2", "fig3")
+"""Figures of what goes in, which need one run: geometry, motion, initial particles."""
+PROFILES = "profiles"
+"""The figure of some runs at their end."""
+FEW_PROFILES = 4
+"""Runs that it shows where the study does not choose them."""
+MOST_SHOWN = 200
+"""Most runs that the page shows, evenly through the study."""
 Number = Annotated[str, Field(max_length=24, pattern=r"^[0-9]+(\.[0-9]+)?([eE][+-]?[0-9]+)?$")]
 Axis = Annotated[tuple[Number, ...], BeforeValidator(as_written), Field(min_length=1)]
 Case = Annotated[dict[str, Value], BeforeValidator(in_si), Field(min_length=1)]
@@ -190,16 +198,6 @@ class Study(Section):
     def profile_runs(self) -> list[str]:
         """Names of the runs whose profiles are drawn."""
         return self.shown_runs(FEW_PROFILES if not self.figures.runs else 0, self.figures.runs)
-
-
-INPUT_FIGURES = ("fig1", "fig2", "fig3")
-"""Figures of what goes in, which need one run: geometry, motion, initial particles."""
-PROFILES = "profiles"
-"""The figure of some runs at their end."""
-FEW_PROFILES = 4
-"""Runs that it shows where the study does not choose them."""
-MOST_SHOWN = 200
-"""Most runs that the page shows, evenly through the study."""
 
 
 def read_study(data: Mapping[str, Any], origin: str) -> Study:

@@ -61,16 +61,22 @@ class Folder:
         return [self.state(name) for name in self.jobs]
 
 
-@pytest.fixture
-def study(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Folder:
+PAPERS = {
+    "grid": {"S_R": ["0.10", "0.50"], "gamma": ["1", "100"], "amplitude": ["0.1", "8.0"]},
+    "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
+    "claims": {"amplitude": 8.0},
+}
+"""Keys of a study over the paper's dimensions."""
+
+
+@pytest.fixture(params=[PAPERS], ids=[""])
+def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Folder:
     config = {
         "study": "small",
         "scene": "slope.yaml",
         "fidelity": "draft",
-        "grid": {"S_R": ["0.10", "0.50"], "gamma": ["1", "100"], "amplitude": ["0.1", "8.0"]},
         "fidelities": {"draft": {}, "coarse": {"numerics": {"smoothing_ratio": 1.3}}},
-        "figures": {"strengths": ["0.10", "0.50"], "compared_strengths": ["0.10"]},
-        "claims": {"amplitude": 8.0},
+        **request.param,
     }
     (tmp_path / "config").mkdir()
     (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(config))
@@ -179,6 +185,14 @@ def test_the_time_left_is_that_of_finished_jobs_of_the_kind(study: Folder) -> No
     assert found.work == pytest.approx(2 * 20.0 + 3 * 2.0 + 50.0, abs=2.0) == found.time
     study.log(running.replace("1_", "100_"), HERE)
     assert estimate(study.states()).time == pytest.approx(50.0, abs=2.0), "two at work, of which one takes longer than half of all"
+
+
+@pytest.mark.parametrize("study", [{"grid": {"S_R": ["0.10", "0.50"]}}], indirect=True)
+def test_a_stage_that_all_runs_share_is_none_of_them(study: Folder) -> None:
+    """Over S_R alone its name is the bare kind; what it took says nothing of the runs after it."""
+    study.finish("gravity", 6.0)  # of 1 s: 12 s for the two after it
+    study.finish("pre_failure", 1.0)
+    assert estimate(study.states())[0::2] == (2 * 12.0, 1)
 
 
 def test_words_for_what_is_left(study: Folder) -> None:
