@@ -114,7 +114,10 @@ def test_commands_need_no_repository(installed: Path, elsewhere: Path, arguments
 
 @pytest.mark.parametrize(
     ("arguments", "told"),
-    [("status", "config/config.yaml: no such file; go to the folder the study was started in"), ("info config/scenes/paper.yaml", "paper.yaml")],
+    [
+        ("status", "config/config.yaml: no such file; go to the folder the study was started in"),
+        ("info config/scenes/paper.yaml", "paper.yaml"),
+    ],
 )
 def test_what_needs_the_repository_says_so(installed: Path, elsewhere: Path, arguments: str, told: str) -> None:
     result = call(installed, elsewhere, str(installed / "bin" / "sph"), *arguments.split())
