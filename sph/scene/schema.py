@@ -211,6 +211,7 @@ class Scene(Section):
                 f"numerics.smoothing_ratio: {self.numerics.smoothing_ratio} with smoothing_length_is: {self.numerics.smoothing_length_is} "
                 "ends the kernel within 1.2 spacings, where it holds too few neighbours"
             )
+        self._check_coupling()
         self._check_walls()
         self._check_water()
         self._check_varying()
@@ -285,6 +286,17 @@ class Scene(Section):
                     f"a record every {interval:.6g} s from {record.start:g} s on; choose a step of which both are whole multiples, or a "
                     "shorter one"
                 )
+
+    def _check_coupling(self) -> None:
+        """Refuse failed soil that would be elastic for ever, and so stronger than before it failed."""
+        if self.coupling.solid_after_failure == "elastic" and self.coupling.initial_state == "solid":
+            rates = {"coupling.gamma": self.coupling.gamma, **{f"layers.{name}.gamma": layer.gamma for name, layer in self.layers.items()}}
+            for name, rate in rates.items():
+                if rate == 0:
+                    raise ValueError(
+                        f"{name}: 0 1/s with coupling.solid_after_failure: elastic, which only gamma bounds, would leave failed soil "
+                        "stronger than its peak; write coupling.solid_after_failure: elastic_plastic, or a gamma above 0"
+                    )
 
     def _check_walls(self) -> None:
         walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
@@ -462,11 +474,12 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 def stored_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """The scene that a file of this or an earlier version holds; ValueError as above.
 
-    Versions before schemes wrote every key, as this one does; what has become a key since then was as in the paper's scene.
+    Versions before schemes wrote every key, as this one does; what has become a key since then was as in the paper's scene, but for the
+    solid state of failed soil, which stayed on its yield surface.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
-        return make_scene({"scheme": "paper"} | dict(data), origin)
+        return make_scene(merge({"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}}, data), origin)
 
 
 def written_scene(path: Path | str) -> dict[str, Any]:

@@ -1,8 +1,9 @@
 """What fills the keys that a scene does not name: its scheme.
 
 ``paper`` takes everything from the paper's scene, its soil and its strength ratio included, and is for that scene and for tests.
-``resolved``, the default, takes from the program only how the scene is computed (``RESOLVED``).  What soil it is, what it keeps of
-its strength and how it is damped decide the answer, and must be written (``NEEDED``).
+``resolved``, the default, takes from the program only how the scene is computed, and that failed soil never carries more than its peak
+strength (``RESOLVED``).  What soil it is, what it keeps of its strength and how it is damped decide the answer, and must be written
+(``NEEDED``).
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ RESOLVED: dict[str, Any] = dotted(
     {
         "walls.base": "no_slip",
         "walls.sides": "free_slip",
+        "coupling.solid_after_failure": "elastic_plastic",
         "numerics.smoothing_ratio": 1.3,
         "numerics.time_step": 2.5e-3,
         "numerics.adaptive_step.courant": 0.8,

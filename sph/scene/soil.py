@@ -111,6 +111,11 @@ class Coupling(Section):
         default=0.25,
     )
     gamma: float = key("rate of the loss of strength after failure", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0)
+    solid_after_failure: Literal["elastic", "elastic_plastic"] = key(
+        "solid state of failed soil: elastic, without a yield surface (the paper); elastic_plastic, never beyond its peak strength",
+        source="Eq. 10",
+        default="elastic",
+    )
     fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
     initiation: Initiation | None = key(
         "plastic slip before a particle fails; null: it fails once its stress reaches the yield surface (the paper)", default=None

@@ -20,7 +20,14 @@ from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED
 from sph.storage import trajectory
 
-BRANCH_KEYS = ("coupling.S_R", "coupling.gamma", "coupling.fluid_tension_limit", "layers.*.S_R", "layers.*.gamma")
+BRANCH_KEYS = (
+    "coupling.S_R",
+    "coupling.gamma",
+    "coupling.solid_after_failure",
+    "coupling.fluid_tension_limit",
+    "layers.*.S_R",
+    "layers.*.gamma",
+)
 """Keys without effect before the first failure; * stands for a name."""
 RESTART_DIMS = {
     "work": ("row",),

@@ -25,6 +25,7 @@ from sph.solver.physics import (
     artificial_stress,
     artificial_viscosity,
     dilation,
+    failed_solid,
     gradient_correction,
     initiation,
     material,
@@ -61,6 +62,7 @@ TERMS: tuple[Term, ...] = (
     residual_viscosity.TERM,
     dilation.TERM,
     initiation.TERM,
+    failed_solid.TERM,
 )
 
 

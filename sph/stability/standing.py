@@ -111,6 +111,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         "duration": math.ceil((loaded + observed) / frame) * frame,
         "motion": load,
         "coupling.gamma": 0.0,
+        "coupling.solid_after_failure": "elastic_plastic",
         **{f"layers.{name}.gamma": None for name in scene.layers},
         "coupling.initial_state": "solid",
         "coupling.fluid": {"law": "elastic_viscoplastic"},

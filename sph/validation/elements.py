@@ -113,7 +113,8 @@ def shear_stress(scene: Scene, time: np.ndarray) -> np.ndarray:
     rate = scene.prescribed_velocity_gradient.xy  # type: ignore[union-attr]
     elastic = scene.soil.shear_modulus_si * rate * time
     failed = solid / (scene.soil.shear_modulus_si * rate)
-    after = fluid + (solid - fluid) * np.exp(-scene.coupling.gamma * np.maximum(time - failed, 0.0))
+    carried = np.maximum(elastic, solid) if scene.coupling.solid_after_failure == "elastic" else solid
+    after = fluid + (carried - fluid) * np.exp(-scene.coupling.gamma * np.maximum(time - failed, 0.0))
     return np.where(time < failed, elastic, after)
 
 
@@ -123,7 +124,7 @@ def _mean_shear(result: Result) -> tuple[np.ndarray, np.ndarray]:
 
 def measure_simple_shear(level: Level) -> dict[str, Found]:
     """Strength at and after failure, and what a turn leaves."""
-    sheared, spun = level["shear"], level["spin"]
+    sheared, elastic, spun = level["shear"], level["elastic"], level["spin"]
     solid, fluid = strengths(sheared.scene)
     gamma = sheared.scene.coupling.gamma
     time, stress = _mean_shear(sheared)
@@ -131,6 +132,7 @@ def measure_simple_shear(level: Level) -> dict[str, Found]:
     first = int(np.argmax(time > t_f))
     peak = fluid + (stress[first] - fluid) * math.exp(gamma * (time[first] - t_f))
     later = int(np.argmax(time > t_f + 1.0 / gamma))
+    _, carried = _mean_shear(elastic)
     xx, yy, zz, xy = (spun.frame(f"stress_{name}") for name in ("xx", "yy", "zz", "xy"))
     deviator = np.hypot(0.5 * (xx - yy), xy).max() / spun.scene.soil.shear_modulus_si
     pressure = -(xx + yy + zz).mean() / 3.0
@@ -138,6 +140,12 @@ def measure_simple_shear(level: Level) -> dict[str, Found]:
     return {
         "peak_strength": Found("shear strength at failure", "Pa", float(peak), solid),
         "strength_after": Found("shear strength 1/γ later", "Pa", float(stress[later]), float(shear_stress(sheared.scene, time[later]))),
+        "elastic_after": Found(
+            "the same of a solid state that is elastic after failure",
+            "Pa",
+            float(carried[later]),
+            float(shear_stress(elastic.scene, time[later])),
+        ),
         "spin_deviator": Found("deviator after a turn of 0.6 rad over G", "1", float(deviator), 0.0),
         "spin_pressure": Found(
             "change of pressure in that turn over K", "1", float((pressure - start) / spun.scene.soil.bulk_modulus_si), 0.0
@@ -147,14 +155,17 @@ def measure_simple_shear(level: Level) -> dict[str, Found]:
 
 @styled
 def draw_simple_shear(levels: Mapping[str, Level]) -> Figure:
-    """Shear stress of an element in simple shear at constant pressure: elastic, failure, loss of strength; line: closed form."""
+    """Shear stress of an element in simple shear at constant pressure, with either solid state of failed soil."""
     figure = Figure(figsize=(0.6 * WIDTH, 2.8), layout="constrained")
     ax = figure.subplots()
-    for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
-        time, stress = _mean_shear(level["shear"])
-        ax.plot(time, 1e-3 * stress, linestyle="", marker=marker, markersize=3, markerfacecolor="none", color=colour, label=label)
-    fine = np.linspace(0.0, time[-1], 2000)
-    ax.plot(fine, 1e-3 * shear_stress(level["shear"].scene, fine), color="black", linewidth=0.8, label="closed form")
+    for run, style in (("elastic", "--"), ("shear", "-")):
+        for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
+            time, stress = _mean_shear(level[run])
+            named = label if run == "shear" else None
+            ax.plot(time, 1e-3 * stress, linestyle="", marker=marker, markersize=3, markerfacecolor="none", color=colour, label=named)
+        fine = np.linspace(0.0, time[-1], 2000)
+        law = level[run].scene.coupling.solid_after_failure.replace("_", "-")
+        ax.plot(fine, 1e-3 * shear_stress(level[run].scene, fine), style, color="black", linewidth=0.8, label=f"closed form, {law}")
     ax.set(xlabel="time (s)", ylabel="shear stress (kPa)", xlim=(0.0, time[-1]), ylim=(0.0, None))
     ax.legend()
     return figure

@@ -112,12 +112,14 @@ def test_linear_momentum_of_an_elastic_spin(free_block: Any, correction: dict[st
 SCHEMES: dict[str, dict[str, Any]] = {
     "fixed": {"walls": {"sides": "fixed"}},
     "double": {"walls": {"sides": "fixed"}, "numerics": {"precision": "double"}},
+    "elastic_plastic": {"walls": {"sides": "fixed"}, "coupling": {"solid_after_failure": "elastic_plastic", "gamma": 10.0}},
+    "elastic": {"walls": {"sides": "fixed"}, "coupling": {"solid_after_failure": "elastic", "gamma": 10.0}},
     "free_slip": {"walls": {"sides": "free_slip"}},
     "corrected": {"walls": {"sides": "fixed"}, "numerics": {"gradient_correction": {"min_determinant": 0.3}}},
     "no_slip": {
         "walls": {"base": "no_slip", "sides": "free_slip"},
         "numerics": {"artificial_viscosity": {"reconstruction": "linear"}},
-        "coupling": {"initiation": {"slip": 1e-4, "length": 7.5}},
+        "coupling": {"solid_after_failure": "elastic_plastic", "initiation": {"slip": 1e-4, "length": 7.5}},
     },
 }
 """The walls and terms with which the budget is tested."""

@@ -17,7 +17,7 @@ SHEARED = read_scene("config/scenes/validation/v13_simple_shear.yaml")
 
 
 def scene(changes: dict[str, Any]) -> Scene:
-    return make_scene(merge(SHEARED, dotted({"coupling.gamma": 0.0, **changes})))
+    return make_scene(merge(SHEARED, dotted({"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic", **changes})))
 
 
 def history(built: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

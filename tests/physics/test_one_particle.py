@@ -17,6 +17,8 @@ from sph.solver.state import ARMED, FAILED, HELD, YIELDED, State, initial_state
 from sph.solver.terms import make_terms
 
 DT = 1e-3
+NOT_SOFTENING = {"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}
+"""Failed soil keeps its peak strength."""
 PRESSURES = np.array([50e3, 150e3, 300e3, 600e3])
 
 
@@ -66,13 +68,19 @@ def mohr_coulomb_strength(S_R: float) -> np.ndarray:
     return 150e3 * S_R * math.cos(phi) + PRESSURES * math.sin(phi)
 
 
+LAWS = [("elastic_plastic", 0.0), *((law, gamma) for law in ("elastic_plastic", "elastic") for gamma in (1.0, 10.0, 100.0))]
+
+
 @pytest.mark.parametrize("S_R", [0.1, 0.5])
-@pytest.mark.parametrize("gamma", [0.0, 1.0, 10.0, 100.0])
-def test_loss_of_strength_in_simple_shear(gamma: float, S_R: float) -> None:
+@pytest.mark.parametrize(("law", "gamma"), LAWS)
+def test_loss_of_strength_in_simple_shear(law: str, gamma: float, S_R: float) -> None:
     # dv_x/dy = 0.05 1/s at constant pressure, after arming (step 10).  Particles fail within a few steps of each other; after t_f the
-    # shear stress is tau_f + (tau_s - tau_f) exp(-gamma (t - t_f)) with t_f the step of failure.  Exact but for
-    # eta * rate = 0.1 Pa, the steady turn of the deviator against the shear plane ((tau/G)^2 / 2 < 1e-6) and rounding: 2e-5.
-    b = bench({"coupling.S_R": S_R, "coupling.gamma": gamma})
+    # shear stress is tau_f + (tau - tau_f) exp(-gamma (t - t_f)) with t_f the step of failure and tau that of the solid state: tau_s on
+    # its yield surface, tau_s + G rate (t - t_f) where it is elastic.  Exact but for eta * rate = 0.1 Pa, the turn of the deviator
+    # against the shear plane and rounding: 2e-5.  That turn is (tau/G)^2 / 2 < 1e-6 on a yield surface; elastic, by
+    # (rate (t - t_f))^2 / 6 of G rate (t - t_f) in 1.5 s (the Jaumann stress is G sin of the strain): 1e-3 of the strain's part.
+    b = bench({"coupling.S_R": S_R, "coupling.gamma": gamma, "coupling.solid_after_failure": law})
+    shear_modulus = b.terms.soil.shear_modulus
     times, stresses, failed = [], [], 0
     for step in range(1, 1500):
         failed += b.strain((0.0, 0.05 if step > 10 else 0.0, 0.0, 0.0), step)
@@ -85,8 +93,10 @@ def test_loss_of_strength_in_simple_shear(gamma: float, S_R: float) -> None:
     for i in range(4):
         t_f = b.state.t_f[i]
         after = time > t_f
-        expected = tau_f[i] + (tau_s[i] - tau_f[i]) * np.exp(-gamma * (time[after] - t_f))
-        np.testing.assert_allclose(stress[after, i, 3], expected, rtol=2e-5)
+        strain = 0.05 * (time[after] - t_f) if law == "elastic" else 0.0 * time[after]
+        solid = tau_s[i] + shear_modulus * strain
+        expected = tau_f[i] + (solid - tau_f[i]) * np.exp(-gamma * (time[after] - t_f))
+        np.testing.assert_allclose(stress[after, i, 3], expected, rtol=1e-3 if law == "elastic" else 2e-5)
         at = np.argmin(np.abs(time - t_f))
         assert stress[at, i, 3] == pytest.approx(tau_s[i], rel=2e-5), "peak strength at the moment of failure"
         # Pressure is untouched, sigma_zz stays at -p.
@@ -158,7 +168,7 @@ def test_what_a_wall_holds_at_yield_fails_only_after_it_came_off() -> None:
 
 def test_extension_fails_at_the_apex() -> None:
     # Pulled apart uniformly: mean tension is limited to c cot(phi) = 412 kPa, which counts as failure.
-    b = bench({"coupling.gamma": 0.0})
+    b = bench(NOT_SOFTENING)
     failed = 0
     for step in range(1, 200):
         failed += b.strain((0.01, 0.0, 0.0, 0.01), step)
@@ -173,7 +183,7 @@ def test_extension_fails_at_the_apex() -> None:
 def test_rigid_rotation_gives_no_stress(state: str) -> None:
     # Ten turns in steps of 4 mrad.  The midpoint form keeps the norm to rounding and turns the deviator by
     # 2 atan(a) instead of 2 a: a^2 / 3 of the turn, 10 * 4 pi * 5.3e-6 = 7e-4 rad in all.
-    b = bench({"coupling.gamma": 0.0 if state == "failed" else 1.0})
+    b = bench(NOT_SOFTENING if state == "failed" else {})
     shear = 120 if state == "failed" else 12
     for step in range(1, shear):
         b.strain((0.001, 0.01, 0.0, -0.001), step)

@@ -40,6 +40,7 @@ ELEMENT: dict[str, Any] = {
     "probes": {},
 }
 DT, STEPS = 5e-4, 200
+NOT_SOFTENING = {"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")
 
 
@@ -102,7 +103,7 @@ def test_a_turn_gives_no_stress() -> None:
 
 def test_confined_soil_yields_at_its_strength() -> None:
     # 20 degrees, 5 kPa, 100 kPa: shear at constant volume ends at c cos(phi) + p sin(phi) (s_zz = 0, Eq. 15 of the solid state), 38.9 kPa.
-    confined = {"soil.cohesion": 5.0, "gravity.initial_stress": {"pressure": 100.0}, "coupling.gamma": 0.0}
+    confined = {"soil.cohesion": 5.0, "gravity.initial_stress": {"pressure": 100.0}} | NOT_SOFTENING
     _, ds = element({"xy": 0.7}, confined)
     phi = math.radians(20)
     strength = 5e3 * math.cos(phi) + 100e3 * math.sin(phi)

@@ -30,6 +30,7 @@ BOX: dict[str, Any] = {
     "walls": {"layers": 3},
     "gravity": {"ramp": 0.5, "duration": 1.0},
     "damping": None,
+    "coupling": {"solid_after_failure": "elastic_plastic"},
     "numerics": {
         "spacing": 0.5,
         "smoothing_ratio": 1.3,

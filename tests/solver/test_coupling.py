@@ -21,6 +21,7 @@ TIME = 0.5
 """s, after the gravity stage."""
 VARIANTS: dict[str, dict[str, Any]] = {
     "default": {},
+    "elastic-plastic": {"coupling.solid_after_failure": "elastic_plastic"},
     "gradient_correction": {"numerics.gradient_correction": {"min_determinant": 0.1}},
     "capped viscosity": {"coupling.fluid": {"law": "capped_viscosity", "max_viscosity": 1e6}},
     "no damping": {"damping": None},
@@ -61,11 +62,9 @@ def phases(n: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarr
     return phase, beta
 
 
-@pytest.fixture(params=["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
-def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
+def mixed(free_block: Builder, overrides: dict[str, Any]) -> Mixture:
     scene = free_block(
-        {"geometry.width": 20.0, "geometry.height": 20.0, "soil.cohesion": 150.0, "coupling.S_R": 0.25, "coupling.gamma": 10.0}
-        | VARIANTS[request.param]
+        {"geometry.width": 20.0, "geometry.height": 20.0, "soil.cohesion": 150.0, "coupling.S_R": 0.25, "coupling.gamma": 10.0} | overrides
     )
     particles = place_particles(scene)
     n = particles.x.size
@@ -84,6 +83,11 @@ def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
     for name in ("sxx", "syy", "sxy", "syx"):
         getattr(state, name)[:] = generator.normal(0, 0.05, n)
     return Mixture(state, terms, pairs, particles.mass, scene.soil.density * generator.normal(0, 2.0, (4, n)))
+
+
+@pytest.fixture(params=["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
+def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
+    return mixed(free_block, VARIANTS[request.param])
 
 
 def test_the_mixture_holds_every_case(mixture: Mixture) -> None:
@@ -118,3 +122,30 @@ def test_chunks_do_not_show(mixture: Mixture, size: int) -> None:
     # Power sums cancel: their rounding is that of the largest terms.
     size_of_work = 0.5 * np.abs(mixture.gradient).sum(axis=0) @ (mixture.mass * 4 * np.abs(whole.sxx).max())
     assert internal_in_parts == pytest.approx(internal, abs=n * np.finfo(float).eps * size_of_work)
+
+
+def test_the_solid_state_differs_after_failure_alone(free_block: Builder) -> None:
+    # The same mixture with either solid state: what has not failed before the step is the same to the last bit.  A failed particle's
+    # solid deviator is the elastic trial where it is elastic, and that brought to the surface where it is not.
+    states, terms = [], None
+    for law in ("elastic", "elastic_plastic"):
+        mixture = mixed(free_block, {"coupling.solid_after_failure": law})
+        terms = mixture.terms
+        states.append(mixture.strain([(0, mixture.mass.size)])[0])
+        was = mixture.state.phase == FAILED
+    elastic, plastic = states
+    for name in State._fields:
+        before, after = getattr(elastic, name), getattr(plastic, name)
+        if before.shape == was.shape:
+            np.testing.assert_array_equal(before[~was], after[~was], err_msg=name)
+    solid = was & (elastic.beta > 0.0)
+    deviators = [np.stack([s.solid_d, s.solid_q, s.solid_z])[:, solid] for s in states]
+    factor = np.linalg.norm(deviators[1], axis=0) / np.linalg.norm(deviators[0], axis=0)
+    np.testing.assert_allclose(deviators[1], deviators[0] * factor, rtol=0, atol=1e-6)
+    assert np.all(factor <= 1.0 + 1e-12) and np.count_nonzero(factor < 0.99) > 20 and np.count_nonzero(factor > 0.99) > 5
+    surface, bulk = terms.soil.solid, terms.soil.bulk_modulus
+    p = bulk * (plastic.density[solid] / terms.reference_density - 1.0)
+    d, q, z = deviators[0]
+    demand = np.hypot(d, q) - 0.5 * z * surface.sine
+    available = np.maximum(surface.cohesion_term + np.maximum(p, -surface.tension_limit) * surface.sine, 0.0)
+    np.testing.assert_allclose(factor, np.where(demand > available, available / demand, 1.0), rtol=1e-9, atol=1e-12)  # 0 at the apex

@@ -42,7 +42,7 @@ STUDY: dict[str, Any] = {
     "claims": {"amplitude": 8.0},
 }
 """Eight runs of 404 particles; at 0.1 m/s2 nothing fails."""
-RUN = "results/small/draft/runs/S_R-0.10_gamma-1_amplitude-8.0.nc"
+RUN = "results/small/draft/runs/S_R-0.10_gamma-100_amplitude-8.0.nc"
 
 
 def snakemake_command(folder: Path, *arguments: str) -> list[str]:

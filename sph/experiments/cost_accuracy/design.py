@@ -27,7 +27,7 @@ FIDELITY = "fidelity"
 """Parameter whose variants are the study's fidelities."""
 NOT_SCHEME = ("name", "title", "scheme", "duration", "geometry", "soil", "layers", "water", "uncertain", "motion", "probes", "outputs")
 """Sections and keys of a scene that say what is simulated, not how."""
-CASE_KEYS = ("S_R", "gamma")
+CASE_KEYS = ("S_R", "gamma", "solid_after_failure")
 """Keys of ``coupling`` that say what is simulated."""
 
 

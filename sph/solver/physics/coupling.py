@@ -4,9 +4,9 @@
 
 The paper prints one global t_f and an exponent of the other sign, with which beta would grow; here
 each particle has its own t_f, the moment its stress first reaches the failure surface of the solid
-state.  Both states stay on their own Mohr-Coulomb surface: the solid one is elastic, perfectly
-plastic, since with gamma = 1/s it lives on for seconds.  The fluid deviator starts from the stress
-at t_f.  The elastic pressure is common to both.
+state.  Until then the solid state is elastic, perfectly plastic; what it is afterwards says
+``sph.solver.physics.failed_solid``.  The fluid state stays on a Mohr-Coulomb surface of its own; its
+deviator starts from the stress at t_f.  The elastic pressure is common to both.
 
 At the end of the gravity stage every particle is armed.  Soil that is at yield there has failed under
 gravity alone: its t_f is the end of the stage.  Particles held by a fixed wall (``sph.solver.state.initial_state``) yield
@@ -20,6 +20,7 @@ import numpy as np
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.physics.dilation import dilate
 from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
+from sph.solver.physics.failed_solid import yields
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
 from sph.solver.physics.initiation import gather_plastic_strain, has_slipped
@@ -51,8 +52,9 @@ def blended(state, terms, i):  # type: ignore[no-untyped-def]
     soil = material_of(terms.layers, terms.soil, i)
     p = pressure(soil.bulk_modulus, state.density[i], terms.reference_density)
     b = state.beta[i]
+    p_solid = limit_tension(soil.solid, p) if yields(terms.elastic_after_failure, state, i) else p
     return (
-        blend(b, limit_tension(soil.solid, p), limit_tension(soil.fluid, p)),
+        blend(b, p_solid, limit_tension(soil.fluid, p)),
         blend(b, state.solid_d[i], state.fluid_d[i]),
         blend(b, state.solid_q[i], state.fluid_q[i]),
         blend(b, state.solid_z[i], state.fluid_z[i]),
@@ -85,7 +87,9 @@ def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type
 
 
 @jit
-def _update_solid(solid, dilation, initiation, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k):  # type: ignore[no-untyped-def]
+def _update_solid(  # type: ignore[no-untyped-def]
+    solid, after_failure, dilation, initiation, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k
+):
     if solid is None:
         return 0.0, 0.0, 0.0, 0.0
     else:
@@ -93,9 +97,10 @@ def _update_solid(solid, dilation, initiation, shear_modulus, bulk_modulus, stat
         d += rate_d * dt
         q += rate_q * dt
         z = state.solid_z[i] + rate_z * dt
-        p_limited = limit_tension(solid, p)
-        p_solid = dilate(dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus)
-        factor = return_factor(solid, p_solid, d, q, z)
+        bounded = yields(after_failure, state, i)
+        p_limited = limit_tension(solid, p) if bounded else p
+        p_solid = dilate(dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus) if bounded else p
+        factor = return_factor(solid, p_solid, d, q, z) if bounded else 1.0
         gather_plastic_strain(initiation, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
         state.solid_d[i] = d * factor
         state.solid_q[i] = q * factor
@@ -141,6 +146,7 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
         p_s, d_s, q_s, z_s = _update_solid(
             solid,
+            terms.elastic_after_failure,
             terms.dilation,
             terms.initiation,
             soil.shear_modulus,

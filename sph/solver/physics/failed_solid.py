@@ -1,0 +1,43 @@
+"""The solid state of soil that has failed: elastic, as the paper prints it, or kept on its yield surface.
+
+Eq. 10 gives the solid state no yield surface, and Eqs. 8 and 9 only let it fade.  With this term the solid state of a particle is
+elastic from t_f on: its deviator is not returned and its tension not limited, and what it adds to the stress, about beta G times the
+strain since t_f, is bounded by beta alone.  Soil is then let go exponentially slowly.  Without the term it stays on its yield surface
+(elastic, perfectly plastic) and adds at most beta times the peak strength.  Before t_f the two are the same.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+from sph.solver.state import FAILED
+
+
+class ElasticAfterFailure(NamedTuple):
+    """The term; it has no coefficients."""
+
+
+@jit
+def yields(term, state, i):  # type: ignore[no-untyped-def]
+    """Whether the solid state of particle i is bounded by its yield surface."""
+    if term is None:
+        return True
+    else:
+        return state.phase[i] != FAILED
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ElasticAfterFailure:
+    return ElasticAfterFailure()
+
+
+TERM = Term(
+    "elastic_after_failure",
+    "coupling.solid_after_failure: elastic",
+    lambda scene: scene.coupling.solid_after_failure == "elastic",
+    _make,
+)
