@@ -341,12 +341,12 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     stage.write_bytes(stage.read_bytes()[:10_000])
     before = {path: path.read_bytes() for path in folder.glob("runs/*_amplitude-0.1.nc")}
     shutil.rmtree(folder / "logs")
-    (folder / "runs" / "S_R-0.10_gamma-1_amplitude-8.0.nc").unlink()
+    (copied / RUN).unlink()
     result = snakemake(copied, "--cores", "1", *write_config(copied), "--", RUN)
     assert result.returncode != 0
     reason = f"{stage.relative_to(copied)}: cannot be read as a trajectory"
     assert reason in result.stderr + result.stdout
-    log = (folder / "logs" / "S_R-0.10_gamma-1_amplitude-8.0.log").read_text()
+    log = (folder / "logs" / Path(RUN).with_suffix(".log").name).read_text()
     first, *_, said, last = log.splitlines()
     assert json.loads(first)["record"] == "process" and reason in said and "delete it and run again" in said
     assert reason in json.loads(last)["reason"] and json.loads(last)["record"] == "failed"
