@@ -45,7 +45,7 @@ from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
-from sph.paper.release import BASELINE, STUDY_AT, read_measured
+from sph.paper.release import BASELINE, READ_AT, STUDY_AT, read_measured
 from sph.paper.study import AnyStudy
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene
@@ -233,6 +233,13 @@ def resolved_claim_lines() -> Iterator[tuple[str, ...]]:
         yield str(row["claim"]), row["statement"], f"{row['study']}, {row['fidelity']}", verdict, row["measured"]
 
 
+def solid_state_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (solid state, gamma, S_R, A's displacement at each time) of either solid state of failed soil."""
+    for row in read_measured("solid_states").to_dict("records"):
+        moved = (f"{row[f'displacement_{time:g}']:.3g} m" for time in READ_AT)
+        yield row["solid_after_failure"], f"{row['gamma']:g}", f"{row['S_R']:.2f}", *moved
+
+
 def time_lines() -> Iterator[tuple[str, ...]]:
     """Rows (task, time, conditions, machine) of the README's commands."""
     studies = _study_tasks()
@@ -342,6 +349,7 @@ RESOLVED_HEAD = (
 )
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")
+SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
     "fidelity", "whole study", f"class as at `{BASELINE}`", f"A's displacement against `{BASELINE}`", "one run",
@@ -431,6 +439,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "convergence": lambda: _variables(CONVERGENCE),
     "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),
     "resolved_claims": lambda: Reference(RESOLVED_CLAIM_HEAD, list(resolved_claim_lines())),
+    "solid_states": lambda: Reference(SOLID_STATE_HEAD, list(solid_state_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,
     "origins": lambda: Reference(("table", "solver", "configuration", "version", "renewed by"), list(origin_lines())),

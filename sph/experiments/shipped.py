@@ -91,6 +91,12 @@ SHIPPED: dict[str, Shipped] = {
         "python -m sph.paper.release",
         MEASURED / "fidelities.csv",
     ),
+    "solid_states": Shipped(
+        ("results/paper_solid_states",),
+        ("config/studies/paper_solid_states.yaml", "config/scenes/paper.yaml"),
+        "snakemake --cores 2 --configfile config/studies/paper_solid_states.yaml && python -m sph.paper.release solid_states",
+        MEASURED / "solid_states.csv",
+    ),
     "times": Shipped(("results/paper",), _PAPER_FILES, "python tests/benchmarks/commands.py", MEASURED / "times.csv"),
 }
 """The tables by name."""

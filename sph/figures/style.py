@@ -79,13 +79,14 @@ def class_colours() -> list[Any]:
 
 
 def note_text(scene: Scene) -> str:
-    """Scene, resolution, walls and duration in one line."""
+    """Scene, resolution, walls, solid state of failed soil and duration in one line."""
     numerics = scene.numerics
     parts = [
         f"scene {scene.name}",
         f"spacing {numerics.spacing:.4g} m",
         f"kernel support {2 * numerics.smoothing_length:.4g} m",
         f"{scene.walls.sides.replace('_', '-')} side walls",
+        f"failed solid {scene.coupling.solid_after_failure.replace('_', '-')}",
         f"{scene.duration:g} s" if scene.early_stop is None else f"until at rest, {scene.duration:g} s at most",
     ]
     return " · ".join(parts)

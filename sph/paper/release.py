@@ -1,23 +1,25 @@
 """What a release states of the paper's study: the verdicts on its claims, and its fidelities against ``paper``; and times of commands.
 
 The tables measured for this release are part of the package.  ``python -m sph.paper.release`` writes ``claims.csv``,
-``fidelities.csv`` and ``resolved_claims.csv`` from what lies in ``results``, or the one named;
+``fidelities.csv``, ``resolved_claims.csv`` and ``solid_states.csv`` from what lies in ``results``, or the one named;
 ``python tests/benchmarks/commands.py`` measures ``times.csv``.
 """
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 import sph
 from sph.experiments.shipped import SHIPPED, note, solver_of
 from sph.measures.metrics import GRID
 from sph.paper.claims import COLUMNS
-from sph.storage.trajectory import Variable
+from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import count_column, number_column, read_csv, read_table, text_column, write_csv
 from sph.study.verdicts import NOT_YET
 
@@ -30,6 +32,10 @@ STUDY_AT = "study at "
 """The time of the whole study at a fidelity is that of the task with this before its name."""
 RESOLVED_STUDIES = ("paper_resolved", "long_box")
 """Studies of the paper's slope with the scheme of one's own slopes: in the paper's box, and in one long enough to hardly matter."""
+SOLID_STATES_STUDY = Path("results/paper_solid_states")
+"""Folder of the study of the paper's slope with either solid state of failed soil."""
+READ_AT = (10.0, 15.0, 20.0)
+"""Times (s) at which A's displacement is read there: the end of the shaking, the time of Figs. 4 and 5, and later."""
 LEAST_DISPLACEMENT = 0.1
 """Displacement of A (m) at the baseline below which a relative difference says nothing."""
 
@@ -59,6 +65,13 @@ RESOLVED_CLAIMS: tuple[Variable, ...] = (
     text_column("fidelity", "name of its fidelity"),
     *CLAIMS,
 )
+SOLID_STATES: tuple[Variable, ...] = (
+    text_column("solid_after_failure", "solid state of failed soil"),
+    number_column("S_R", "1", "strength ratio"),
+    number_column("gamma", "s-1", "rate of the loss of strength"),
+    *(number_column(f"displacement_{time:g}", "m", f"A's displacement at {time:g} s") for time in READ_AT),
+    ORIGIN,
+)
 TIMES: tuple[Variable, ...] = (
     text_column("task", "what was timed"),
     number_column("wall_time", "s", "time from its start to its end"),
@@ -66,13 +79,19 @@ TIMES: tuple[Variable, ...] = (
     text_column("machine", "processor and number of cores"),
     ORIGIN,
 )
-"""Columns of the tables ``claims``, ``fidelities``, ``resolved_claims`` and ``times``."""
+"""Columns of the tables ``claims``, ``fidelities``, ``resolved_claims``, ``solid_states`` and ``times``."""
+_VARIABLES = {
+    "claims": CLAIMS,
+    "fidelities": FIDELITIES,
+    "resolved_claims": RESOLVED_CLAIMS,
+    "solid_states": SOLID_STATES,
+    "times": TIMES,
+}
 
 
 def read_measured(name: str) -> pd.DataFrame:
-    """The table ``claims``, ``fidelities``, ``resolved_claims`` or ``times`` of this release; ValueError names a file that is none."""
-    variables = {"claims": CLAIMS, "fidelities": FIDELITIES, "resolved_claims": RESOLVED_CLAIMS, "times": TIMES}[name]
-    return read_csv(MEASURED / f"{name}.csv", variables, f"the {name} of a release")
+    """A table of this release by name; ValueError names a file that is none."""
+    return read_csv(MEASURED / f"{name}.csv", _VARIABLES[name], f"the {name} of a release")
 
 
 def measured_claims(study: Path) -> pd.DataFrame:
@@ -105,6 +124,21 @@ def resolved_claims(results: Path) -> pd.DataFrame:
     if not tables:
         raise ValueError(f"{results}: no claims of {RESOLVED_STUDIES[0]}; run 'snakemake --cores 2 --configfile config/studies/NAME.yaml'")
     return pd.concat(tables, ignore_index=True)[[row.name for row in RESOLVED_CLAIMS]]
+
+
+def solid_states(study: Path) -> pd.DataFrame:
+    """A's displacement at ``READ_AT`` in every run of a study of both solid states, with the columns ``SOLID_STATES``; ValueError without."""
+    rows = []
+    for path in sorted(study.glob("*/runs/*.nc")):
+        run = read(path)
+        coupling, time = scene_of(run, str(path)).coupling, run["sample_time"].values
+        away = np.hypot(run["probe_displacement_x"].values[:, 0], run["probe_displacement_y"].values[:, 0])
+        moved = {f"displacement_{at:g}": float(np.interp(at, time, away, right=math.nan)) for at in READ_AT}
+        rows.append({**coupling.model_dump(include={"solid_after_failure", "S_R", "gamma"}), **moved, "origin": sph.__version__})
+    if not rows:
+        raise ValueError(f"{study}: no runs; run '{SHIPPED['solid_states'].renewal}'")
+    table = pd.DataFrame(rows)[[row.name for row in SOLID_STATES]]
+    return table.sort_values(["solid_after_failure", "gamma", "S_R"], ignore_index=True)
 
 
 def compared_fidelities(study: Path) -> pd.DataFrame:
@@ -150,6 +184,7 @@ if __name__ == "__main__":
         "claims": lambda: measured_claims(STUDY),
         "fidelities": lambda: compared_fidelities(STUDY),
         "resolved_claims": lambda: resolved_claims(STUDY.parent),
+        "solid_states": lambda: solid_states(SOLID_STATES_STUDY),
     }
     for name in sys.argv[1:] or made:
         table, solver = made[name](), solver_of(SHIPPED[name].runs)

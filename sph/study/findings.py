@@ -66,7 +66,7 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
 
 
 def choices(scene: Scene) -> list[tuple[str, str]]:
-    """Name and value of what decides the answer and has a default: how failure begins, dilation and the walls."""
+    """Name and value of what decides the answer and has a default: how failure begins, what failed soil carries, dilation and the walls."""
     initiation, walls = scene.coupling.initiation, scene.walls
     begins = "at once where the stress reaches the strength (coupling.initiation: null)"
     if initiation is not None:
@@ -78,7 +78,11 @@ def choices(scene: Scene) -> list[tuple[str, str]]:
         f"{scene.soil.dilation_angle:g} degree" if same else ", ".join(f"{angle:g} degree in {name}" for name, angle in angles.items())
     )
     box = _box(scene) + (f", lid {wall_words(walls.top)}" if walls.top != "none" else "")
-    return [("failure begins", begins), ("dilation angle", dilation), ("walls", box + (": a rigid box" if _is_rigid(scene) else ""))]
+    failed = {
+        "elastic": "elastic, without a yield surface, as the paper prints it",
+        "elastic_plastic": "elastic-plastic, never beyond the peak strength",
+    }[scene.coupling.solid_after_failure]
+    return [("failure begins", begins), ("solid state of failed soil", failed), ("dilation angle", dilation), ("walls", box + (": a rigid box" if _is_rigid(scene) else ""))]
 
 
 def _box(scene: Scene) -> str:

@@ -227,6 +227,7 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
     assert told["rigid-box"].measured == "base no-slip, sides free-slip"
     assert [(label, text.split(" (")[0]) for label, text in choices(own)] == [
         ("failure begins", "at once where the stress reaches the strength"),
+        ("solid state of failed soil", "elastic-plastic, never beyond the peak strength"),
         ("dilation angle", "0 degree"),
         ("walls", "base no-slip, sides free-slip: a rigid box"),
     ]
