@@ -16,6 +16,11 @@ VARIANTS = {
     "default": {},
     "gradient_correction": {"numerics.gradient_correction": {"min_determinant": 0.3}},
     "free_slip": {"walls.sides": "free_slip", "walls.layers": 4},
+    "loss by slip": {
+        "coupling.solid_after_failure": "elastic_plastic",
+        "coupling.gamma": 0.0,
+        "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 7.5},
+    },
 }
 """Overrides by name."""
 

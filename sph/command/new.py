@@ -20,7 +20,7 @@ from sph.study.findings import PLACEHOLDER
 SCENE, STUDY = "scene.yaml", "study.yaml"
 COARSE_ROWS, ROWS, FINE_ROWS = 15, 20, 30
 """Particles over the height of the slope: for a first look, of the scene, and to see what finer ones change."""
-LENGTH = 0.22
+WIDTH = 0.22
 """Over which failure begins, over the slope's height: three spacings even for a first look."""
 DEPTH = 0.4
 """Soil below the lowest ground, over the slope's height."""
@@ -60,10 +60,9 @@ soil:
 #   clay: {{region: {{kind: depth, top: 6.0, bottom: 9.0}}, soil: {{cohesion: 12.0, friction_angle: 19.0}}, S_R: 0.6}}
 coupling:
   S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
-  gamma: 100.0 # 1/s, rate at which strength falls after failure; 100 is at once
-  # Displacement beyond the peak in the shear test before its stress falls, and the width of what yields first, m  REPLACE
-  # null: failure at once where the stress reaches the strength, at a shaking that the spacing decides
-  initiation: {{slip: 1.0e-3, length: {length:g}}}
+  # From the same test, m: displacement at the end of the peak and where the residual strength is reached (docs/model/softening.md)  REPLACE
+  # width: of the soil that yields before a slip surface forms, at least three spacings
+  softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}}
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
 motion: {{kind: record, file: {record}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
@@ -115,7 +114,7 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
         "poisson": POISSON,
         "speed": SPEED,
         "modulus": 2e-3 * (1.0 + POISSON) * DENSITY * SPEED**2,
-        "length": _digits(LENGTH * height, 2),
+        "width": _digits(WIDTH * height, 2),
         "low": frequency,
         "high": 5.0 * frequency,
         "start": START,

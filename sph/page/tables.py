@@ -22,7 +22,7 @@ from sph.study.dimensions import Dimension, readable, shown_unit
 
 MOST_ROWS = 500
 """Most rows that the page shows of a CSV file."""
-INITIATION = "coupling.initiation"
+SOFTENING = "coupling.softening"
 """Shown also where it is not set: failure at once decides the answer."""
 KEYS = (
     "duration",
@@ -30,7 +30,7 @@ KEYS = (
     "walls.",
     "motion.",
     "damping.",
-    INITIATION,
+    SOFTENING,
     "numerics.spacing",
     "numerics.smoothing_ratio",
     "numerics.time_step",
@@ -173,7 +173,7 @@ def chosen_keys(table: Table) -> Table:
     """The rows of the table of a scene that describe the problem, ``KEYS``, by names that are read."""
     rows = []
     for key, value, unit, text in table.rows:
-        if key == INITIATION and value == "none":
+        if key == SOFTENING and value == "none":
             rows.append(("beginning of failure", "at once", "", text))
         elif key.startswith(KEYS) and value != "none":
             rows.append((readable(key), wall_words(value) if key.startswith("walls.") else value, shown_unit(unit), text))
@@ -193,7 +193,7 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
                 ("gamma", layer and layer.gamma, scene.coupling.gamma),
             )
         )
-        values = (varied.get(f"{path}soil.{key}", f"{getattr(soil, key):.6g}") for key in fields)
+        values = (varied.get(f"{path}soil.{key}", "" if getattr(soil, key) is None else f"{getattr(soil, key):.6g}") for key in fields)
         rows.append(
             (
                 name.replace("_", " "),

@@ -127,7 +127,7 @@ def resolved_claims(results: Path) -> pd.DataFrame:
 
 
 def solid_states(study: Path) -> pd.DataFrame:
-    """A's displacement at ``READ_AT`` in every run of a study of both solid states, with the columns ``SOLID_STATES``; ValueError without."""
+    """A's displacement at ``READ_AT`` in the runs of a study of both solid states: columns ``SOLID_STATES``; ValueError without any."""
     rows = []
     for path in sorted(study.glob("*/runs/*.nc")):
         run = read(path)

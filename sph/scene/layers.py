@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import PolygonBody
 from sph.scene.places import Coordinate
-from sph.scene.soil import Soil
+from sph.scene.soil import Coupling, Softening, Soil
 
 Depth = Annotated[float, Field(ge=0, le=1e4)]
 
@@ -75,3 +75,15 @@ class Layer(Section):
     S_R: float | None = key("its strength ratio; null: that of the coupling", ge=0, le=1, default=None)
     r_u: float | None = key("its ratio of pore pressure to overburden; null: that of the water", ge=0, lt=1, default=None)
     gamma: float | None = key("its rate of the loss of strength; null: that of the coupling", "1/s", ge=0, le=1e6, default=None)
+    slip_at_peak: float | None = key("its slip at the peak; null: that of the coupling's softening", "m", gt=0, le=10, default=None)
+    slip_at_residual: float | None = key(
+        "its slip at the residual strength; null: that of the coupling's softening", "m", gt=0, le=100, default=None
+    )
+
+
+def softening_of(coupling: Coupling, layer: Layer | None) -> Softening | None:
+    """Loss of strength with slip of the scene's own soil or of a layer with slips of its own; ValueError where they are no pair."""
+    if coupling.softening is None or layer is None:
+        return coupling.softening
+    own = {name: value for name in ("slip_at_peak", "slip_at_residual") if (value := getattr(layer, name)) is not None}
+    return Softening.model_validate(coupling.softening.model_dump() | own) if own else coupling.softening

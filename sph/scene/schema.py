@@ -24,7 +24,7 @@ from sph.scene.configuration import OwnName, Section, key, merge, read_scene, va
 from sph.scene.geometry import Geometry
 from sph.scene.gravity import FAILED_AREA, GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.layers import Layer
+from sph.scene.layers import Layer, softening_of
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
@@ -288,7 +288,14 @@ class Scene(Section):
                 )
 
     def _check_coupling(self) -> None:
-        """Refuse failed soil that would be elastic for ever, and so stronger than before it failed."""
+        """Refuse failed soil that would be elastic for ever, and so stronger than before it failed, and keys without effect or sense."""
+        for name, layer in self.layers.items():
+            softening_of(self.coupling, layer)
+            slips = [key for key in ("slip_at_peak", "slip_at_residual") if getattr(layer, key) is not None]
+            if slips and not self.coupling.softens_by_slip:
+                raise ValueError(f"layers.{name}.{slips[0]}: needs coupling.softening.slip_at_residual, the slip of the other soil")
+            if layer.S_R is not None and None not in (layer.soil.residual_cohesion, layer.soil.residual_friction_angle):
+                raise ValueError(f"layers.{name}.S_R: without effect beside residual_cohesion and residual_friction_angle of its soil")
         if self.coupling.solid_after_failure == "elastic" and self.coupling.initial_state == "solid":
             rates = {"coupling.gamma": self.coupling.gamma, **{f"layers.{name}.gamma": layer.gamma for name, layer in self.layers.items()}}
             for name, rate in rates.items():

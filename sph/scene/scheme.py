@@ -29,6 +29,9 @@ RESOLVED: dict[str, Any] = dotted(
 )
 """Keys of the scheme ``resolved`` whose defaults are not those of the paper's scene."""
 
+BY_SLIP = "coupling.softening.slip_at_residual"
+"""With this key strength falls with slip, and gamma, where it is not written, is 0."""
+
 NEEDED = {
     "soil.density": "density, kg/m3",
     "soil.youngs_modulus": "Young's modulus, kPa; from the shear wave speed it is 2 (1 + nu) rho V_s^2 / 1000, V_s in m/s",
@@ -36,17 +39,22 @@ NEEDED = {
     "soil.cohesion": "peak cohesion, kPa",
     "soil.friction_angle": "peak friction angle, degree",
     "soil.viscosity": "viscosity of failed soil beyond its yield stress, Pa s; the paper's debris has 2",
-    "coupling.S_R": "strength that failed soil keeps, over its peak: residual over peak c and phi in a shear box or ring shear test",
-    "coupling.gamma": "rate at which strength falls after failure, 1/s; 100 is at once (the paper), 1 within seconds",
+    "coupling.S_R": "strength that failed soil keeps, over its peak: residual over peak c and phi in a shear box or ring shear test; or "
+    "write soil.residual_cohesion and soil.residual_friction_angle",
+    "coupling.gamma": "rate at which strength falls after failure, 1/s; 100 is at once (the paper), 1 within seconds; or "
+    "write coupling.softening.slip_at_residual, the slip at which it is lost",
     "damping": "Rayleigh damping: ratio and two frequencies, of the slope and of the motion's upper end; or null",
     "numerics.spacing": "spacing of the particles, m; a twentieth of the slope's height for a first look",
 }
 """What a scene of the scheme ``resolved`` must write, and what it means."""
+INSTEAD = {"coupling.gamma": (BY_SLIP,), "coupling.S_R": ("soil.residual_cohesion", "soil.residual_friction_angle")}
+"""Keys that may be written instead of one of these."""
 
 
 def filled(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """A scene's mapping with what its scheme fills in."""
-    return merge(RESOLVED, data) if _is_resolved(data) else data
+    made = merge(RESOLVED, data) if _is_resolved(data) else data
+    return merge({"coupling": {"gamma": 0.0}}, made) if has_key(data, BY_SLIP, set_there=True) else made
 
 
 def missing(data: Mapping[str, Any], origin: str) -> list[str]:
@@ -56,7 +64,7 @@ def missing(data: Mapping[str, Any], origin: str) -> list[str]:
     lines = [
         f"{origin}: {name}: must be written, since it decides the answer: {text}"
         for name, text in NEEDED.items()
-        if not has_key(data, name)
+        if not has_key(data, name) and not all(has_key(data, other, set_there=True) for other in INSTEAD.get(name, (name,)))
     ]
     return lines and [*lines, f"{origin}: scheme: paper would take what is not written from the paper's scene"]
 
@@ -65,13 +73,13 @@ def _is_resolved(data: Mapping[str, Any]) -> bool:
     return isinstance(data, Mapping) and data.get("scheme", "resolved") == "resolved"
 
 
-def has_key(data: Mapping[str, Any], name: str) -> bool:
-    """Whether a dotted key is there; one whose section is no mapping is refused elsewhere."""
+def has_key(data: Mapping[str, Any], name: str, set_there: bool = False) -> bool:
+    """Whether a dotted key is there, and with ``set_there`` is not null; one whose section is no mapping is refused elsewhere."""
     value: Any = data
     for part in name.split("."):
         if not isinstance(value, Mapping):
-            return True
+            return not set_there
         if part not in value:
             return False
         value = value[part]
-    return True
+    return not (set_there and value is None)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+import warnings
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -26,13 +28,34 @@ class Soil(Section):
         le=50,
         default=0.0,
     )
+    residual_cohesion: float | None = key(
+        "residual cohesion, which failed soil keeps; null: S_R times the cohesion", "kPa", "Eq. 15", ge=0, le=1e6, default=None
+    )
+    residual_friction_angle: float | None = key(
+        "residual friction angle, which failed soil keeps; null: S_R times the friction angle",
+        "degree",
+        "Eq. 14",
+        ge=0,
+        le=50,
+        default=None,
+    )
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
 
     @model_validator(mode="after")
     def _flow(self) -> Soil:
         if self.dilation_angle > self.friction_angle:
             raise ValueError(f"dilation_angle: {self.dilation_angle} degrees, at most the friction_angle: {self.friction_angle}")
+        for name, unit in (("cohesion", "kPa"), ("friction_angle", "degrees")):
+            peak, residual = getattr(self, name), getattr(self, f"residual_{name}")
+            if residual is not None and residual > peak:
+                raise ValueError(f"residual_{name}: {residual} {unit}, at most the {name}: {peak}; a layer takes what it does not name")
         return self
+
+    def residual(self, strength_ratio: float) -> tuple[float, float]:
+        """Cohesion (kPa) and friction angle (degree) that failed soil keeps: as written, or the strength ratio times those at the peak."""
+        written = ((self.residual_cohesion, self.cohesion), (self.residual_friction_angle, self.friction_angle))
+        cohesion, angle = (strength_ratio * peak if residual is None else residual for residual, peak in written)
+        return cohesion, angle
 
     @property
     def shear_modulus_si(self) -> float:
@@ -81,23 +104,75 @@ class CappedViscosity(Section):
 FluidLaw = Annotated[ElasticViscoplastic | CappedViscosity, Field(discriminator="law")]
 
 
-class Initiation(Section):
-    """Plastic slip over a length before a particle fails."""
+class Softening(Section):
+    """Loss of strength with slip, in the words of a shear test."""
 
-    slip: float = key(
-        "slip, summed over the length, at which strength begins to fall: in a shear test, the displacement from peak to drop in stress",
+    slip_at_peak: float = key(
+        "slip, that is plastic displacement, at which strength begins to fall: in a shear test, from yield to the end of the peak",
         "m",
         "Palmer and Rice 1973",
         gt=0,
         le=10,
     )
-    length: float = key(
-        "length over which plastic strain is averaged, three spacings or more: the width of what yields before a slip surface forms",
+    slip_at_residual: float | None = key(
+        "slip at which the residual strength is reached; null: strength falls with time after the peak, at the rate gamma",
+        "m",
+        "Skempton 1985",
+        gt=0,
+        le=100,
+        default=None,
+    )
+    width: float = key(
+        "width over which plastic strain is averaged, three spacings or more: of what yields before a slip surface forms",
         "m",
         "Bazant and Jirasek 2002",
         gt=0,
         le=1e3,
     )
+    shape: Literal["linear", "exponential"] = key(
+        "how strength falls from the peak to the residual one; exponential: fast at first, 5 % left at the slip of the residual",
+        default="linear",
+    )
+
+    @model_validator(mode="after")
+    def _falling(self) -> Softening:
+        if self.slip_at_residual is not None and not self.slip_at_residual > self.slip_at_peak:
+            raise ValueError(f"slip_at_residual: {self.slip_at_residual:g} m, must be more than slip_at_peak: {self.slip_at_peak:g} m")
+        return self
+
+    @property
+    def by_slip(self) -> bool:
+        """Whether strength falls with slip, not with time."""
+        return self.slip_at_residual is not None
+
+    @property
+    def peak_strain(self) -> float:
+        """Mean plastic strain at which strength begins to fall."""
+        return self.slip_at_peak / self.width
+
+    @property
+    def span(self) -> float:
+        """Mean plastic strain from there to the residual strength."""
+        assert self.slip_at_residual is not None
+        return (self.slip_at_residual - self.slip_at_peak) / self.width
+
+
+def _former_initiation(data: Any) -> Any:
+    """``softening`` was ``initiation: {slip, length}``; taken, with a FutureWarning, until the next release."""
+    if not isinstance(data, Mapping) or "initiation" not in data:
+        return data
+    former = data["initiation"]
+    kept = {name: value for name, value in data.items() if name != "initiation"}
+    if former is None:
+        return {"softening": None} | kept
+    if not isinstance(former, Mapping) or "softening" in data or set(former) != {"slip", "length"}:
+        return data  # refused as an unknown key
+    warnings.warn(
+        "coupling.initiation: write softening: {slip_at_peak, width} for initiation: {slip, length}, which ends with the next release",
+        FutureWarning,
+        2,
+    )
+    return kept | {"softening": {"slip_at_peak": former["slip"], "width": former["length"]}}
 
 
 class Coupling(Section):
@@ -110,15 +185,18 @@ class Coupling(Section):
         le=1,
         default=0.25,
     )
-    gamma: float = key("rate of the loss of strength after failure", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0)
+    gamma: float = key(
+        "rate of the loss of strength after failure; beside a loss by slip 0 unless written", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0
+    )
     solid_after_failure: Literal["elastic", "elastic_plastic"] = key(
         "solid state of failed soil: elastic, without a yield surface (the paper); elastic_plastic, never beyond its peak strength",
         source="Eq. 10",
         default="elastic",
     )
     fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
-    initiation: Initiation | None = key(
-        "plastic slip before a particle fails; null: it fails once its stress reaches the yield surface (the paper)", default=None
+    softening: Softening | None = key(
+        "slip before strength falls, and until it is lost; null: it falls with time once the stress reaches the yield surface (the paper)",
+        default=None,
     )
     initial_state: Literal["solid", "fluid"] = key(
         "solid: particles fail when their stress reaches the yield surface (the paper); fluid: all failed long before the start",
@@ -131,3 +209,22 @@ class Coupling(Section):
         le=1e6,
         default=0.0,
     )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _former(cls, data: Any) -> Any:
+        return _former_initiation(data)
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Coupling:
+        if self.solid_after_failure == "elastic" and self.softens_by_slip:
+            raise ValueError(
+                "solid_after_failure: elastic with softening.slip_at_residual, which counts the plastic slip of the solid state; "
+                "write solid_after_failure: elastic_plastic"
+            )
+        return self
+
+    @property
+    def softens_by_slip(self) -> bool:
+        """Whether strength falls with slip, not with time."""
+        return self.softening is not None and self.softening.by_slip

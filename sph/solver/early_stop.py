@@ -29,14 +29,15 @@ def rest_reason(scene: Scene, step: int, series: Mapping[str, Sequence[Any]], st
 
     ``series`` holds the samples up to this step by name, ``soil_mass`` is in kg.  At rest: through the whole window, which begins
     when the shaking is over, the soil (by its mass-weighted root-mean-square speed) and every probe are slower than the limit,
-    and no failed particle has more of its solid state left than the limit.
+    and no failed particle has more of its solid state left than the limit, where it fades with time.
     """
     if scene.early_stop is None:
         return ""
     since = step - scene.steps(scene.early_stop.window)
     if since < scene.steps(quiet_from(scene)):
         return ""
-    if state.beta[state.phase == FAILED].max(initial=0.0) > scene.early_stop.solid_weight:
+    fades = scene.coupling.gamma > 0 or any(layer.gamma for layer in scene.layers.values())
+    if fades and state.beta[state.phase == FAILED].max(initial=0.0) > scene.early_stop.solid_weight:
         return ""
     samples = slice(-1 - round(scene.early_stop.window / scene.outputs.series_interval), None)
     soil = math.sqrt(2.0 * max(series["kinetic_energy"][samples]) / soil_mass)

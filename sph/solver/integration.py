@@ -25,13 +25,13 @@ from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
-from sph.solver.physics.initiation import average_plastic_strain
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.physics.residual_viscosity import keep_strain_rate
 from sph.solver.physics.seepage import with_seepage
-from sph.solver.state import FAILED, FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State
+from sph.solver.physics.slip import average_plastic_strain
+from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State
 from sph.solver.terms import active_terms, add_forces
 
 by_reference(Loading)
@@ -321,7 +321,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     )
                     sums[block, WALLS] += terms.dt * (rubbed + taken)
                     sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
-        average_plastic_strain(terms.initiation, state, FAILED, first_row, min(last_row, n_soil))
+        average_plastic_strain(terms.slip, state, first_row, min(last_row, n_soil))
         wait(team)
         if team.rank == 0:
             failed += _add_up(sums, state.work)

@@ -24,9 +24,12 @@ BRANCH_KEYS = (
     "coupling.S_R",
     "coupling.gamma",
     "coupling.solid_after_failure",
+    "coupling.softening.slip_at_residual",
+    "coupling.softening.shape",
     "coupling.fluid_tension_limit",
     "layers.*.S_R",
     "layers.*.gamma",
+    "layers.*.slip_at_residual",
 )
 """Keys without effect before the first failure; * stands for a name."""
 RESTART_DIMS = {

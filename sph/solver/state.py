@@ -55,7 +55,7 @@ class State(NamedTuple):
     tension_xy: np.ndarray
     friction_x: np.ndarray  # largest acceleration that friction on base and top can give, m/s2
     friction_y: np.ndarray  # that of the side walls
-    plastic_strain: np.ndarray  # gathered at yield before failure, see sph.solver.physics.initiation; without that term empty
+    plastic_strain: np.ndarray  # gathered by the solid state at yield, see sph.solver.physics.slip; without that term empty
     mean_plastic_strain: np.ndarray  # its average around the particle
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
@@ -90,7 +90,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "y_candidates": particles.y.copy(),
         "mode_x": generator.normal(size=n),
         "mode_y": generator.normal(size=n),
-        **{name: np.zeros(n if scene.coupling.initiation else 0) for name in ("plastic_strain", "mean_plastic_strain")},
+        **{name: np.zeros(n if scene.coupling.softening else 0) for name in ("plastic_strain", "mean_plastic_strain")},
         "reaction_x": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "reaction_y": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "free_field": np.zeros((2, 5, sum(free_field_nodes(scene, particles)))),

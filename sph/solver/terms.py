@@ -27,7 +27,6 @@ from sph.solver.physics import (
     dilation,
     failed_solid,
     gradient_correction,
-    initiation,
     material,
     pore_pressure,
     prescribed_motion,
@@ -35,10 +34,11 @@ from sph.solver.physics import (
     residual_viscosity,
     seepage,
     short_range_repulsion,
+    slip,
 )
 from sph.solver.physics.artificial_stress import add_artificial_stress
 from sph.solver.physics.kernels import KERNELS, Kernel, central_value, make_kernel
-from sph.solver.physics.material import FLUID_LAWS, Material, make_material
+from sph.solver.physics.material import FLUID_LAWS, STRENGTH_LOSSES, Material, loss_of, make_material
 from sph.solver.physics.short_range_repulsion import add_repulsion
 
 TERMS: tuple[Term, ...] = (
@@ -61,7 +61,7 @@ TERMS: tuple[Term, ...] = (
     pore_pressure.TERM,
     residual_viscosity.TERM,
     dilation.TERM,
-    initiation.TERM,
+    slip.TERM,
     failed_solid.TERM,
 )
 
@@ -141,9 +141,11 @@ def add_forces(terms, state, pairs, mass, first, last):  # type: ignore[no-untyp
 
 _KERNELS = list(KERNELS.items())[1:]
 _LAWS = list(FLUID_LAWS.items())[1:]
+_LOSSES = list(STRENGTH_LOSSES.items())[1:]
 KEYS = (
     dict.fromkeys((name for name, _ in _KERNELS), "numerics.kernel")
     | dict.fromkeys((name for name, _ in _LAWS), "coupling.fluid.law")
+    | dict.fromkeys((f"{name} loss by slip" for name, _ in _LOSSES), "coupling.softening.slip_at_residual")
     | {term.name: term.keys for term in TERMS}
 )
 """Optional terms by name, and the keys of a scene that ask for them; first the kernels and laws that can replace the paper's."""
@@ -151,8 +153,9 @@ KEYS = (
 
 def wanted_terms(scene: Scene) -> dict[str, bool]:
     """Which optional terms a scene asks for, by name."""
-    chosen = scene.numerics.kernel, scene.coupling.fluid.law
-    return {name: name in chosen for name, _ in (*_KERNELS, *_LAWS)} | {term.name: term.wanted(scene) for term in TERMS}
+    chosen = scene.numerics.kernel, scene.coupling.fluid.law, loss_of(scene.coupling)
+    replaced = [name in chosen for name, _ in (*_KERNELS, *_LAWS, *_LOSSES)]
+    return dict(zip(KEYS, [*replaced, *(term.wanted(scene) for term in TERMS)], strict=True))
 
 
 def _held(terms):  # type: ignore[no-untyped-def]
@@ -160,6 +163,7 @@ def _held(terms):  # type: ignore[no-untyped-def]
     return (
         *(type(terms.kernel) is record for _, record in _KERNELS),
         *(type(terms.soil.fluid_law) is known.record for _, known in _LAWS),
+        *(type(terms.soil.loss) is known.record for _, known in _LOSSES),
         *(getattr(terms, term.name) is not None for term in TERMS),
     )
 
@@ -167,10 +171,11 @@ def _held(terms):  # type: ignore[no-untyped-def]
 @overload(_held)
 def _held_by_type(terms):  # type: ignore[no-untyped-def]
     of = dict(zip(terms.fields, terms.types, strict=True))
-    law = dict(zip(of["soil"].fields, of["soil"].types, strict=True))["fluid_law"]
+    soil = dict(zip(of["soil"].fields, of["soil"].types, strict=True))
     held = (
         *(of["kernel"].instance_class is record for _, record in _KERNELS),
-        *(law.instance_class is known.record for _, known in _LAWS),
+        *(soil["fluid_law"].instance_class is known.record for _, known in _LAWS),
+        *(soil["loss"].instance_class is known.record for _, known in _LOSSES),
         *(of[term.name] is not types.none for term in TERMS),
     )
     return lambda terms: held

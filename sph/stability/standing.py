@@ -143,14 +143,15 @@ def divided_strength(scene: Scene, factor: float) -> Scene:
 
 
 def weakened(scene: Scene, strength_ratio: float) -> Scene:
-    """A scene whose cohesion, phi and psi are multiplied by the paper's S_R (Eqs. 14 and 15): the fluid state's strength throughout.
+    """A scene with the fluid state's strength throughout: cohesion, phi and psi multiplied by the paper's S_R (Eqs. 14 and 15).
 
-    A layer with an S_R of its own keeps that.
+    A layer with an S_R of its own, and soil with residual strengths, keep those; psi falls as phi does.
     """
 
     def strength(soil: Soil, own: float | None) -> tuple[float, float, float]:
         ratio = strength_ratio if own is None else own
-        return ratio * soil.cohesion, ratio * soil.friction_angle, ratio * soil.dilation_angle
+        cohesion, angle = soil.residual(ratio)
+        return cohesion, angle, soil.dilation_angle * (angle / soil.friction_angle if soil.friction_angle > 0 else 0.0)
 
     return _with_strength(scene, strength)
 
@@ -159,7 +160,8 @@ def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[
     """A scene with other cohesion (kPa), friction and dilation angle (degree): a function of each soil and the S_R of its layer."""
 
     def changed(soil: Soil, own: float | None = None) -> Soil:
-        return soil.model_copy(update=dict(zip(("cohesion", "friction_angle", "dilation_angle"), strength(soil, own), strict=True)))
+        new = dict(zip(("cohesion", "friction_angle", "dilation_angle"), strength(soil, own), strict=True))
+        return soil.model_copy(update=new | {"residual_cohesion": None, "residual_friction_angle": None})
 
     layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
     return scene.model_copy(update={"soil": changed(scene.soil), "layers": layers})

@@ -96,7 +96,7 @@ def search_cost(scene: Scene) -> Cost:
 
 
 def _softens(scene: Scene) -> bool:
-    return scene.coupling.gamma > 0 or scene.coupling.initial_state == "fluid"
+    return scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or scene.coupling.initial_state == "fluid"
 
 
 def _substeps(scene: Scene) -> tuple[int, int]:

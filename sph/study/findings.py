@@ -13,6 +13,7 @@ from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine, largest_climb
 from sph.scene.ground_motion import loading_of
 from sph.scene.ground_motion.record import Record, processed
+from sph.scene.layers import softening_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
@@ -56,22 +57,27 @@ PLACEHOLDER = "(the soil is not replaced yet)"
 def strengths(scene: Scene) -> list[tuple[str, str]]:
     """Name and strength of the scene's own soil and of every layer: at the peak and what failed soil keeps, with S_R and gamma."""
     found = []
-    layers = [("soil", scene.soil, None, None), *((name, its.soil, its.S_R, its.gamma) for name, its in scene.layers.items())]
-    for name, soil, own_ratio, own_rate in layers:
-        ratio = scene.coupling.S_R if own_ratio is None else own_ratio
-        rate = scene.coupling.gamma if own_rate is None else own_rate
-        peak, residual = (f"c = {k * soil.cohesion:.4g} kPa, phi = {k * soil.friction_angle:.4g} degree" for k in (1.0, ratio))
-        found.append((name, f"peak {peak}; residual {residual} (S_R = {ratio:g}, gamma = {rate:g} 1/s)"))
+    for name, soil, layer in (("soil", scene.soil, None), *((name, its.soil, its) for name, its in scene.layers.items())):
+        ratio = scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R
+        rate = scene.coupling.gamma if layer is None or layer.gamma is None else layer.gamma
+        softening = softening_of(scene.coupling, layer)
+        lost = [f"gamma = {rate:g} 1/s"]
+        if softening is not None and softening.slip_at_residual is not None:
+            lost = [f"after {1e3 * softening.slip_at_residual:g} mm of slip", *(lost if rate > 0 else ())]
+        told = ((soil.cohesion, soil.friction_angle), soil.residual(ratio))
+        peak, residual = (f"c = {cohesion:.4g} kPa, phi = {angle:.4g} degree" for cohesion, angle in told)
+        written = None not in (soil.residual_cohesion, soil.residual_friction_angle)
+        found.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {ratio:g}'] * (not written) + lost)})"))
     return found
 
 
 def choices(scene: Scene) -> list[tuple[str, str]]:
     """Name and value of what decides the answer and has a default: how failure begins, what failed soil carries, dilation and the walls."""
-    initiation, walls = scene.coupling.initiation, scene.walls
-    begins = "at once where the stress reaches the strength (coupling.initiation: null)"
-    if initiation is not None:
-        spacings = initiation.length / scene.numerics.spacing
-        begins = f"after {1e3 * initiation.slip:g} mm of slip over {initiation.length:g} m ({spacings:.2g} spacings)"
+    softening, walls = scene.coupling.softening, scene.walls
+    begins = "at once where the stress reaches the strength (coupling.softening: null)"
+    if softening is not None:
+        spacings = softening.width / scene.numerics.spacing
+        begins = f"after {1e3 * softening.slip_at_peak:g} mm of slip over {softening.width:g} m ({spacings:.2g} spacings)"
     angles = dict(zip(("soil", *scene.layers), (soil.dilation_angle for soil in scene.soils), strict=True))
     same = len(set(angles.values())) == 1
     dilation = (
@@ -82,7 +88,12 @@ def choices(scene: Scene) -> list[tuple[str, str]]:
         "elastic": "elastic, without a yield surface, as the paper prints it",
         "elastic_plastic": "elastic-plastic, never beyond the peak strength",
     }[scene.coupling.solid_after_failure]
-    return [("failure begins", begins), ("solid state of failed soil", failed), ("dilation angle", dilation), ("walls", box + (": a rigid box" if _is_rigid(scene) else ""))]
+    return [
+        ("failure begins", begins),
+        ("solid state of failed soil", failed),
+        ("dilation angle", dilation),
+        ("walls", box + (": a rigid box" if _is_rigid(scene) else "")),
+    ]
 
 
 def _box(scene: Scene) -> str:
@@ -188,7 +199,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + [each for layer in layers_of(scene, particles) for each in _layer(scene, layer)]
         + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
-        + of_initiation(scene)
+        + of_softening(scene)
         + of_variation(scene)
         + of_motion(scene)
         + of_level_ground(scene, particles)
@@ -318,29 +329,29 @@ def thin_box(scene: Scene) -> list[Finding]:
     return []
 
 
-def of_initiation(scene: Scene) -> list[Finding]:
-    """A finding if failure begins over no length, as in the paper's scheme, or over one that is shorter than particles can average."""
-    initiation, dx = scene.coupling.initiation, scene.numerics.spacing
-    if initiation is None:
+def of_softening(scene: Scene) -> list[Finding]:
+    """A finding if strength falls over no width, as in the paper's scheme, or over one that is narrower than particles can average."""
+    softening, dx = scene.coupling.softening, scene.numerics.spacing
+    if softening is None:
         return [
             finding(
                 "no-process-zone",
                 "soil fails as soon as its stress reaches its strength, so that the spacing decides at which shaking the slope fails",
-                "no length",
-                "a slip and a length of a shear test",
-                "coupling.initiation",
+                "no width",
+                "slips of a shear test and a width",
+                "coupling.softening",
                 NOTE if scene.scheme == "paper" else None,
             )
         ]
-    if initiation.length >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
+    if softening.width >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
         return []
     return [
         finding(
             "short-process-zone",
-            "the length of initiation is short, so that the spacing decides when soil fails",
-            f"{initiation.length / dx:.2g} spacings in {initiation.length:g} m",
+            "the width over which slip is averaged is narrow, so that the spacing decides when soil fails",
+            f"{softening.width / dx:.2g} spacings in {softening.width:g} m",
             f"at least {FEWEST_IN_LENGTH}",
-            "numerics.spacing, or coupling.initiation.length",
+            "numerics.spacing, or coupling.softening.width",
         )
     ]
 

@@ -127,7 +127,7 @@ def _of_peak(trial: Trial) -> Finding:
 
 def _of_softening(peak: Peak, scene: Scene) -> list[Finding]:
     """An error where so much soil is at its strength under gravity that runs of the scene have the status ``failed_unshaken``."""
-    softens = scene.coupling.gamma > 0 or any(layer.gamma for layer in scene.layers.values())
+    softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
     if not softens or not peak.too_much:
         return []
     strength = "soil.cohesion and soil.friction_angle"
@@ -137,7 +137,7 @@ def _of_softening(peak: Peak, scene: Scene) -> list[Finding]:
             "soil is at its strength under gravity alone and softens before the shaking: the result is not that of an earthquake",
             f"{peak.yielded:.3g} m2",
             f"at most {FAILED_AREA:g} H2 = {FAILED_AREA * slope_height(scene) ** 2:.3g} m2",
-            f"coupling.initiation{'' if scene.coupling.initiation is None else '.slip'}, or {strength}",
+            f"coupling.softening{'' if scene.coupling.softening is None else '.slip_at_peak'}, or {strength}",
         )
     ]
 

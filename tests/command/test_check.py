@@ -56,7 +56,7 @@ def call(*arguments: object) -> Result:
 
 def test_a_sound_scene_has_no_warning() -> None:
     assert found() == []
-    assert found(**{"coupling.initiation": {"slip": 1e-3, "length": 3.0}}) == []
+    assert found(**{"coupling.softening": {"slip_at_peak": 1e-3, "width": 3.0}}) == []
 
 
 @pytest.mark.parametrize(
@@ -72,10 +72,10 @@ def test_a_sound_scene_has_no_warning() -> None:
         ),
         ({"geometry.points": [[140, 440], [160, 440], [180, 460], [220, 460]]}, "little-room", "room for the run-out", "geometry.window"),
         (
-            {"coupling.initiation": {"slip": 1e-3, "length": 2.9}},
+            {"coupling.softening": {"slip_at_peak": 1e-3, "width": 2.9}},
             "short-process-zone",
-            "length of initiation is short",
-            "coupling.initiation.length",
+            "width over which slip is averaged is narrow",
+            "coupling.softening.width",
         ),
         ({"motion.frequency": 60.0}, "short-waves", "shear waves of 60.1 Hz are short", "numerics.spacing"),
         ({"duration": 8.0}, "motion-cut-off", "ends while the ground moves", "duration"),
@@ -207,7 +207,7 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
     assert [(one["code"], one["severity"], one["key"]) for one in data["findings"]] == [
         ("motion-cut-off", "warning", "duration, above 10 s"),
-        ("no-process-zone", "note", "coupling.initiation"),
+        ("no-process-zone", "note", "coupling.softening"),
     ]
     assert call("check", file, "--set", "geometry.base=445").exit_code == REFUSED
     assert call("check", file, "--plot", tmp_path / "nowhere" / "own.png").exit_code == REFUSED

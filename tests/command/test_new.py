@@ -26,7 +26,7 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", "own"])
     assert told.exit_code == 0, told.output
     scene = load_scene("own/scene.yaml")
-    assert scene.scheme == "resolved" and scene.coupling.initiation is not None
+    assert scene.scheme == "resolved" and scene.coupling.softening is not None
     assert scene.geometry.slope_height / scene.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
     assert scene.motion.start + 16.0 < scene.duration  # type: ignore[union-attr]
     assert "not replaced" in scene.title and (tmp_path / "own" / "scene.yaml").read_text().count("REPLACE") >= 7
@@ -44,8 +44,8 @@ def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
     scene, study = write_new(GROUND, RECORD, tmp_path)
     keys = yaml.safe_load(scene.read_text(encoding="utf-8"))
     assert keys["walls"] == {"base": "absorbing", "sides": "absorbing"} and keys["soil"]["dilation_angle"] == 0.0
-    assert set(keys["coupling"]["initiation"]) == {"slip", "length"}
-    for line in ("walls:", "dilation_angle:", "initiation:"):
+    assert set(keys["coupling"]["softening"]) == {"slip_at_peak", "slip_at_residual", "width"}
+    for line in ("walls:", "dilation_angle:", "softening:"):
         at = next(number for number, text in enumerate(scene.read_text(encoding="utf-8").splitlines()) if text.strip().startswith(line))
         assert "#" in "".join(scene.read_text(encoding="utf-8").splitlines()[at - 1 : at + 1]), f"{line} has a comment"
 

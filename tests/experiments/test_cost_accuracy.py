@@ -83,7 +83,7 @@ class TestResolution:
     )
     def test_a_slope_of_ones_own_is_looked_up_by_its_rows_of_particles(self, spacing: float, variant: str | None) -> None:
         # 12.5 m high: 0.5 m is as 1 m on the slope of the study, 25 m high.  Coarser than 2.5 m there nothing was measured.
-        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": spacing}, "coupling": {"initiation": {"length": 5.0}}}
+        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": spacing}, "coupling": {"softening": {"width": 5.0}}}
         settings["damping"] = {"ratio": 0.03}
         found = expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings))
         assert (found and found.variant) == variant
@@ -100,7 +100,7 @@ class TestResolution:
         )
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
-        for other in ({"walls": {"base": "fixed"}}, {"coupling": {"initiation": None}}, {"numerics": {"smoothing_ratio": 1.2}}):
+        for other in ({"walls": {"base": "fixed"}}, {"coupling": {"softening": None}}, {"numerics": {"smoothing_ratio": 1.2}}):
             settings = merge({"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 0.5}}, other)
             assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) is None
 

@@ -362,7 +362,7 @@ def test_cases_that_differ_in_the_spacing_alone_are_extrapolated_from() -> None:
     found = coarser_cases(scenes)
     assert {case: name for case, (name, _) in found.items()} == {"5/3 m": "2.5 m", "1.25 m": "2.5 m", "1 m": "5/3 m"}
     assert [ratio for _, ratio in found.values()] == pytest.approx([1.5, 2.0, 5.0 / 3.0])
-    at_once = {name: make_scene(merge(slope, dotted({"numerics.spacing": cases[name], "coupling.initiation": None}))) for name in cases}
+    at_once = {name: make_scene(merge(slope, dotted({"numerics.spacing": cases[name], "coupling.softening": None}))) for name in cases}
     assert coarser_cases(at_once) == {}, "no level to extrapolate to"
 
 

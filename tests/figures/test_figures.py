@@ -102,7 +102,7 @@ def test_profiles_share_the_scale_and_are_lettered(slid: xr.Dataset, standing: x
     assert axes(figure).get_xlim() == axes(figure, 1).get_xlim() and axes(figure).get_ylim() == axes(figure, 1).get_ylim()
     shown = texts(figure)
     assert "(a) first" in shown and "(b) second" in shown and "initial elevation (m)" in shown
-    assert "fidelity draft · scene paper · spacing 1 m · kernel support 4.6 m · fixed side walls · 15 s" in shown
+    assert "fidelity draft · scene paper · spacing 1 m · kernel support 4.6 m · fixed side walls · failed solid elastic · 15 s" in shown
 
 
 def test_the_initial_surface_is_drawn(slid: xr.Dataset) -> None:

@@ -379,9 +379,7 @@ def test_the_scene_is_told_by_names_values_and_units() -> None:
     rows = {what: (value, unit) for what, value, unit, _ in table.rows}
     assert rows["base of the walls"] == ("absorbing", "") and rows["spacing"] == ("1", "m")
     assert rows["points"][0] == f"{len(scene.geometry.points)} values"
-    at_once = chosen_keys(
-        scene_table(scene.model_copy(update={"coupling": scene.coupling.model_copy(update={"initiation": None})}), varied)
-    )
+    at_once = chosen_keys(scene_table(scene.model_copy(update={"coupling": scene.coupling.model_copy(update={"softening": None})}), varied))
     assert "beginning of failure" not in rows and ("beginning of failure", "at once") in {row[:2] for row in at_once.rows}
     assert not any("." in what for what in rows)
     layers = layer_table(scene, varied)

@@ -290,7 +290,7 @@ def test_a_slope_on_a_no_slip_base_fails_between_absorbing_sides_as_in_a_long_bo
         "numerics.adaptive_step": {"courant": 0.8},
         "numerics.gradient_tolerance": 0.02,
         "numerics.artificial_viscosity.reconstruction": "linear",
-        "coupling.initiation": {"slip": 0.001, "length": 4.0},
+        "coupling.softening": {"slip_at_peak": 0.001, "width": 4.0},
     }
 
     def move(overrides: dict[str, Any]) -> float:

@@ -119,7 +119,7 @@ SCHEMES: dict[str, dict[str, Any]] = {
     "no_slip": {
         "walls": {"base": "no_slip", "sides": "free_slip"},
         "numerics": {"artificial_viscosity": {"reconstruction": "linear"}},
-        "coupling": {"solid_after_failure": "elastic_plastic", "initiation": {"slip": 1e-4, "length": 7.5}},
+        "coupling": {"solid_after_failure": "elastic_plastic", "softening": {"slip_at_peak": 1e-4, "width": 7.5}},
     },
 }
 """The walls and terms with which the budget is tested."""

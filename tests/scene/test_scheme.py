@@ -12,7 +12,7 @@ from sph.scene.configuration import dotted, flat, merge
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.storage.trajectory import scene_of
-from sph.study.findings import of_initiation, strengths
+from sph.study.findings import of_softening, strengths
 
 OWN: dict[str, Any] = {
     "name": "own",
@@ -91,7 +91,7 @@ def test_the_papers_scheme_fills_in_everything() -> None:
 def test_a_file_of_a_version_before_schemes_is_read_as_it_was_run() -> None:
     scene = make_scene({"name": "paper", "scheme": "paper", "geometry": {"shape": "slope"}, "coupling": {"S_R": 0.1}})
     kept = scene.model_dump(mode="json")
-    del kept["scheme"], kept["coupling"]["initiation"], kept["walls"]["tension"]
+    del kept["scheme"], kept["coupling"]["softening"], kept["walls"]["tension"]
     assert scene_of(xr.Dataset(attrs={"scene": json.dumps(kept)})) == scene
 
 
@@ -105,8 +105,8 @@ def test_a_strength_is_told_at_its_peak_and_as_failed_soil_keeps_it() -> None:
 
 
 def test_failure_without_a_length_is_warned_of_but_for_the_papers() -> None:
-    (found,) = of_initiation(make_scene(OWN))
-    assert (found.code, found.severity, found.key) == ("no-process-zone", "warning", "coupling.initiation")
-    (noted,) = of_initiation(make_scene(merge(OWN, {"scheme": "paper"})))
+    (found,) = of_softening(make_scene(OWN))
+    assert (found.code, found.severity, found.key) == ("no-process-zone", "warning", "coupling.softening")
+    (noted,) = of_softening(make_scene(merge(OWN, {"scheme": "paper"})))
     assert (noted.code, noted.severity) == ("no-process-zone", "note")
-    assert of_initiation(make_scene(merge(OWN, {"coupling": {"initiation": {"slip": 1e-3, "length": 2.0}}}))) == []
+    assert of_softening(make_scene(merge(OWN, {"coupling": {"softening": {"slip_at_peak": 1e-3, "width": 2.0}}}))) == []

@@ -235,7 +235,7 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
         "title": "Mine",
         "soil": {"dilation_angle": 5.0},
         "walls": {"base": "absorbing", "sides": "absorbing"},
-        "coupling": {"initiation": {"slip": 1e-3, "length": 3.0}},
+        "coupling": {"softening": {"slip_at_peak": 1e-3, "width": 3.0}},
     }
     assert not {"rigid-box", "no-dilation", "no-process-zone", "soil-not-replaced"} & {
         each.code for each in findings(make_scene(merge(keys, decided)))
@@ -275,7 +275,7 @@ def test_the_table_has_errors_first_and_comes_back_as_written(tmp_path: Path) ->
     "settings",
     [
         {},
-        pytest.param({"coupling.initiation": {"slip": 1e-3, "length": 3.0}}, marks=pytest.mark.long),
+        pytest.param({"coupling.softening": {"slip_at_peak": 1e-3, "width": 3.0}}, marks=pytest.mark.long),
         {"gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
     ],
     ids=["paper", "process zone", "geostatic"],

@@ -131,7 +131,7 @@ def test_a_study_of_another_scene_stands_alone() -> None:
         ("layers.clay.region.top", "top of clay"),
         ("motion.frequency", "frequency of the motion"),
         ("motion.stochastic.seed", "seed of the synthetic motion"),
-        ("coupling.initiation.slip", "slip of the initiation"),
+        ("coupling.softening.slip_at_peak", "slip at peak of the softening"),
         ("numerics.kernel", "kernel"),
     ],
 )

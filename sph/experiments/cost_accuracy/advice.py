@@ -101,13 +101,13 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
 
 def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summary]]:
     """The variants, with their spacings (m), of the resolution study that are computed as a scene of a slope is but for spacing, damping,
-    initiation and how a rigid or an absorbing box lets waves out."""
-    if not isinstance(scene.geometry, SLOPES) or scene.coupling.initiation is None:
+    softening and how a rigid or an absorbing box lets waves out."""
+    if not isinstance(scene.geometry, SLOPES) or scene.coupling.softening is None:
         return []
 
     def rest(keys: dict[str, Any]) -> str:
         numerics = {name: value for name, value in keys.get("numerics", {}).items() if name not in ("spacing", "lattice_shift")}
-        coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "initiation"}
+        coupling = {name: value for name, value in keys.get("coupling", {}).items() if name != "softening"}
         # The error is that of the moving soil, whether or not the box lets waves out, and each slope has a damping of its own.
         walls = {name: RESOLVED["walls"].get(name) if kind == "absorbing" else kind for name, kind in keys.get("walls", {}).items()}
         return settings_text(keys | {"numerics": numerics, "coupling": coupling, "walls": walls, "damping": None})

@@ -75,7 +75,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
             "extrapolated_intensity",
             units,
             "critical intensity at spacing 0, from that of the case and of another that differs in a coarser spacing alone, as sph fos "
-            "extrapolates; NaN without such a case, without a bracket of either, and where soil fails over no length (coupling.initiation)",
+            "extrapolates; NaN without such a case, without a bracket of either, and where it falls over no width (coupling.softening)",
         ),
         number_column("extrapolation_error", units, "estimate of its error: half of the step to it, and the brackets as it magnifies them"),
         number_column(
@@ -148,7 +148,7 @@ def coarser_cases(scenes: Mapping[str, Scene]) -> dict[str, tuple[str, float]]:
     alike = {case: merge(scene.model_dump(), {"numerics": {"spacing": None}}) for case, scene in scenes.items()}
     found = {}
     for case, spacing in spacings.items():
-        ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case] and scenes[case].coupling.initiation}
+        ratios = {other: spacings[other] / spacing for other in scenes if alike[other] == alike[case] and scenes[case].coupling.softening}
         coarser = [other for other, ratio in ratios.items() if ratio >= SMALLEST_RATIO]
         if coarser:
             nearest = min(coarser, key=lambda other: abs(ratios[other] - RATIO))

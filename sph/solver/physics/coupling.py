@@ -1,6 +1,8 @@
 """Stress of a particle from its solid and its fluid state (Eqs. 8, 9, 14, 15).
 
-    sigma = beta sigma_s + (1 - beta) sigma_f,   beta = 1 before t_f, then exp(-gamma (t - t_f)).
+    sigma = beta sigma_s + (1 - beta) sigma_f,   beta = 1 before t_f, then exp(-gamma (t - t_f)),
+
+or falling with slip instead of time (``sph.solver.physics.strength_loss``).
 
 The paper prints one global t_f and an exponent of the other sign, with which beta would grow; here
 each particle has its own t_f, the moment its stress first reaches the failure surface of the solid
@@ -23,10 +25,11 @@ from sph.solver.physics.elasticity import deviator_square, elastic_increment, pr
 from sph.solver.physics.failed_solid import yields
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
-from sph.solver.physics.initiation import gather_plastic_strain, has_slipped
 from sph.solver.physics.material import material_of
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
+from sph.solver.physics.slip import gather_plastic_strain, has_slipped, mean_strain
+from sph.solver.physics.strength_loss import remaining_weight
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
 
@@ -62,11 +65,11 @@ def blended(state, terms, i):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _update_beta(fluid, state, i, decay):  # type: ignore[no-untyped-def]
+def _update_beta(fluid, loss, slip, state, i):  # type: ignore[no-untyped-def]
     if fluid is None:
         return 1.0
     else:
-        beta = state.beta[i] * decay
+        beta = remaining_weight(loss, state.beta[i], mean_strain(slip, state, i))
         beta = beta if beta > BETA_ZERO else 0.0
         state.beta[i] = beta if state.phase[i] == FAILED else 1.0
         return state.beta[i]
@@ -88,7 +91,7 @@ def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type
 
 @jit
 def _update_solid(  # type: ignore[no-untyped-def]
-    solid, after_failure, dilation, initiation, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k
+    solid, after_failure, dilation, slip, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k
 ):
     if solid is None:
         return 0.0, 0.0, 0.0, 0.0
@@ -101,7 +104,7 @@ def _update_solid(  # type: ignore[no-untyped-def]
         p_limited = limit_tension(solid, p) if bounded else p
         p_solid = dilate(dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus) if bounded else p
         factor = return_factor(solid, p_solid, d, q, z) if bounded else 1.0
-        gather_plastic_strain(initiation, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
+        gather_plastic_strain(slip, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
         state.solid_d[i] = d * factor
         state.solid_q[i] = q * factor
         state.solid_z[i] = z * factor
@@ -142,13 +145,13 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         new_density = max(density * (1.0 - trace * dt), terms.least_density)
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
-        beta = _update_beta(fluid, state, i, soil.beta_decay)
+        beta = _update_beta(fluid, soil.loss, terms.slip, state, i)
         p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
         p_s, d_s, q_s, z_s = _update_solid(
             solid,
             terms.elastic_after_failure,
             terms.dilation,
-            terms.initiation,
+            terms.slip,
             soil.shear_modulus,
             bulk,
             state,
@@ -185,12 +188,17 @@ def _last_that_fails(absorbing, n_soil, last):  # type: ignore[no-untyped-def]
 
 
 @jit
+def _has_slipped(terms, state, i):  # type: ignore[no-untyped-def]
+    return has_slipped(terms.slip, state, i, material_of(terms.layers, terms.soil, i).peak_strain)
+
+
+@jit
 def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
     """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
     newly_failed = 0
     for i in range(first, _last_that_fails(terms.absorbing_walls, terms.n_soil, last)):
         if state.phase[i] == UNARMED:
-            state.phase[i] = YIELDED if reached[i - first] > 0.0 and has_slipped(terms.initiation, state, i) else ARMED
+            state.phase[i] = YIELDED if reached[i - first] > 0.0 and _has_slipped(terms, state, i) else ARMED
         elif state.phase[i] == HELD:
             limit = 1.0 if time < terms.armed_from + terms.dt else OFF_THE_SURFACE
             soil = material_of(terms.layers, terms.soil, i)
@@ -198,9 +206,7 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
             demand = shear_demand(soil.solid, state.solid_d[i], state.solid_q[i], state.solid_z[i])
             if reached[i - first] == 0.0 and demand <= limit * strength(soil.solid, p):
                 state.phase[i] = ARMED
-        elif state.phase[i] == YIELDED or (
-            state.phase[i] == ARMED and reached[i - first] > 0.0 and has_slipped(terms.initiation, state, i)
-        ):
+        elif state.phase[i] == YIELDED or (state.phase[i] == ARMED and reached[i - first] > 0.0 and _has_slipped(terms, state, i)):
             state.t_f[i] = time if state.phase[i] == ARMED else time - terms.dt
             state.phase[i] = FAILED
             state.fluid_d[i] = state.solid_d[i]

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.scene.layers import Layer
+from sph.scene.layers import Layer, softening_of
 from sph.scene.schema import Scene
 from sph.scene.soil import Coupling, Soil
 from sph.solver.compiled.jit import jit
@@ -31,14 +31,21 @@ from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.optional import Term
 from sph.solver.particles import Particles, peak_strength
-from sph.solver.physics import capped_viscosity, elastic_viscoplastic
+from sph.solver.physics import capped_viscosity, elastic_viscoplastic, loss_by_slip, loss_by_time
 from sph.solver.physics.fluid_law import FluidLaw
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
+from sph.solver.physics.strength_loss import StrengthLoss
 
 YieldSurface = MohrCoulomb
 FLUID_LAWS: dict[str, FluidLaw] = {"elastic_viscoplastic": elastic_viscoplastic.LAW, "capped_viscosity": capped_viscosity.LAW}
 """Laws of the fluid state by the name used in scenes (``coupling.fluid.law``); the first is that of the paper."""
+STRENGTH_LOSSES: dict[str, StrengthLoss] = {
+    "time": loss_by_time.LAW,
+    "linear": loss_by_slip.LINEAR,
+    "exponential": loss_by_slip.EXPONENTIAL,
+}
+"""Laws of the loss of strength: by time, that of the paper, or by slip, in the shape that scenes name (``coupling.softening.shape``)."""
 
 
 class Material(NamedTuple):
@@ -52,8 +59,10 @@ class Material(NamedTuple):
     fluid: YieldSurface
     fluid_law: Any
     """record of one of ``FLUID_LAWS``"""
-    beta_decay: float
-    """exp(-gamma dt)"""
+    peak_strain: float
+    """mean plastic strain at which strength begins to fall; 0 where it falls at once"""
+    loss: Any
+    """record of one of ``STRENGTH_LOSSES``"""
 
 
 @by_reference
@@ -71,30 +80,41 @@ class Layers(NamedTuple):
 
 
 def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None = None) -> Material:
-    """Coefficients of a soil, whose layer may have its own S_R and gamma, at a time step (s)."""
+    """Coefficients of a soil, whose layer may have its own S_R, gamma and slips, at a time step (s)."""
     strength_ratio = _strength_ratio(coupling, layer)
     gamma = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
-    solid, fluid = _surfaces(soil.cohesion_si, soil.friction_angle_si, strength_ratio, coupling)
+    softening = softening_of(coupling, layer)
+    solid, fluid = _surfaces(soil.cohesion_si, soil.friction_angle_si, soil, strength_ratio, coupling)
     return Material(
         bulk_modulus=float(soil.bulk_modulus_si),
         shear_modulus=float(soil.shear_modulus_si),
         solid=solid,
         fluid=fluid,
         fluid_law=FLUID_LAWS[coupling.fluid.law].make(soil, coupling.fluid),
-        beta_decay=math.exp(-gamma * dt),
+        peak_strain=0.0 if softening is None else softening.peak_strain,
+        loss=STRENGTH_LOSSES[loss_of(coupling)].make(math.exp(-gamma * dt), softening),
     )
+
+
+def loss_of(coupling: Coupling) -> str:
+    """Name of the law by which strength is lost."""
+    return coupling.softening.shape if coupling.softening is not None and coupling.softening.by_slip else "time"
 
 
 def _strength_ratio(coupling: Coupling, layer: Layer | None) -> float:
     return coupling.S_R if layer is None or layer.S_R is None else layer.S_R
 
 
-def _surfaces(cohesion: float, friction_angle: float, strength_ratio: float, coupling: Coupling) -> tuple[YieldSurface, YieldSurface]:
-    """Surfaces of the solid and of the fluid state (Eqs. 14 and 15) from c (Pa) and phi (rad)."""
-    cut = coupling.fluid_tension_limit
+def _surfaces(
+    cohesion: float, friction_angle: float, soil: Soil, strength_ratio: float, coupling: Coupling
+) -> tuple[YieldSurface, YieldSurface]:
+    """Surfaces of the solid and of the fluid state (Eqs. 14 and 15) from c (Pa) and phi (rad) at the peak, never exceeded."""
+    cut, written = coupling.fluid_tension_limit, (soil.residual_cohesion, soil.residual_friction_angle)
+    residual_cohesion = strength_ratio * cohesion if written[0] is None else min(1e3 * written[0], cohesion)
+    residual_angle = strength_ratio * friction_angle if written[1] is None else min(math.radians(written[1]), friction_angle)
     return (
         make_mohr_coulomb(cohesion, friction_angle),
-        make_mohr_coulomb(strength_ratio * cohesion, strength_ratio * friction_angle, None if cut is None else 1e3 * cut),
+        make_mohr_coulomb(residual_cohesion, residual_angle, None if cut is None else 1e3 * cut),
     )
 
 
@@ -102,7 +122,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
     layer = particles.layer
     materials = [make_material(scene.soil, scene.coupling, dt)]
     materials += [make_material(its.soil, scene.coupling, dt, its) for its in scene.layers.values()]
-    table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, *m.fluid_law, m.beta_decay] for m in materials])
+    table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, *m.fluid_law, m.peak_strain, *m.loss] for m in materials])
     density = np.array([soil.density for soil in scene.soils])
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
     rows = layer.astype(np.uint8)
@@ -110,7 +130,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
         ratios = [_strength_ratio(scene.coupling, its) for its in (None, *scene.layers.values())]
         table, rows = table[layer], np.arange(layer.size, dtype=np.int32)
         for row, number, (cohesion, friction_angle) in zip(table, layer, peak_strength(scene, particles).T.tolist(), strict=True):
-            solid, fluid = _surfaces(cohesion, friction_angle, ratios[number], scene.coupling)
+            solid, fluid = _surfaces(cohesion, friction_angle, scene.soils[number], ratios[number], scene.coupling)
             row[2 : 2 + len(solid) + len(fluid)] = *solid, *fluid
     return Layers(rows, table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
 
@@ -134,6 +154,7 @@ def material_of(layers, soil, i):  # type: ignore[no-untyped-def]
             with_numbers(soil.fluid, t, k, fluid),
             with_numbers(soil.fluid_law, t, k, law),
             t[k, law + len(soil.fluid_law)],
+            with_numbers(soil.loss, t, k, law + len(soil.fluid_law) + 1),
         )
 
 

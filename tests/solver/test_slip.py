@@ -9,17 +9,16 @@ import pytest
 
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
-from sph.solver.physics.initiation import average_plastic_strain
+from sph.solver.physics.slip import average_plastic_strain, gather_plastic_strain
 from sph.solver.run import run
 from sph.solver.simulation import Simulation
-from sph.solver.state import FAILED
 
 BLOCK = {
     "scheme": "paper",
     "name": "block",
     "duration": 5.0,
     "geometry": {"shape": "block", "width": 20.0, "height": 20.0},
-    "coupling": {"initiation": {"slip": 0.01, "length": 2.5}},
+    "coupling": {"softening": {"slip_at_peak": 0.01, "width": 2.5}},
 }
 
 
@@ -30,8 +29,8 @@ def test_the_average_by_hand() -> None:
     state, terms = simulation.state, simulation.terms
     middle = 10 * 20 + 10
     state.plastic_strain[middle] = 1.0
-    terms.initiation.at_yield[[middle, middle + 1]] = True
-    average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+    terms.slip.at_yield[[middle, middle + 1]] = True
+    average_plastic_strain(terms.slip, state, 0, terms.n_soil)
     total = 1.0 + 4 * 0.7056 + 4 * 0.4624 + 4 * 0.1296 + 8 * 0.04
     assert state.mean_plastic_strain[middle] == pytest.approx(1.0 / total, rel=1e-12)
     assert state.mean_plastic_strain[middle + 1] == pytest.approx(0.7056 / total, rel=1e-12)
@@ -43,8 +42,8 @@ def test_the_average_ends_at_the_surface() -> None:
     simulation = Simulation(make_scene(BLOCK))
     state, terms = simulation.state, simulation.terms
     state.plastic_strain[: terms.n_soil] = 0.25
-    terms.initiation.at_yield[:] = True
-    average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+    terms.slip.at_yield[:] = True
+    average_plastic_strain(terms.slip, state, 0, terms.n_soil)
     np.testing.assert_allclose(state.mean_plastic_strain[: terms.n_soil], 0.25, rtol=1e-12)
 
 
@@ -53,26 +52,49 @@ def test_the_average_goes_around_periodic_sides_and_not_beyond_the_soil() -> Non
     # column on its other side.  A length beyond the box asks for no more memory than the box, and all soil has about one mean.
     periodic = merge(BLOCK, {"walls": {"sides": "periodic"}})
     found = {}
-    for name, scene in (("periodic", periodic), ("open", BLOCK), ("long", merge(BLOCK, {"coupling": {"initiation": {"length": 1000.0}}}))):
+    for name, scene in (("periodic", periodic), ("open", BLOCK), ("long", merge(BLOCK, {"coupling": {"softening": {"width": 1000.0}}}))):
         simulation = Simulation(make_scene(scene))
         state, terms = simulation.state, simulation.terms
-        terms.initiation.at_yield[:] = True
+        terms.slip.at_yield[:] = True
         state.plastic_strain[:20] = 1.0
-        average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
+        average_plastic_strain(terms.slip, state, 0, terms.n_soil)
         found[name] = state.mean_plastic_strain[: terms.n_soil].reshape(20, 20)
     assert found["periodic"][-1, 10] == pytest.approx(found["periodic"][1, 10], rel=1e-12) and found["periodic"][1, 10] > 0.1
     assert found["open"][-1, 10] < 1e-100
     np.testing.assert_allclose(found["long"], 1.0 / 20.0, rtol=1e-3)
 
 
-def test_failed_particles_keep_theirs() -> None:
+def test_a_particle_gathers_while_its_solid_state_has_a_weight() -> None:
+    # A shear of 1 % beyond yield at beta = 1, 0.4 and 0: the last keeps its strain, and neither it nor one within its surface is at yield.
     simulation = Simulation(make_scene(BLOCK))
     state, terms = simulation.state, simulation.terms
-    state.plastic_strain[: terms.n_soil] = 0.25
-    terms.initiation.at_yield[:] = True
-    state.phase[: terms.n_soil] = FAILED
-    average_plastic_strain(terms.initiation, state, FAILED, 0, terms.n_soil)
-    assert not state.mean_plastic_strain.any()
+    state.plastic_strain[:4] = 0.25
+    state.beta[:4] = 1.0, 0.4, 0.0, 1.0
+    modulus = terms.soil.shear_modulus
+    for i, factor in enumerate((0.5, 0.5, 0.5, 1.0)):
+        gather_plastic_strain(terms.slip, state, i, factor, 0.02 * modulus, 0.0, 0.0, modulus)
+    np.testing.assert_allclose(state.plastic_strain[:4], [0.26, 0.26, 0.25, 0.25], rtol=1e-12)
+    assert terms.slip.at_yield[:4].tolist() == [True, True, False, False]
+
+
+def test_slip_of_other_soil_does_not_count_and_a_thin_seam_is_not_diluted() -> None:
+    # A seam of one row, slipped by 8 mm over its spacing of 1 m: its mean is that of a slip surface in homogeneous soil, and that of the
+    # rows beside it, of other soil, is 0.
+    seam = {"region": {"kind": "elevation", "bottom": 10.0, "top": 11.0}, "S_R": 0.1}
+    found = {}
+    for name, layers in (("seam", {"seam": seam}), ("alike", {})):
+        simulation = Simulation(make_scene(merge(BLOCK, {"layers": layers, "coupling": {"softening": {"width": 4.0}}})))
+        state, terms = simulation.state, simulation.terms
+        terms.slip.at_yield[:] = True
+        row = np.round(state.y[: terms.n_soil] - 0.5).astype(int)
+        state.plastic_strain[: terms.n_soil][row == 10] = 8e-3
+        average_plastic_strain(terms.slip, state, 0, terms.n_soil)
+        middle = np.round(state.x[: terms.n_soil] - 0.5).astype(int) == 10
+        found[name] = {k: state.mean_plastic_strain[: terms.n_soil][middle & (row == k)].item() for k in (9, 10, 11)}
+    assert found["seam"][10] == pytest.approx(found["alike"][10], rel=1e-12)
+    assert found["seam"][9] == found["seam"][11] == 0.0 and found["alike"][9] > 0.0
+    # slip = mean times width: 16/15 / (pi / 3) of the displacement, to what a lattice of four spacings makes of the integrals
+    assert 4.0 * found["seam"][10] == pytest.approx(8e-3 * (16 / 15) / (math.pi / 3), rel=0.02)
 
 
 @pytest.mark.parametrize("slip", [0.02, 0.04])
@@ -90,7 +112,7 @@ def test_strain_at_failure(slip: float) -> None:
             "walls": {"base": "none", "sides": "none"},
             "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
             "soil": {"cohesion": 150.0, "friction_angle": 20.0},
-            "coupling": {"initiation": {"slip": slip, "length": length}},
+            "coupling": {"softening": {"slip_at_peak": slip, "width": length}},
             "damping": None,
             "prescribed_velocity_gradient": {"xy": rate},
             "numerics": {

@@ -1,0 +1,134 @@
+"""Slip of soil at its strength: the plastic strain of the solid state, averaged over a width.
+
+The paper's particle fails at the moment its stress reaches the surface, and has no length: the finer the particles, the earlier the first
+one fails, and the weaker the shaking that brings a slope down.  Here a particle at yield gathers plastic strain,
+
+    kappa += (1 - f) |s| / G,   |s|^2 = ((s_xx - s_yy) / 2)^2 + s_xy^2,
+
+with the factor f that returns its trial deviator to the surface; in tension kappa is at least the strain by which it has opened.  What
+decides is the mean over the initial arrangement,
+
+    kappa_mean = sum_j w_ij kappa_j / sum_j w_ij,   w = (1 - r^2 / l^2)^2 for r < l,
+
+times the width l: the slip.  For a slip surface through the middle this is 16/15 / (pi/3) = 1.02 times the displacement across it, however
+thin the particles make it, since the mean of a strain delta / t over a band of thickness t is delta / l.  The particle fails where it is
+at yield and its mean reaches the peak's (``coupling.softening``); what it then loses says ``sph.solver.physics.strength_loss``.
+
+The sum in the numerator is over the particle's own soil, that in the denominator over all soil and over the places of walls that hold
+it, which do not slip: slip in a weak seam does not soften the soil beside it, and is not more slip because the seam is thin or lies on the
+base.  Both go around periodic sides; particles of fixed walls have no strain and never fail.  The mean is renewed in every step in which a
+particle is at yield, and decides in the next one.  A particle gathers while its solid state has a weight.  Non-local averages of what
+softens: Bazant and Jirasek (2002); slip before the loss of strength: Palmer and Rice (1973).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+
+NONE, WALL = np.int32(-1), np.int32(-2)
+"""Places of the grid without soil: free, or of a wall that holds the soil."""
+
+
+@by_reference
+class Slip(NamedTuple):
+    """Coefficients of the term."""
+
+    grid: np.ndarray
+    """(places,) int32: soil particle at each place of the initial lattice, column by column, with ``NONE`` or ``WALL`` all round"""
+    place: np.ndarray
+    """(soil,) int32: where a particle lies in the grid"""
+    soil: np.ndarray
+    """(soil,) uint8: number of its layer"""
+    step: np.ndarray
+    """(around,) int32: from a place to those nearer than the width"""
+    weight: np.ndarray
+    """(around,) w of those"""
+    at_yield: np.ndarray
+    """(particles,) bool: those whose solid state was at yield in this step"""
+
+
+@jit
+def gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):  # type: ignore[no-untyped-def]
+    """Gather the plastic strain of a step of particle i, from its trial deviator (d, q), its return factor and its opening strain."""
+    if term is None:
+        return
+    else:
+        slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(d * d + q * q) / shear_modulus
+        carries = state.beta[i] > 0.0
+        state.plastic_strain[i] = max(slipped, opening) if carries else state.plastic_strain[i]
+        term.at_yield[i] = carries and (factor < 1.0 or opening > 0.0)
+
+
+@jit
+def average_plastic_strain(term, state, first, last):  # type: ignore[no-untyped-def]
+    """Average the plastic strain around those of soil particles first to last whose solid state is at yield."""
+    if term is None:
+        return
+    else:
+        for i in range(first, last):
+            if term.at_yield[i]:
+                total = weight = 0.0
+                for k in range(term.step.size):
+                    j = term.grid[term.place[i] + term.step[k]]
+                    if j >= 0:
+                        weight += term.weight[k]
+                        total += term.weight[k] * state.plastic_strain[j] if term.soil[j] == term.soil[i] else 0.0
+                    elif j == WALL:
+                        weight += term.weight[k]
+                state.mean_plastic_strain[i] = total / weight
+
+
+@jit
+def mean_strain(term, state, i):  # type: ignore[no-untyped-def]
+    """Mean plastic strain of particle i; 0 without the term."""
+    if term is None:
+        return 0.0
+    else:
+        return state.mean_plastic_strain[i]
+
+
+@jit
+def has_slipped(term, state, i, peak_strain):  # type: ignore[no-untyped-def]
+    """Whether particle i, at yield, fails; without the term at once."""
+    if term is None:
+        return True
+    else:
+        return state.mean_plastic_strain[i] >= peak_strain
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Slip:
+    wanted, soil, dx = scene.coupling.softening, slice(0, particles.n_soil), scene.numerics.spacing
+    assert wanted is not None
+    column, row = (np.round(place[soil] / dx - 0.5).astype(np.int32) for place in (particles.x, particles.y))
+    grid = np.full(scene.lattice, NONE, np.int32)
+    grid[column, row] = np.arange(particles.n_soil)
+    across, up = (min(math.ceil(wanted.width / dx), count) for count in scene.lattice)  # a larger width reaches no further soil
+    x, y = (np.arange(-reach, reach + 1) * dx / wanted.width for reach in (across, up))
+    weights = np.maximum(1.0 - x[:, None] ** 2 - y**2, 0.0) ** 2
+    base, side, top = (WALL if kind.grips or kind.reflects else NONE for kind in scene.walls.kinds)
+    base = WALL if scene.walls.kinds.base.absorbs else base
+    grid = np.pad(grid, ((0, 0), (up, up)), constant_values=((NONE, NONE), (base, top)))
+    sides = ((across, across), (0, 0))
+    grid = np.pad(grid, sides, mode="wrap") if scene.walls.kinds.sides.periodic else np.pad(grid, sides, constant_values=side)
+    near = np.argwhere(weights > 0.0) - (across, up)
+    return Slip(
+        grid.ravel(),
+        ((column + across) * grid.shape[1] + row + up).astype(np.int32),
+        particles.layer[soil].astype(np.uint8),
+        (near @ (grid.shape[1], 1)).astype(np.int32),
+        weights[weights > 0.0],
+        np.zeros(particles.x.size, np.bool_),
+    )
+
+
+TERM = Term("slip", "coupling.softening: strength falls after slip over a width", lambda scene: scene.coupling.softening is not None, _make)

@@ -1,0 +1,224 @@
+"""Loss of strength by slip: the written curve in an element and across a band, at any spacing; none by rotation."""
+
+from __future__ import annotations
+
+import functools
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import run
+
+PEAK, RESIDUAL, WIDTH = 2e-3, 0.1, 4.0
+"""Slips at the peak and at the residual strength, and the width, m."""
+COHESION, RATIO, SHEAR_MODULUS, DENSITY = 20e3, 0.25, 38e6, 1900.0
+"""Peak strength (Pa) of soil without friction, S_R, G (Pa) and density (kg/m3)."""
+SOIL = {
+    "density": DENSITY,
+    "youngs_modulus": 2.6 * SHEAR_MODULUS / 1e3,
+    "poisson_ratio": 0.3,
+    "cohesion": COHESION / 1e3,
+    "friction_angle": 0.0,
+    "viscosity": 2.0,
+}
+
+
+def weight(slip: np.ndarray, shape: str = "linear") -> np.ndarray:
+    """Weight of the solid state at slips (m), as written."""
+    part = np.maximum(slip - PEAK, 0.0) / (RESIDUAL - PEAK)
+    return np.maximum(1.0 - part, 0.0) if shape == "linear" else np.exp(-3.0 * part)
+
+
+def strength(slip: np.ndarray, shape: str = "linear") -> np.ndarray:
+    """Shear strength at slips (m), Pa."""
+    return COHESION * (RATIO + (1.0 - RATIO) * weight(slip, shape))
+
+
+def work(slip: float) -> float:
+    """Work per area that the linear curve takes up to a slip (m), J/m2."""
+    softened = min(max(slip - PEAK, 0.0), RESIDUAL - PEAK)
+    return COHESION * (slip - (1.0 - RATIO) * (softened**2 / 2.0 / (RESIDUAL - PEAK) + max(slip - RESIDUAL, 0.0)))
+
+
+# ---------------------------------------------------------------- an element
+
+LAYER = {"layers": {"same": {"region": {"kind": "elevation", "bottom": 0.0}, "slip_at_residual": 0.5 * RESIDUAL}}}
+
+
+@pytest.mark.parametrize(
+    ("shape", "changes", "residual"),
+    [("linear", {}, RESIDUAL), ("exponential", {}, RESIDUAL), pytest.param("linear", LAYER, 0.5 * RESIDUAL, id="layer")],
+)
+def test_an_element_follows_the_written_curve(shape: str, changes: dict[str, Any], residual: float) -> None:
+    # Simple shear of a block without weight at 0.05 1/s: every particle has one strain, whose mean is itself.  Beyond yield all of the
+    # shear is plastic, and slip is that strain times the width.  Two steps of strain, 5e-5, shift the curve by 0.2 mm: 0.2 % of the
+    # strength; so does the step between a strain and its effect.
+    rate = 0.05
+    scene = make_scene(
+        merge(
+            {
+                "name": "element",
+                "duration": 1.2,
+                "geometry": {"shape": "block", "width": 10.0, "height": 10.0},
+                "walls": {"base": "none", "sides": "none"},
+                "soil": SOIL,
+                "coupling": {
+                    "S_R": RATIO,
+                    "softening": {"slip_at_peak": PEAK, "slip_at_residual": RESIDUAL, "width": WIDTH, "shape": shape},
+                },
+                "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.001, "damping": 0.0},
+                "damping": None,
+                "prescribed_velocity_gradient": {"xy": rate},
+                "numerics": {
+                    "spacing": 1.0,
+                    "time_step": 5e-4,
+                    "adaptive_step": None,
+                    "artificial_viscosity": None,
+                    "short_range_repulsion": None,
+                    "gradient_correction": {"min_determinant": 0.001},
+                },
+                "probes": {},
+                "outputs": {"frame_interval": 0.01, "series_interval": 0.001},
+            },
+            changes,
+        )
+    )
+    data = run(scene).trajectory
+    time, soil = data["time"].values, data["kind"].values == 0
+    stress = data["stress_xy"].values[:, soil].astype(float)
+    slip = np.maximum(rate * time - COHESION / SHEAR_MODULUS, 0.0) * WIDTH * (RESIDUAL - PEAK) / (residual - PEAK)
+    after = rate * time > COHESION / SHEAR_MODULUS + PEAK / WIDTH * 2.0
+    stretched = PEAK + (rate * time[after] - COHESION / SHEAR_MODULUS - PEAK / WIDTH) * WIDTH * (RESIDUAL - PEAK) / (residual - PEAK)
+    np.testing.assert_allclose(stress[after].mean(axis=1), strength(stretched, shape), rtol=0.01)
+    assert slip[-1] > 1.5 * RESIDUAL, "the test must reach the residual strength"
+    assert np.ptp(stress[-1]) < 1e-3 * COHESION
+
+
+# ---------------------------------------------------------------- a band
+
+
+class Band(NamedTuple):
+    """A layer that slides over a rigid base: time (s), slip (m) and speed (m/s) of its top, and energy dissipated per area (J/m2)."""
+
+    scene: Scene
+    time: np.ndarray
+    slip: np.ndarray
+    speed: np.ndarray
+    dissipated: np.ndarray
+    data: xr.Dataset
+
+
+HEIGHT, PULL = 8.0, 1.03 * COHESION / DENSITY / 8.0
+"""Thickness (m) and acceleration (m/s2): 3 % more than the layer's base can bear."""
+
+
+@functools.cache
+def band(spacing: float) -> Band:
+    """The soil is pulled sideways by a force that grows slowly.  Stress is largest at the base, where a band of one row forms."""
+    scene = make_scene(
+        {
+            "name": "band",
+            "duration": 6.0,
+            "geometry": {"shape": "block", "width": 8.0, "height": HEIGHT},
+            "walls": {"base": "no_slip", "sides": "periodic"},
+            "soil": SOIL,
+            "coupling": {"S_R": RATIO, "softening": {"slip_at_peak": PEAK, "slip_at_residual": RESIDUAL, "width": WIDTH}},
+            "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
+            "damping": None,
+            "motion": {"kind": "constant", "amplitude": -PULL, "start": 0.01, "ramp": 4.0},
+            "numerics": {"spacing": spacing},
+            "probes": {"A": [4.0, HEIGHT - 0.5 * spacing]},
+            "outputs": {"frame_interval": 0.1, "series_interval": 0.01},
+        }
+    )
+    data = run(scene).trajectory
+    moved = np.abs(data["probe_displacement_x"].values[:, 0])
+    elastic = 0.5 * HEIGHT / SHEAR_MODULUS * strength(moved)  # of the layer, whose stress grows from the top to the strength of the band
+    dissipated = data["dissipated_energy"].values / scene.geometry.width
+    return Band(scene, data["sample_time"].values, moved - elastic, np.abs(data["probe_velocity_x"].values[:, 0]), dissipated, data)
+
+
+SPACINGS = pytest.mark.parametrize("spacing", [1.0, 0.5, pytest.param(0.25, marks=pytest.mark.long)])
+
+
+@SPACINGS
+def test_a_band_takes_the_energy_of_the_curve(spacing: float) -> None:
+    # Per area of band, at every spacing; within 5 %.  Measured: at most 2 %.
+    found = band(spacing)
+    for slip in (0.03, 0.05, 0.1, 0.2, 0.4):
+        at = int(np.argmax(found.slip > slip))
+        ratio = found.dissipated[at] / work(found.slip[at])
+        print(f"spacing {spacing:g} m, slip {found.slip[at]:.3f} m: {ratio:.3f} of the curve's energy")
+        assert ratio == pytest.approx(1.0, abs=0.05)
+
+
+@SPACINGS
+def test_the_layer_above_a_band_moves_as_a_block_on_a_weakening_plane(spacing: float) -> None:
+    # rho H s'' = rho H a - tau(s): from where it has slipped by 3 cm, with the speed that it has there.  The time to a slip and the speed
+    # there, within 3 %; measured: 1 %.
+    found = band(spacing)
+    start = int(np.argmax(found.slip > 0.03))
+
+    def push(_: float, state: np.ndarray) -> tuple[float, float]:
+        return state[1], PULL - float(strength(state[0])) / (DENSITY * HEIGHT)
+
+    block = solve_ivp(push, (0.0, 1.5), (found.slip[start], found.speed[start]), rtol=1e-8, dense_output=True).sol
+    for slip in (0.06, 0.1, 0.2, 0.4):
+        at = int(np.argmax(found.slip > slip))
+        lasted = found.time[at] - found.time[start]
+        expected = block(lasted)
+        print(f"spacing {spacing:g} m: {found.slip[at]:.3f} m for {expected[0]:.3f} m, {found.speed[at]:.3f} m/s for {expected[1]:.3f} m/s")
+        assert found.slip[at] == pytest.approx(expected[0], rel=0.03)
+        assert found.speed[at] == pytest.approx(expected[1], rel=0.03)
+
+
+@SPACINGS
+def test_soil_above_a_band_keeps_its_strength(spacing: float) -> None:
+    found = band(spacing)
+    above = (found.data["kind"].values == 0) & (found.data["y0"].values > 2.0 * spacing)
+    assert np.all(found.data["beta"].values[-1][above] == 1.0)
+
+
+# ---------------------------------------------------------------- refusals
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        (
+            {"coupling.softening": {"slip_at_peak": 0.1, "slip_at_residual": 0.1, "width": 4.0}},
+            "slip_at_residual: 0.1 m, must be more than",
+        ),
+        ({"coupling.solid_after_failure": "elastic"}, "solid_after_failure: elastic with softening.slip_at_residual"),
+        ({"soil.residual_cohesion": 21.0}, "residual_cohesion: 21.0 kPa, at most the cohesion: 20.0"),
+        (
+            {"coupling.softening.slip_at_residual": None, "coupling.gamma": 1.0, "layers": LAYER["layers"]},
+            "layers.same.slip_at_residual: needs coupling.softening.slip_at_residual",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(changes: dict[str, Any], told: str) -> None:
+    scene = band(1.0).scene.model_dump(exclude_unset=True) | {"scheme": "resolved"}
+    with pytest.raises(ValueError, match=told.replace("(", r"\(")):
+        make_scene(merge(scene, dotted(changes)))
+
+
+def test_gamma_is_zero_beside_a_loss_by_slip_unless_it_is_written() -> None:
+    scene = band(1.0).scene
+    assert scene.coupling.gamma == 0.0 and scene.coupling.softens_by_slip
+    written = make_scene(merge(scene.model_dump(), {"coupling": {"gamma": 2.0}}))
+    assert written.coupling.gamma == 2.0
+
+
+def test_residual_strengths_are_those_written_or_the_ratio_of_those_at_the_peak() -> None:
+    soil = band(1.0).scene.soil
+    assert soil.residual(0.25) == (5.0, 0.0)
+    written = soil.model_copy(update={"friction_angle": 30.0, "residual_cohesion": 1.0})
+    assert written.residual(0.5) == (1.0, 15.0)
+    assert math.isclose(written.model_copy(update={"residual_friction_angle": 12.0}).residual(0.5)[1], 12.0)
