@@ -58,7 +58,11 @@ CODES: dict[str, Code] = {
     "rigid-box": Code(WARNING, "a rigid box, which traps the waves: the slope is shaken harder than on a site that lets them out"),
     "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
     "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
-    "short-process-zone": Code(WARNING, "the length over which soil fails is shorter than three spacings"),
+    "short-process-zone": Code(WARNING, "the width over which slip is averaged is narrower than three spacings"),
+    "lost-by-time": Code(NOTE, "strength falls with time after failure, however little the soil moves; a warning beside a loss by slip"),
+    "progressive-failure": Code(
+        WARNING, "slip develops over a zone shorter than the slope, so that the shaking at which it fails may depend on the spacing"
+    ),
     "back-wall": Code(WARNING, "the back wall is near the crest"),
     "little-room": Code(WARNING, "little room for the debris before the front wall"),
     "other-slope": Code(WARNING, "the ground falls further to the other side"),

@@ -23,7 +23,8 @@ from sph.scene.water import standing_water
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
-from sph.study.finding import NOTE, Finding, Severity, finding
+from sph.study.finding import Finding, Severity, finding
+from sph.study.loss_findings import of_loss, of_softening
 from sph.study.motion_findings import of_motion
 
 FEWEST_IN_HEIGHT = 12
@@ -34,8 +35,6 @@ LEVEL = 0.25
 """Spacings that level ground may rise or fall within a slope's height of the slope."""
 FEWEST_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
-FEWEST_IN_LENGTH = 3
-"""Spacings in the length over which plastic strain is averaged before soil fails."""
 FEWEST_IN_WAVE = 8
 """Smoothing lengths (or spacings, where they are longer) in the shortest wavelength: one eighth is the largest element that Kuhlemeyer
 and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
@@ -200,6 +199,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
         + of_softening(scene)
+        + of_loss(scene)
         + of_variation(scene)
         + of_motion(scene)
         + of_level_ground(scene, particles)
@@ -327,33 +327,6 @@ def thin_box(scene: Scene) -> list[Finding]:
             )
         ]
     return []
-
-
-def of_softening(scene: Scene) -> list[Finding]:
-    """A finding if strength falls over no width, as in the paper's scheme, or over one that is narrower than particles can average."""
-    softening, dx = scene.coupling.softening, scene.numerics.spacing
-    if softening is None:
-        return [
-            finding(
-                "no-process-zone",
-                "soil fails as soon as its stress reaches its strength, so that the spacing decides at which shaking the slope fails",
-                "no width",
-                "slips of a shear test and a width",
-                "coupling.softening",
-                NOTE if scene.scheme == "paper" else None,
-            )
-        ]
-    if softening.width >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
-        return []
-    return [
-        finding(
-            "short-process-zone",
-            "the width over which slip is averaged is narrow, so that the spacing decides when soil fails",
-            f"{softening.width / dx:.2g} spacings in {softening.width:g} m",
-            f"at least {FEWEST_IN_LENGTH}",
-            "numerics.spacing, or coupling.softening.width",
-        )
-    ]
 
 
 def of_variation(scene: Scene) -> list[Finding]:

@@ -12,7 +12,8 @@ from sph.scene.configuration import dotted, flat, merge
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.storage.trajectory import scene_of
-from sph.study.findings import of_softening, strengths
+from sph.study.findings import strengths
+from sph.study.loss_findings import of_softening
 
 OWN: dict[str, Any] = {
     "name": "own",

@@ -1,0 +1,81 @@
+"""What may be wrong with how soil loses its strength, found before a run."""
+
+from __future__ import annotations
+
+import math
+
+from sph.scene.layers import Layer, softening_of
+from sph.scene.schema import Scene
+from sph.scene.soil import Soil
+from sph.stability.standing import slope_height
+from sph.study.finding import NOTE, WARNING, Finding, finding
+
+FEWEST_IN_LENGTH = 3
+"""Spacings in the length over which plastic strain is averaged before soil fails."""
+SHORTEST_ZONE = 3.0
+"""Zone over which slip develops, over the height, from which on the critical amplitude no longer changes with the spacing: measured, with
+zones of 0.8 and 1.3 heights it falls by 28 and 7 %, with 4 and more by 3 % at most (docs/model/softening.md)."""
+
+
+def slip_zone(scene: Scene, soil: Soil, layer: Layer | None) -> float:
+    """Length over which slip develops, G (s_r - s_p) / (tau_p - tau_r), at half the slope's weight, m; infinite where no strength is lost.
+
+    Palmer and Rice (1973).  The scene's strength is lost by slip.
+    """
+    softening = softening_of(scene.coupling, layer)
+    assert softening is not None and softening.slip_at_residual is not None
+    ratio = scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R
+    cohesion, angle = soil.residual(ratio)
+    stress = 0.5 * soil.density * scene.gravity.acceleration * slope_height(scene)
+    lost = soil.cohesion_si - 1e3 * cohesion + stress * (math.tan(soil.friction_angle_si) - math.tan(math.radians(angle)))
+    return soil.shear_modulus_si * (softening.slip_at_residual - softening.slip_at_peak) / lost if lost > 0.0 else math.inf
+
+
+def of_loss(scene: Scene) -> list[Finding]:
+    """Findings of how strength is lost after the peak: by time on a slope of one's own, by both, or by slip over too short a zone."""
+    rates = {"coupling.gamma": scene.coupling.gamma, **{f"layers.{name}.gamma": its.gamma or 0.0 for name, its in scene.layers.items()}}
+    key, rate = max(rates.items(), key=lambda pair: pair[1])
+    if not scene.coupling.softens_by_slip:
+        what = "strength falls with time after failure, however little the soil moves; soil loses it by slip"
+        wanted = "the slip at the residual strength, of a shear test"
+        told = finding("lost-by-time", what, f"gamma = {rate:g} 1/s", wanted, "coupling.softening.slip_at_residual")
+        return [told] if scene.scheme != "paper" and rate > 0 else []
+    found = []
+    if rate > 0:
+        what = "strength falls with time as well as with slip"
+        found.append(finding("lost-by-time", what, f"gamma = {rate:g} 1/s, {3.0 / rate:.2g} s to lose 95 %", "0", key, WARNING))
+    layers = [("soil", scene.soil, None), *((name, its.soil, its) for name, its in scene.layers.items())]
+    length, name = min((slip_zone(scene, soil, layer), name) for name, soil, layer in layers)
+    height = slope_height(scene)
+    if length < SHORTEST_ZONE * height:
+        what = f"slip in {name} develops over a short zone, so that the shaking at which the slope fails may depend on the spacing"
+        wanted = f"{SHORTEST_ZONE:g} heights, {SHORTEST_ZONE * height:.3g} m; else compare two spacings"
+        found.append(finding("progressive-failure", what, f"{length:.3g} m", wanted, "coupling.softening.slip_at_residual"))
+    return found
+
+
+def of_softening(scene: Scene) -> list[Finding]:
+    """A finding if strength falls over no width, as in the paper's scheme, or over one that is narrower than particles can average."""
+    softening, dx = scene.coupling.softening, scene.numerics.spacing
+    if softening is None:
+        return [
+            finding(
+                "no-process-zone",
+                "soil fails as soon as its stress reaches its strength, so that the spacing decides at which shaking the slope fails",
+                "no width",
+                "slips of a shear test and a width",
+                "coupling.softening",
+                NOTE if scene.scheme == "paper" else None,
+            )
+        ]
+    if softening.width >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
+        return []
+    return [
+        finding(
+            "short-process-zone",
+            "the width over which slip is averaged is narrow, so that the spacing decides when soil fails",
+            f"{softening.width / dx:.2g} spacings in {softening.width:g} m",
+            f"at least {FEWEST_IN_LENGTH}",
+            "numerics.spacing, or coupling.softening.width",
+        )
+    ]
