@@ -102,7 +102,7 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
 def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summary]]:
     """The variants, with their spacings (m), of the resolution study that are computed as a scene of a slope is but for spacing, damping,
     softening and how a rigid or an absorbing box lets waves out."""
-    if not isinstance(scene.geometry, SLOPES) or scene.coupling.softening is None:
+    if not isinstance(scene.geometry, SLOPES) or scene.coupling.softening is None or scene.coupling.softens_by_slip:
         return []
 
     def rest(keys: dict[str, Any]) -> str:
@@ -130,6 +130,8 @@ def expected_sentence(scene: Scene) -> str:
     expected = expected_error(scene, table)
     if expected:
         return expected.sentence()
+    if scene.coupling.softens_by_slip:
+        return "not known for strength that is lost by slip: compare two spacings (docs/model/softening.md)"
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:
