@@ -151,12 +151,26 @@ class _Enough(Exception):
 
 
 def coarse(scene: Scene) -> Scene:
-    """A scene with the longest time step that the scheme allows, coarsened until it takes ``CALIBRATION`` or has ``FEWEST`` particles."""
-    numerics = {"time_step": scene.outputs.series_interval, "adaptive_step": {"courant": 0.8}}
-    quick = make_scene(merge(scene.model_dump(), {"numerics": numerics}))
+    """A scene with the longest time step that its motion bears, coarsened until it takes ``CALIBRATION`` or has ``FEWEST`` particles."""
+    quick = _quick(scene)
     expected = cost(quick)
     ratio = min(expected.seconds / CALIBRATION, expected.particles / FEWEST)
     return make_scene(merge(quick.model_dump(), {"numerics": {"spacing": scene.numerics.spacing * math.sqrt(max(ratio, 1.0))}}))
+
+
+def _quick(scene: Scene) -> Scene:
+    """A scene with the longest time step between the samples of its series and its own; adaptive steps are at most as long."""
+    series = scene.outputs.series_interval
+    own = round(series / scene.numerics.time_step)
+    for parts in range(1, own):
+        if own % parts == 0:
+            with suppress(ValueError):  # a step that skips samples of a record, or is too long for a period
+                return _stepped(scene, series / parts)
+    return _stepped(scene, scene.numerics.time_step)
+
+
+def _stepped(scene: Scene, step: float) -> Scene:
+    return make_scene(merge(scene.model_dump(), {"numerics": {"time_step": step, "adaptive_step": {"courant": 0.8}}}))
 
 
 def lines(found: StudyCost) -> list[str]:

@@ -14,9 +14,9 @@ import yaml
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
-from sph.command.cost import speed_here, study_cost
+from sph.command.cost import coarse, speed_here, study_cost
 from sph.command.status import Kind, jobs, located_plan
-from sph.scene.schema import Scene
+from sph.scene.schema import Scene, make_scene
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
 from sph.study.cost import cost
@@ -113,6 +113,24 @@ def test_the_speed_here(config: Path, small_slope: Callable[[dict[str, Any]], Sc
     assert 1e-3 < speed_here(small_slope({})) < 1e3
     told = CliRunner().invoke(app, ["cost", str(config)])
     assert told.exit_code == 0 and "measured here" in told.stdout and "core-hours" in told.stdout and "MiB of trajectories" in told.stdout
+
+
+RECORD = {"kind": "record", "start": 1.0, "data": {"interval": 0.005, "x": [0.0, 1.0, -4.0, 1.0, 0.0] * 20}}
+
+
+@pytest.mark.parametrize(
+    ("motion", "step"),
+    [
+        (RECORD, 5e-3),
+        (RECORD | {"start": 1.001}, 1e-3),
+        (RECORD | {"data": RECORD["data"] | {"interval": 0.02}}, 0.01),  # type: ignore[operator]
+        ({"kind": "ricker", "amplitude": 1.0, "peak": 2.0, "frequency": 8.0}, 5e-3),
+    ],
+    ids=["record of 0.005 s", "record between the steps", "record of 0.02 s", "short wave"],
+)
+def test_the_coarse_copy_resolves_the_motion(motion: dict[str, Any], step: float, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+    scene = small_slope({}).model_dump() | {"motion": motion}
+    assert coarse(make_scene(scene)).numerics.time_step == pytest.approx(step)
 
 
 def test_refusals(config: Path, tmp_path: Path) -> None:
