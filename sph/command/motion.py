@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.command.repeat import read_given
+from sph.command.repeat import earlier_run, read_given
 from sph.scene.configuration import merge, validated
-from sph.scene.ground_motion import RECORDS, GroundMotion, loading_of, read_components
+from sph.scene.ground_motion import RECORDS, SCENES, GroundMotion, check_record, loading_of, read_components
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import Record, processed, read_even
 from sph.scene.units import in_both
 from sph.study.finding import Finding
-from sph.study.motion_findings import drifting, implausible, of_motion, one_sided
+from sph.study.motion_findings import drifting, implausible, of_motion, one_sided, sparse
 
 CURE = "--baseline 1, or motion.baseline of a scene with it"
 
@@ -68,10 +68,17 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
             interval, _, columns = read_even(str(path), treatment.get("unit"))
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
-        found = implausible(components, "the unit of the record") + drifting(motion, CURE)
+        found = (
+            implausible(components, "the unit of the record")
+            + sparse(interval, "the record or its column of time")
+            + drifting(motion, CURE)
+        )
         name, files = os.fsencode(path.name).decode("utf-8", "replace"), [str(path)]
     else:
-        scene, files = read_given(path, laid_over(path, overrides, treatment))
+        earlier = earlier_run(path)
+        if earlier is None and path.is_file() and path.suffix:
+            check_record(path, SCENES)
+        scene, files = read_given(path, laid_over(path, overrides, treatment), earlier)
         loading = loading_of(scene)
         components = {"horizontal": loading.ground} | ({"vertical": loading.vertical} if loading.vertical.any() else {})
         name, interval, found = scene.name, float(loading.time[1]), of_motion(scene)

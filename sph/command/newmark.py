@@ -16,7 +16,7 @@ from sph.scene.schema import load_scene
 from sph.scene.units import in_both
 from sph.stability.newmark import SlidingBlock, sliding_block
 from sph.study.finding import Finding, Severity, finding
-from sph.study.motion_findings import cut_off, drifting, implausible
+from sph.study.motion_findings import cut_off, drifting, implausible, sampled, sparse
 
 RECORDED, TURNED, BOTH = "recorded", "turned", "both"
 DIRECTIONS = (RECORDED, TURNED, BOTH)
@@ -108,14 +108,15 @@ def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, An
         if overrides:
             raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
         time, columns = read_treated(path, treatment)
-        motion, heed, recorded, vertical = GroundMotion(time, columns[0]), list[Finding](), True, len(columns) > 1
+        motion, recorded, vertical = GroundMotion(time, columns[0]), True, len(columns) > 1
+        heed = sparse(float(np.diff(time).max()), "the record or its column of time")
     else:
         scene = load_scene(path, laid_over(path, overrides, treatment))
         if isinstance(scene.motion, ConstantAcceleration):
             raise ValueError(
                 f"{path}: motion.kind: constant is a load that stays, under which a sliding block never stops; give a motion that ends"
             )
-        motion, heed, recorded = motion_of(scene), cut_off(scene), isinstance(scene.motion, Record)
+        motion, heed, recorded = motion_of(scene), cut_off(scene) + sampled(scene), isinstance(scene.motion, Record)
         vertical = isinstance(scene.motion, Record) and scene.motion.vertical is not None
     if recorded:
         heed += drifting(motion, CURE)

@@ -40,6 +40,7 @@ CODES: dict[str, Code] = {
     "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
     "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
     "record-displacement": Code(WARNING, "the ground moves implausibly far"),
+    "record-sparse": Code(WARNING, "the samples of the record lie more than 0.1 s apart: times in another unit, or every n-th sample"),
     "record-lasting": Code(NOTE, "the ground ends far from where it began"),
     "record-polarity": Code(NOTE, "with its polarity reversed the record drives a sliding block further"),
     "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: a mistaken unit"),

@@ -26,6 +26,8 @@ LARGEST_OFFSET = 0.01
 """Mean acceleration of a record that drifts over its peak: beyond it the drift is an offset of the recorder."""
 LARGEST_DISPLACEMENT = 2.0
 """Peak displacement of the ground that is plausible, m: more than that is found beside faults that broke the surface."""
+LONGEST_INTERVAL = 0.1
+"""Interval of the samples of a record that is plausible, s: recorders have taken 50 and more in a second since the first digital ones."""
 LASTING, SHORTEST_LASTING = 0.5, 0.1
 """Displacement of the ground at the end of a record over its largest, and in m, from which on it is told."""
 POLARITY_RATIO, POLARITY = 0.5, 1.2
@@ -49,7 +51,7 @@ def of_motion(scene: Scene) -> list[Finding]:
     """All findings of the shaking of a scene."""
     loading = loading_of(scene)
     components = {"horizontal": loading.ground, "vertical": loading.vertical}
-    return cut_off(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
+    return cut_off(scene) + sampled(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
 
 
 def peak_accelerations(scene: Scene) -> str:
@@ -77,6 +79,20 @@ def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]
         for name, peak in peaks.items()
         if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
     ]
+
+
+def sampled(scene: Scene) -> list[Finding]:
+    """A warning if the samples of a scene's record, as read, lie far apart."""
+    data = scene.motion.data if isinstance(scene.motion, Record) else None
+    return [] if data is None else sparse(data.interval, "motion.file, or its column of time")
+
+
+def sparse(interval: float, key: str) -> list[Finding]:
+    """A warning if the samples of a record lie further apart (s) than those of recorders."""
+    if interval <= LONGEST_INTERVAL:
+        return []
+    what = "the samples of the record lie so far apart that its times may be in another unit"
+    return [finding("record-sparse", what, f"a sample every {interval:g} s", f"at most {LONGEST_INTERVAL:g} s", key)]
 
 
 def drifting(motion: GroundMotion, key: str) -> list[Finding]:

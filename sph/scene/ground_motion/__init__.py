@@ -1,6 +1,7 @@
 """Ground motions as samples: records in files, their processing and measures, and the motion of a scene.
 
-``text``, ``units``                               what all formats share
+``text``, ``units``, ``direction``                  what all formats share
+``columns``                                       columns of a CSV by their names
 ``comma_separated``, ``peer``, ``knet``, ``smc``, ``cosmos``  a format each
 ``record``                                        a record in a scene: the section ``motion`` of kind ``record``
 ``stochastic``                                    a synthetic motion in place of a record's file
@@ -22,6 +23,7 @@ import numpy as np
 
 from sph.scene.ground_motion.comma_separated import read_csv
 from sph.scene.ground_motion.cosmos import read_cosmos
+from sph.scene.ground_motion.direction import Direction, check_name
 from sph.scene.ground_motion.knet import read_knet
 from sph.scene.ground_motion.peer import read_at2
 from sph.scene.ground_motion.smc import read_smc
@@ -89,17 +91,29 @@ def loading_of(scene: Scene) -> Loading:
 def read_record(path: Path | str, unit: Unit | None = None) -> GroundMotion:
     """Horizontal motion in a file of one of the formats, a CSV with one acceleration; ValueError with file, line and what is expected."""
     path = Path(path)
-    return GroundMotion(*read_csv(path, unit, (2,))) if path.suffix.lower() == ".csv" else GroundMotion(*read_components(path, unit))
+    check_record(path)
+    if path.suffix.lower() == ".csv":
+        check_name(path, "horizontal")
+        return GroundMotion(*read_csv(path, unit, third=False)[:2])
+    return GroundMotion(*read_components(path, unit))
 
 
-def read_components(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ...]:
-    """Time (n,) in s and one or, in a CSV with three columns, two accelerations (n,) in m/s2; ValueError as ``read_record``."""
+def read_components(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal") -> tuple[np.ndarray, ...]:
+    """Time (n,) in s and one or, in a CSV with a vertical column too, two accelerations (n,) in m/s2, the wanted first.
+
+    ValueError as ``read_record``, and for a component of the other direction.
+    """
     check_record(Path(path))
-    return READERS[Path(path).suffix.lower()](path, unit)
+    check_name(path, wanted)
+    return READERS[Path(path).suffix.lower()](path, unit, wanted)
 
 
 def check_record(path: Path, others: tuple[str, ...] = ()) -> None:
     """Refuse a file that by its ending is no record, nor one of the ``others``."""
     if path.suffix.lower() not in (*RECORDS, *others):
         scene = f"a scene ({', '.join(others)}) or " if others else ""
-        raise ValueError(f"{path}: must be {scene}a record ({', '.join(RECORDS)})")
+        raise ValueError(
+            f"{path}: must be {scene}a record, by its ending (found {path.suffix!r}): PEER .at2, K-NET and KiK-net .ew .ns .ud or .knet, "
+            "SMC .smc, COSMOS .v1 .v2 .v1c .v2c, or .csv; give the file the ending of its format, or write it as .csv below a line "
+            "'time (s),acceleration (m/s2)'"
+        )

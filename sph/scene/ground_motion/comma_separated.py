@@ -1,55 +1,73 @@
 """Records as columns (``.csv``): time (s), horizontal and, if there is a third column, vertical acceleration.
 
-A first line may name the columns with their units: ``time (s), ax (cm/s2), ay (cm/s2)``; names without units mean s and m/s2.  A file
-without names does not say its unit: the user must.  Columns stand between commas, semicolons, tabs or blanks, as those of ground lines.
+A first line may name the columns with their units: ``time (s), ax (cm/s2), ay (cm/s2)``; then the names decide which columns are read, in
+any order and beside others, and names without units mean s and m/s2.  A file without names does not say its unit: the user must.
+Columns stand between commas, semicolons, tabs or blanks, as those of ground lines.  Lines with '#' are left out, but the last one before
+the samples may hold the names.
 """
 
 from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from sph.scene.cells import cells, names
+from sph.scene.cells import COMMENT, cells, check_commas, names
+from sph.scene.ground_motion.columns import columns_of, quantity
+from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION, LARGEST_TIME, SHORTEST_INTERVAL, number, read_lines
-from sph.scene.ground_motion.units import Unit, size_of, unit_of_column
+from sph.scene.ground_motion.units import ACCELERATIONS, Unit, size_of, unit_of_column
 from sph.scene.units import SECONDS, SIZES, unit_of
+from sph.scene.units import named as units_in
 
 NAMES = {2: "time (s) and acceleration (m/s2)", 3: "time (s), horizontal and vertical acceleration (m/s2)"}
 
 
-def read_csv(path: Path | str, unit: Unit | None = None, columns: tuple[int, ...] = (2, 3)) -> tuple[np.ndarray, ...]:
-    """Time (n,) in s and accelerations (n,) in m/s2 of a record with one of the numbers of ``columns``.
+class Table(NamedTuple):
+    """How the columns of a file are read."""
 
-    Raises ValueError with file, line and what is expected.
+    width: int  # columns in a line
+    places: tuple[int, ...]  # of time and accelerations
+    scales: tuple[float, ...]  # s and m/s2
+
+
+def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal", third: bool = True) -> tuple[np.ndarray, ...]:
+    """Time (n,) in s and accelerations (n,) in m/s2, the wanted first; where the horizontal is wanted the vertical follows if there is one.
+
+    ``third`` says whether a file without names may have a third column.  Raises ValueError with file, line and what is expected.
     """
     lines = read_lines(path)
-    head: str | None = None
-    scales: list[float] | None = None
+    try:
+        check_commas(lines)
+    except ValueError as error:
+        raise ValueError(f"{path}, {error}") from error
+    head: tuple[int, str] | None = None
+    comments: list[tuple[int, str]] = []
+    table: Table | None = None
     rows: list[list[float]] = []
     for at, line in enumerate(lines, 1):
-        values = [number(cell) for cell in cells(line)]
         where, shown = f"{path}, line {at}", f"(found {line[:80]!r})"
         if not line.strip():
             continue
-        if at == 1 and all(value is None for value in values):
-            head = line
+        if line.lstrip().startswith(COMMENT):
+            comments += [(at, line.strip(" \t#"))] if table is None else []
             continue
-        wanted = (len(rows[0]),) if rows else columns
-        if len(values) not in wanted:
-            expected = " or ".join(f"{count} columns, {NAMES[count]}" for count in wanted)
-            raise ValueError(f"{where}: must have {expected}, has {len(values)} {shown}")
-        wanted_names = NAMES[len(values)]
-        numbers = [value for value in values if value is not None and math.isfinite(value)]
-        if len(numbers) < len(values):
-            raise ValueError(f"{where}: must be {('two', 'three')[len(values) - 2]} finite numbers, {wanted_names} {shown}")
-        if scales is None and head is None:
-            scales = [1.0] + [size_of(f"{path}, line 1 (no names of columns)", None, unit)] * (len(values) - 1)
-        scales = scales or _scales(path, names(head or "", line), unit)
-        if len(scales) != len(values):
-            raise ValueError(f"{path}, line 1: names {len(scales)} columns, the lines below have {len(values)}")
-        numbers = [scale * value for scale, value in zip(scales, numbers, strict=True)]
+        texts = cells(line)
+        values = [number(cell) for cell in texts]
+        if table is None and head is None and all(value is None for value in values):
+            head = at, line
+            continue
+        if table is None:
+            table = _table(path, head, comments, line, unit, wanted, (2, 3) if third else (2,))
+        if len(values) != table.width:
+            raise ValueError(f"{where}: must have {table.width} columns, has {len(values)} {shown}")
+        read = [value for value in (values[place] for place in table.places) if value is not None and math.isfinite(value)]
+        if len(read) < len(table.places):
+            count = ("two", "three")[len(table.places) - 2]
+            raise ValueError(f"{where}: must be {count} finite numbers, {NAMES[len(table.places)]} {shown}")
+        numbers = [scale * value for scale, value in zip(table.scales, read, strict=True)]
         if abs(numbers[0]) > LARGEST_TIME or max(map(abs, numbers[1:])) > LARGEST_ACCELERATION:
             raise ValueError(f"{where}: must not exceed {LARGEST_TIME:g} s and {LARGEST_ACCELERATION:g} m/s2 {shown}")
         if rows and not numbers[0] - rows[-1][0] >= SHORTEST_INTERVAL:
@@ -62,14 +80,56 @@ def read_csv(path: Path | str, unit: Unit | None = None, columns: tuple[int, ...
     return tuple(np.array(rows).T)
 
 
-def _scales(path: Path | str, named: list[str], unit: Unit | None) -> list[float]:
-    """Units (s, m/s2) of the columns from the line of names; m/s2, or the user's ``unit``, if no acceleration has one."""
+def _table(
+    path: Path | str,
+    head: tuple[int, str] | None,
+    comments: list[tuple[int, str]],
+    line: str,
+    unit: Unit | None,
+    wanted: Direction,
+    counts: tuple[int, ...],
+) -> Table:
+    """How columns are read, by the names above their first line, or by their places where there are none."""
+    width = len(cells(line))
+    if head is None and comments:
+        above = names(comments[-1][1], line)
+        head = comments[-1] if len(above) == width and "time" in map(quantity, above) else None
+    if head is None:
+        if width not in counts:
+            expected = " or ".join(f"{count} columns, {NAMES[count]}" for count in counts)
+            raise ValueError(f"{path}: must have {expected}, has {width} (found {line[:80]!r})")
+        size = size_of(f"{path}, line 1 (no names of columns)", None, unit)
+        places = (0, 1, 2)[:width]
+        if width == 3 and wanted == "vertical":
+            places = (0, 2)
+        return Table(width, places, (1.0, *[size] * (len(places) - 1)))
+    named, where = names(head[1], line), f"{path}, line {head[0]}"
+    if len(named) != width:
+        raise ValueError(f"{where}: names {len(named)} columns, the lines below have {width}")
     try:
-        seconds, *stated = unit_of(named[0], SECONDS), *map(unit_of_column, named[1:])
+        time, horizontal, vertical = columns_of(named)
+        first, second = (horizontal, vertical) if wanted == "horizontal" else (vertical, horizontal)
+        if first is None:
+            assert second is not None
+            check_direction(f"{named[second]!r}", direction_of(named[second]), wanted)
+            first = second
+        places = (first, vertical) if vertical not in (None, first) else (first,)
+        seconds, stated = unit_of(named[time], SECONDS), [unit_of_column(named[place]) for place in places]
     except ValueError as error:
-        raise ValueError(f"{path}, line 1: {error}") from error
+        raise ValueError(f"{where}: {error}") from error
     if all(size is None for size in stated):
+        _check_comments(path, comments, unit)
         sizes = [SIZES[unit or "m/s2"]] * len(stated)
     else:
-        sizes = [size_of(f"{path}, line 1: {name!r}", size, unit) for name, size in zip(named[1:], stated, strict=True)]
-    return [1.0 if seconds is None else seconds, *sizes]
+        sizes = [size_of(f"{where}: {named[place]!r}", size, unit) for place, size in zip(places, stated, strict=True)]
+    return Table(width, (time, *places), (1.0 if seconds is None else seconds, *sizes))
+
+
+def _check_comments(path: Path | str, comments: list[tuple[int, str]], unit: Unit | None) -> None:
+    """Refuse a unit of acceleration that only a comment names, unless the user states it."""
+    for at, text in comments:
+        if unit is None and any(size and not beside_number for size, beside_number in units_in(text, ACCELERATIONS)):
+            raise ValueError(
+                f"{path}, line {at}: {text[:80]!r} may name a unit that the names of the columns do not; "
+                f"write it into the name, as in 'ax (cm/s2)', or state it by unit: {', '.join(SIZES)}"
+            )

@@ -13,19 +13,21 @@ from pathlib import Path
 import numpy as np
 
 from sph.scene.extras import of_extra
+from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION, check_head, number, read_lines
 from sph.scene.ground_motion.units import Unit, size_of
 from sph.scene.units import SIZES
 
-HEAD, RATE, DURATION, FACTOR = 17, 10, 11, 13
-"""Lines of the head; indices of its lines with sampling rate, duration and scale factor."""
+HEAD, RATE, DURATION, DIRECTION, FACTOR = 17, 10, 11, 12, 13
+"""Lines of the head; indices of its lines with sampling rate, duration, direction and scale factor."""
 
 
-def read_knet(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ...]:
+def read_knet(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal") -> tuple[np.ndarray, ...]:
     """Time (n,) in s from 0 on and acceleration (n,) in m/s2; ValueError with file and line, where there is one."""
     lines = [line.rstrip() for line in read_lines(path)]
     if len(lines) <= HEAD or not lines[0].startswith("Origin Time") or not lines[HEAD - 1].startswith("Memo"):
         raise ValueError(f"{path}, lines 1-{HEAD}: must be a K-NET head, 'Origin Time' to 'Memo.'")
+    check_direction(f"{path}, line {DIRECTION + 1}: {lines[DIRECTION]!r}", direction_of(lines[DIRECTION][len("Dir.") :]), wanted)
     for index in range(HEAD, len(lines)):
         if None in map(number, lines[index].split()):
             raise ValueError(f"{path}, line {index + 1}: must be numbers (found {lines[index][:80]!r})")

@@ -11,15 +11,18 @@ from pathlib import Path
 
 import numpy as np
 
+from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
 from sph.scene.ground_motion.text import check_head, read_lines, samples
 from sph.scene.ground_motion.units import Unit, size_of, unit_in
 
 HEAD, WIDTH = 4, 15
 """Lines before the samples; columns of a sample (Fortran 5E15.7)."""
+OTHERS = re.compile(r"VELOC|\bVEL\b|DISPL|\bDISP?\b|SPECTR|PSEUDO|FOURIER|RESPONSE|\bP?S[AVD]\b|PERIOD", re.I)
+"""What a title names that is no accelerogram."""
 NUMBER = r"([-+.\dEeDd]+)"
 
 
-def read_at2(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ...]:
+def read_at2(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal") -> tuple[np.ndarray, ...]:
     """Time (n,) in s from 0 on and acceleration (n,) in m/s2; ValueError with file and line, where there is one."""
     lines = read_lines(path)
     head = lines[HEAD - 1] if len(lines) >= HEAD else ""
@@ -33,8 +36,14 @@ def read_at2(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ..
         ) from None
     check_head(path, count, interval)
     title = lines[HEAD - 2]
-    if re.search(r"VELOCITY|DISPLACEMENT", title, re.I):
-        raise ValueError(f"{path}, line {HEAD - 1}: must be a record of acceleration (found {title.strip()[:80]!r})")
+    if OTHERS.search(title):
+        raise ValueError(
+            f"{path}, line {HEAD - 1}: must be a record of acceleration over time, and neither a spectrum nor velocity nor displacement "
+            f"(found {title.strip()[:80]!r}); name the .AT2 file of the accelerogram"
+        )
+    component = re.split(r"[,\s]+", lines[1].strip(", "))[-1]
+    said = direction_of(re.sub(r"(?<=\w)\d$", "", component))
+    check_direction(f"{path}, line 2: its component {component!r}", said, wanted)
     words = re.search(r"UNITS?\s+OF\s+(\S+)", title, re.I)
     stated = unit_in(words[1] if words else title)
     if words is not None and stated is None:

@@ -18,6 +18,7 @@ from pydantic import Field, model_validator
 
 from sph.scene.configuration import Section, check_file, key
 from sph.scene.ground_motion import read_components
+from sph.scene.ground_motion.direction import Direction
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
@@ -216,7 +217,7 @@ def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_colu
     """Samples in one or two files, each with what tells it from others and from what it was before; ValueError names it."""
     interval, first, columns = read_even(files[0][0], unit, third_column)
     if len(files) > 1:
-        other, begins, vertical = read_even(files[1][0], unit, False)
+        other, begins, vertical = read_even(files[1][0], unit, False, "vertical")
         if abs(other / interval - 1.0) > 1e-6:
             raise ValueError(f"vertical.file: {files[1][0]}: has a sample every {other:g} s, {files[0][0]} every {interval:g} s")
         if abs(begins - first) > UNEVEN * interval:
@@ -231,9 +232,14 @@ def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_colu
     return RecordData(interval=interval, x=rounded[0], y=rounded[1] if len(rounded) > 1 else None)
 
 
-def read_even(path: str, unit: Unit | None, third_column: bool = True) -> tuple[float, float, list[np.ndarray]]:
-    """Interval and first time (s) and components of a record, with its third column if wanted; ValueError if it is not evenly sampled."""
-    time, *columns = read_components(path, unit)
+def read_even(
+    path: str, unit: Unit | None, third_column: bool = True, wanted: Direction = "horizontal"
+) -> tuple[float, float, list[np.ndarray]]:
+    """Interval and first time (s) and components of a record, the wanted first, with the vertical if asked for.
+
+    ValueError if it is not evenly sampled.
+    """
+    time, *columns = read_components(path, unit, wanted)
     interval = float(f"{(time[-1] - time[0]) / (time.size - 1):.{DIGITS}g}")
     uneven = np.abs(time - time[0] - interval * np.arange(time.size)) > UNEVEN * interval
     if uneven.any():

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sph.scene.ground_motion.direction import Direction, check_direction, check_header
 from sph.scene.ground_motion.text import check_head, fields, read_lines, samples
 from sph.scene.ground_motion.units import Unit, size_of
 from sph.scene.units import SIZES
@@ -19,9 +20,11 @@ KINDS = ("1 UNCORRECTED ACCELEROGRAM", "2 CORRECTED ACCELEROGRAM")
 TEXTS, INTEGERS, REALS = 11, 6, 10
 """Lines of each kind of header."""
 WIDTH = 10
+VERTICAL, UPRIGHT, LEVEL = 12, (0, 180), 90
+"""Index of the integer with the sensor's angle from upwards, and that of vertical and horizontal sensors, degrees."""
 
 
-def read_smc(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ...]:
+def read_smc(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal") -> tuple[np.ndarray, ...]:
     """Time (n,) in s from 0 on and acceleration (n,) in m/s2; ValueError with file and line, where there is one."""
     lines = read_lines(path)
     if " ".join(lines[0].split()).upper() not in KINDS:
@@ -33,6 +36,9 @@ def read_smc(path: Path | str, unit: Unit | None = None) -> tuple[np.ndarray, ..
     reals = fields(path, lines, TEXTS + INTEGERS, REALS, 15)
     if len(integers) < 17 or len(reals) < 2:
         raise ValueError(f"{path}, lines {TEXTS + 1}-{head}: must be 48 integers and 50 reals (found {len(integers)} and {len(reals)})")
+    check_header(path, lines[:TEXTS], wanted)
+    said: Direction | None = "vertical" if integers[VERTICAL] in UPRIGHT else "horizontal" if integers[VERTICAL] == LEVEL else None
+    check_direction(f"{path}, lines {TEXTS + 1}-{TEXTS + 2}: the 13th integer, {integers[VERTICAL]:g} degrees from upwards,", said, wanted)
     comments, count, rate = integers[15], integers[16], reals[1]
     if not (0 <= comments <= len(lines) and comments == int(comments) and count == int(count)):
         raise ValueError(f"{path}, lines {TEXTS + 2}-{TEXTS + 3}: no numbers of comments and samples (found {comments:g} and {count:g})")

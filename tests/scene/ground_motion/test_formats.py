@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from record_files import at2, cosmos, knet, smc
+from typer.testing import CliRunner
 
+from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
 
 INTERVAL, RATE = 0.01, 100
@@ -36,7 +38,7 @@ def test_a_sine_in_every_format(tmp_path: Path, name: str) -> None:
     np.testing.assert_allclose(acceleration, SINE, atol=ROUNDING)
 
 
-@pytest.mark.parametrize("ending", ["EW", "ns", "UD2", "knet"])
+@pytest.mark.parametrize("ending", ["EW", "ns", "ew2", "knet"])
 def test_a_record_of_k_net_keeps_the_offset_of_its_recorder(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"AKT0130001010000.{ending}"
     path.write_text(knet(SINE, RATE))
@@ -215,3 +217,207 @@ def test_a_unit_is_the_users_only_where_the_file_says_none(tmp_path: Path) -> No
         path.write_text(TEXTS[name])
         with pytest.raises(ValueError, match="by its own words, unit: m/s2 contradicts it"):
             read_record(path, "m/s2")
+
+
+# ---------------------------------------------------------------- what a file holds, by its own words
+
+ACCELERATION = {"acc": 1.0, "ax": 1.0, "EW": 1.0, "HNE": 1.0, "acc_g": 9.81, "Acc (gal)": 0.01}
+BESIDE = {
+    "": [0, 1, 2], "index": [1, 2, 3], "Unnamed: 0": [0, 1, 2], "velocity": [7, 8, 9], "v": [7, 8, 9], "disp (m)": [7, 8, 9],
+    "temperature": [7, 8, 9],
+}  # fmt: skip
+"""Columns beside time and acceleration, and what is in them."""
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (0, 2, 1), (1, 0, 2), (1, 2, 0), (2, 0, 1), (2, 1, 0)])
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+@pytest.mark.parametrize("beside", BESIDE)
+@pytest.mark.parametrize("name", ACCELERATION)
+def test_names_decide_which_columns_are_read(tmp_path: Path, name: str, beside: str, mark: str, order: tuple[int, ...]) -> None:
+    columns = [("time (s)", [0.0, 0.01, 0.02]), (name, [1.5, -2.5, 3.5]), (beside, BESIDE[beside])]
+    placed = [columns[place] for place in order]
+    rows = [[title for title, _ in placed], *([str(values[at]) for _, values in placed] for at in range(3))]
+    path = tmp_path / "a.csv"
+    path.write_text("\n".join(mark.join(row) for row in rows))
+    time, horizontal, *vertical = read_components(path)
+    np.testing.assert_allclose(time, [0.0, 0.01, 0.02])
+    np.testing.assert_allclose(horizontal, ACCELERATION[name] * np.array([1.5, -2.5, 3.5]), rtol=1e-12)
+    assert not vertical
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (",acc_g", ("name no columns of time",)),
+        ("index,acc", ("name no columns of time",)),
+        ("time (s),EW (g),NS (g)", ("'EW (g)', 'NS (g)' may each be the horizontal",)),
+        ("EW (g),NS (g)", ("name no columns of time",)),
+        ("time,acc 1,acc 2", ("may each be the horizontal",)),
+        ("time,ax,ay,az", ("may each be the horizontal",)),
+        ("time,az,UD", ("may each be the vertical",)),
+        ("t,v,d", ("'v' is no acceleration but a velocity",)),
+        ("T (s),PSA (g)", ("'PSA (g)' is no acceleration but a spectrum",)),
+        ("period (s),Sa (g)", ("name no columns of time",)),
+        ("time,pressure", ("is no acceleration but a quantity that is not read",)),
+        ("time,alpha,beta", ("quantity that is not known",)),
+        ("time,t,acc", ("name 2 columns of time",)),
+        ("time,UD (g)", ("says that it holds a vertical component", "vertical: {file: ...}")),
+        ("time,index", ("name no column of acceleration",)),
+    ],
+)
+def test_names_that_leave_a_choice_or_none_are_refused(tmp_path: Path, names: str, words: tuple[str, ...]) -> None:
+    path = tmp_path / "a.csv"
+    width = names.count(",") + 1
+    path.write_text("\n".join([names, *(",".join([str(0.01 * at)] * width) for at in range(3))]))
+    with pytest.raises(ValueError) as error:
+        read_components(path)
+    for word in (f"{path}, line 1: ", *words):
+        assert word in str(error.value)
+
+
+def test_lines_with_a_number_sign_are_left_out_or_hold_the_names(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    for head in ("# made in May\n\ntime,acc_g\n", "# time,acc_g\n", "# made\n# time,acc_g\n"):
+        path.write_text(head + "0,1\n# a gap\n0.01,2\n")
+        np.testing.assert_allclose(read_record(path).acceleration, [9.81, 19.62])
+    path.write_text("# time,vel,acc_g\n0,5,1\n0.01,6,2\n")
+    np.testing.assert_allclose(read_record(path).acceleration, [9.81, 19.62])
+    path.write_text("# acceleration in cm/s2\ntime,acc\n0,1\n0.01,2\n")
+    with pytest.raises(ValueError, match=r"line 1: 'acceleration in cm/s2' may name a unit.*ax \(cm/s2\)"):
+        read_record(path)
+    np.testing.assert_allclose(read_record(path, "gal").acceleration, [0.01, 0.02])
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+@pytest.mark.parametrize(
+    ("values", "refused"),
+    [
+        (["998.5", "1,123"], "'1,123' beside line 2: '998.5'"),
+        (["998.5", "1,123.4"], "'1,123.4'|1,123.4"),
+        (["998", "1,123"], "'1,123': its comma"),
+        (["-1,123", "2,456,789"], "'-1,123'"),
+        (["1,5", "2.5"], "'1,5' beside"),
+        (["998,5", "1,123"], None),
+        (["0,998", "1,123"], None),
+    ],
+)
+def test_a_comma_that_may_separate_thousands_is_refused(tmp_path: Path, values: list[str], refused: str | None, mark: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text("time (s);acc (gal)\n".replace(";", mark) + "".join(f"{at}{mark}{value}\n" for at, value in enumerate(values)))
+    if refused is None:
+        np.testing.assert_allclose(read_record(path).acceleration, [float(value.replace(",", ".")) / 100 for value in values])
+        return
+    with pytest.raises(ValueError, match=refused):
+        read_record(path)
+
+
+VERTICAL = {
+    "a.UD": knet(SINE, RATE), "a.ud2": knet(SINE, RATE), "RSN6_ELC-UP.AT2": TEXTS["new.AT2"], "ELC-DWN.at2": TEXTS["new.AT2"],
+    "x_vert.csv": TEXTS["a.csv"], "x-Z.smc": TEXTS["a.smc"], "TAB-V.V2": TEXTS["a.V2"],
+    "head.knet": knet(SINE, RATE).replace("E-W", "U-D"), "long.knet": knet(SINE, RATE).replace("E-W", "Up-Down"),
+    "up.AT2": TEXTS["new.AT2"], "second.AT2": TEXTS["new.AT2"].replace("Nowhere, 0", "Nowhere, UP"),
+    "first.AT2": TEXTS["new.AT2"].replace("Nowhere, 0", "Nowhere, V1"),
+    "text.V2": TEXTS["a.V2"].replace("line 8 1 2 3", "Chan  3:  Up          (Sta Chn:  3)"),
+    "text.smc": TEXTS["a.smc"].replace("*", "Component = Vertical", 1),
+    "column.csv": "time,UD (g)\n0,1\n0.01,2\n",
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", VERTICAL)
+def test_a_vertical_component_is_no_horizontal_motion(tmp_path: Path, name: str) -> None:
+    path = tmp_path / name
+    path.write_text(VERTICAL[name])
+    for read in (read_record, read_components):
+        with pytest.raises(
+            ValueError, match=r"vertical component, and the horizontal one is wanted here.*vertical: \{file: \.\.\.\}"
+        ) as error:
+            read(path)
+        assert str(path) in str(error.value)
+    if "E-W" not in VERTICAL[name]:
+        assert len(read_components(path, wanted="vertical")) == 2
+
+
+@pytest.mark.parametrize("name", ["a.EW", "b.ns2"])
+def test_a_horizontal_component_is_no_vertical_motion(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text(knet(SINE, RATE))
+    with pytest.raises(ValueError, match="holds a horizontal component, and the vertical one is wanted here"):
+        read_components(tmp_path / name, wanted="vertical")
+
+
+def test_the_integers_of_headers_tell_a_vertical_sensor(tmp_path: Path) -> None:
+    lines = TEXTS["a.smc"].split("\n")
+    upright = lines[12][:40] + f"{0:10d}" + lines[12][50:]
+    (tmp_path / "a.smc").write_text("\n".join([*lines[:12], upright, *lines[13:]]))
+    lines = TEXTS["a.V2"].split("\n")
+    at = next(index for index, line in enumerate(lines) if "Integer-header" in line) + 6
+    (tmp_path / "a.V2").write_text("\n".join([*lines[:at], lines[at][:24] + f"{400:8d}" + lines[at][32:], *lines[at + 1 :]]))
+    for name, word in (("a.smc", "13th integer"), ("a.V2", "54th integer")):
+        with pytest.raises(ValueError, match=f"{word}.* vertical component"):
+            read_record(tmp_path / name)
+        assert len(read_components(tmp_path / name, wanted="vertical")) == 2
+
+
+@pytest.mark.parametrize(
+    "title",
+    ["PSEUDO SPECTRAL ACCELERATION IN UNITS OF G", "RESPONSE SPECTRUM (G)", "VELOCITY TIME SERIES IN UNITS OF CM/S", "DISPLACEMENT (CM)"],
+)
+def test_an_at2_file_of_another_quantity_is_refused(tmp_path: Path, title: str) -> None:
+    path = tmp_path / "a.AT2"
+    path.write_text(TEXTS["new.AT2"].replace("ACCELERATION TIME SERIES IN UNITS OF G", title))
+    with pytest.raises(ValueError, match=f"a.AT2, line 3: must be a record of acceleration over time, .*{title[:6]}"):
+        read_record(path)
+
+
+def real(name: str, at: int, value: float) -> str:
+    """A COSMOS text with another value of a real."""
+    lines = TEXTS[name].split("\n")
+    line = next(index for index, text in enumerate(lines) if "Real-header" in text) + 1 + at // 6
+    first = 13 * (at % 6)
+    return "\n".join([*lines[:line], lines[line][:first] + f"{value:13.6f}" + lines[line][first + 13 :], *lines[line + 1 :]])
+
+
+def test_the_interval_of_a_cosmos_file_agrees_with_its_header(tmp_path: Path) -> None:
+    path, whole = tmp_path / "a.V2", TEXTS["a.V2"]
+
+    def unknown(recorded: float, length: float = -999.0, line: str = "approx   10 secs") -> str:
+        text = whole.replace(f"{10.0:13.6f}", f"{-999.0:13.6f}").replace(f"{5.0:13.6f}", f"{recorded:13.6f}")
+        TEXTS["made"] = text
+        text = real("made", 62, length)
+        del TEXTS["made"]
+        return text.replace("approx   10 secs", line, 1)
+
+    for text in (
+        unknown(0.01),
+        unknown(10.0),
+        unknown(0.005, length=10.0),
+        unknown(-999.0, length=10.0),
+        unknown(-999.0, line="at 0.01 sec"),
+        real("a.V2", 62, 10.0),
+        real("a.V2", 63, -200.0),
+    ):
+        path.write_text(text)
+        np.testing.assert_allclose(read_record(path).time, TIME, atol=1e-12)
+    for text, word in (
+        (unknown(0.005), "62nd real"),
+        (unknown(5.0), "62nd real"),
+        (unknown(-999.0), "62nd real"),
+        (unknown(0.01, line=""), "62nd real"),
+        (real("a.V2", 61, 0.01), "durations: 10 s"),
+        (real("a.V2", 61, 20.0), "durations: 10 s"),
+        (real("a.V2", 62, 60.0), "durations: 60 s, 10 s"),
+        (real("a.V2", 63, 981.0), "64th real.*9.81 m/s2, its samples have 2 m/s2"),
+    ):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=word):
+            read_record(path)
+
+
+@pytest.mark.parametrize("ending", [".txt", ".dat", ".vt2", ".up", ".mseed", ""])
+def test_an_unknown_ending_is_told_the_formats(tmp_path: Path, ending: str) -> None:
+    path = tmp_path / f"record{ending}"
+    path.write_text(TEXTS["new.AT2"])
+    with pytest.raises(ValueError, match=r"must be a record, by its ending .*PEER \.at2, K-NET.*COSMOS.*\.csv below a line 'time \(s\)"):
+        read_components(path)
+    for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
+        result = CliRunner().invoke(app, [command[0], str(path), *command[1:]])
+        assert result.exit_code == 2 and ("PEER .at2" in result.stderr or not ending), result.output
