@@ -93,3 +93,82 @@ def test_points_in_space_are_unrolled_along_the_line(tmp_path: Path) -> None:
 def test_a_broken_file_says_where_and_what_is_expected(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ValueError, match=message):
         read(tmp_path, text)
+
+
+X = ["x", "chainage (m)", "Station", "distance", "Distance along section (m)"]
+ELEVATION = ["elevation", "z (m)", "y", "level", "Höhe (m)", "elev (m a.s.l.)"]
+
+
+@pytest.mark.parametrize("mark", [",", ";", "\t"])
+@pytest.mark.parametrize("order", [(0, 1, 2), (1, 0, 2), (2, 1, 0), (2, 0, 1), (0, 1), (1, 0)])
+@pytest.mark.parametrize("elevation", ELEVATION)
+@pytest.mark.parametrize("x", X)
+def test_names_decide_which_column_is_the_elevation(tmp_path: Path, x: str, elevation: str, order: tuple[int, ...], mark: str) -> None:
+    rows = [[x, elevation, ""], *([str(a), str(b), str(at)] for at, (a, b) in enumerate(LINE))]
+    assert read(tmp_path, "\n".join(mark.join(row[place] for place in order) for row in rows)) == LINE
+
+
+def test_names_in_a_comment_swap_the_columns(tmp_path: Path) -> None:
+    assert read(tmp_path, "# elevation (m),x (m)\n440,120\n440.5,150\n465,170\n") == LINE
+
+
+@pytest.mark.parametrize(
+    ("head", "message"),
+    [
+        ("x,depth", r"line 1: 'depth' is neither x nor an elevation \(columns 'x', 'depth'\); leave it out, or name one column for x"),
+        ("x,slope", "'slope' is neither"),
+        ("lon,lat", "'lon', 'lat' is neither"),
+        ("easting,northing,elevation", "'easting', 'northing' is neither"),
+        ("x,y,z", "1 columns of x and 2 of elevation, must be one of each.*GeoJSON or WKT"),
+        ("x,distance", "2 columns of x and 0 of elevation"),
+        (",elevation", "0 columns of x and 1 of elevation"),
+    ],
+)
+def test_names_of_other_quantities_are_refused(tmp_path: Path, head: str, message: str) -> None:
+    width = head.count(",") + 1
+    with pytest.raises(ValueError, match=message):
+        read(tmp_path, "\n".join([head, *(",".join([str(at)] * width) for at in (1, 2, 3))]))
+
+
+@pytest.mark.parametrize("mark", [";", "\t"])
+def test_separators_of_thousands_are_refused(tmp_path: Path, mark: str) -> None:
+    for text in ("998.5;440\n1,123;441", "998;440\n1,123;441"):
+        with pytest.raises(ValueError, match="line 2: '1,123'.*may be a decimal one or separate thousands"):
+            read(tmp_path, text.replace(";", mark))
+
+
+def system(name: object, at: str) -> str:
+    """The line with a system of coordinates in one of its objects."""
+    crs = {"type": "name", "properties": {"name": name}} if isinstance(name, str) else name
+    feature = FEATURE | ({"crs": crs} if at == "feature" else {})
+    if at == "geometry":
+        feature["geometry"] = {**FEATURE["geometry"], "crs": crs}  # type: ignore[dict-item]
+    return json.dumps({"type": "FeatureCollection", "features": [feature]} | ({"crs": crs} if at == "collection" else {}))
+
+
+@pytest.mark.parametrize("at", ["collection", "feature", "geometry"])
+def test_a_system_of_coordinates_is_in_metres_or_refused(tmp_path: Path, at: str) -> None:
+    for name in ("urn:ogc:def:crs:EPSG::32632", "EPSG:25832", "urn:ogc:def:crs:EPSG:9.2:2056", "epsg:27700", None):
+        assert read(tmp_path, system(name, at)) == LINE
+    link = {"type": "link", "properties": {"href": "http://x/2227"}}
+    for name in (
+        "urn:ogc:def:crs:EPSG::2227",
+        "EPSG:4326",
+        "urn:ogc:def:crs:OGC:1.3:CRS84",
+        "EPSG:3857",
+        "EPSG:999999",
+        "NAD83 (ftUS)",
+        link,
+        4,
+    ):
+        with pytest.raises(ValueError, match="crs: .*must be a system of coordinates that is known to be in metres.*leave crs out"):
+            read(tmp_path, system(name, at))
+
+
+def test_degrees_are_refused_in_points_of_three(tmp_path: Path) -> None:
+    for form in (
+        "LINESTRING Z (8.5 47.3 440, 8.501 47.3 465)",
+        '{"type": "LineString", "coordinates": [[8.5, 47.3, 440], [8.501, 47.3, 465]]}',
+    ):
+        with pytest.raises(ValueError, match="may be degrees of longitude and latitude"):
+            read(tmp_path, form)

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
+from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge
@@ -88,6 +90,17 @@ def test_the_record_of_a_scene_is_looked_at_as_processed() -> None:
     assert wrong["record-offset"].key == "motion.baseline={}" and "0.0591 g" in wrong["record-offset"].measured
     mended = findings(record_scene(BURST + 0.58, **{"motion.baseline": {"degree": 0}}))
     assert not {"record-offset", "record-drift", "record-displacement"} & {each.code for each in mended}
+
+
+@pytest.mark.parametrize(("interval", "told"), [(0.01, False), (0.1, False), (0.11, True), (1.0, True)])
+def test_samples_far_apart_are_told(interval: float, told: bool, tmp_path: Path) -> None:
+    sparse = {"kind": "record", "start": 3.0, "data": {"interval": interval, "x": [0.0, 1.0, -1.0, 0.0]}}
+    found = {each.code: each for each in findings(scene(motion=sparse, duration=45.0))}
+    assert ("record-sparse" in found) == told
+    path = tmp_path / "a.csv"
+    path.write_text("time,acc\n" + "".join(f"{interval * at:.2f},{value}\n" for at, value in enumerate((0, 1, -1, 0))))
+    for command in (["motion", str(path)], ["newmark", str(path), "--ay", "0.5m/s2"]):
+        assert ("samples of the record lie so far apart" in CliRunner().invoke(app, command).stderr) == told
 
 
 def test_the_direction_of_a_record_is_told_where_it_matters() -> None:

@@ -89,7 +89,10 @@ def loading_of(scene: Scene) -> Loading:
 
 
 def read_record(path: Path | str, unit: Unit | None = None) -> GroundMotion:
-    """Horizontal motion in a file of one of the formats, a CSV with one acceleration; ValueError with file, line and what is expected."""
+    """Horizontal motion in a file of one of the formats, a CSV without names with one acceleration.
+
+    ValueError with file, line and what is expected.
+    """
     path = Path(path)
     check_record(path)
     if path.suffix.lower() == ".csv":

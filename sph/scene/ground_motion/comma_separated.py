@@ -9,6 +9,7 @@ the samples may hold the names.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -60,13 +61,10 @@ def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "ho
             head = at, line
             continue
         if table is None:
-            table = _table(path, head, comments, line, unit, wanted, (2, 3) if third else (2,))
+            table = _table(path, head, comments, (at, line), unit, wanted, (2, 3) if third else (2,))
         if len(values) != table.width:
             raise ValueError(f"{where}: must have {table.width} columns, has {len(values)} {shown}")
-        read = [value for value in (values[place] for place in table.places) if value is not None and math.isfinite(value)]
-        if len(read) < len(table.places):
-            count = ("two", "three")[len(table.places) - 2]
-            raise ValueError(f"{where}: must be {count} finite numbers, {NAMES[len(table.places)]} {shown}")
+        read = _finite(where, line, table.places)
         numbers = [scale * value for scale, value in zip(table.scales, read, strict=True)]
         if abs(numbers[0]) > LARGEST_TIME or max(map(abs, numbers[1:])) > LARGEST_ACCELERATION:
             raise ValueError(f"{where}: must not exceed {LARGEST_TIME:g} s and {LARGEST_ACCELERATION:g} m/s2 {shown}")
@@ -80,16 +78,27 @@ def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "ho
     return tuple(np.array(rows).T)
 
 
+def _finite(where: str, line: str, places: Sequence[int]) -> list[float]:
+    """The numbers at some places of a line; ValueError where one is none."""
+    values = [number(cell) for cell in cells(line)]
+    read = [value for value in (values[place] for place in places) if value is not None and math.isfinite(value)]
+    if len(read) < len(places):
+        count = ("two", "three")[len(places) - 2]
+        raise ValueError(f"{where}: must be {count} finite numbers, {NAMES[len(places)]} (found {line[:80]!r})")
+    return read
+
+
 def _table(
     path: Path | str,
     head: tuple[int, str] | None,
     comments: list[tuple[int, str]],
-    line: str,
+    first: tuple[int, str],
     unit: Unit | None,
     wanted: Direction,
     counts: tuple[int, ...],
 ) -> Table:
     """How columns are read, by the names above their first line, or by their places where there are none."""
+    at, line = first
     width = len(cells(line))
     if head is None and comments:
         above = names(comments[-1][1], line)
@@ -97,8 +106,9 @@ def _table(
     if head is None:
         if width not in counts:
             expected = " or ".join(f"{count} columns, {NAMES[count]}" for count in counts)
-            raise ValueError(f"{path}: must have {expected}, has {width} (found {line[:80]!r})")
-        size = size_of(f"{path}, line 1 (no names of columns)", None, unit)
+            raise ValueError(f"{path}, line {at}: must have {expected}, has {width} (found {line[:80]!r})")
+        _finite(f"{path}, line {at}", line, range(width))
+        size = size_of(f"{path}, line {at} (no names of columns)", None, unit)
         places = (0, 1, 2)[:width]
         if width == 3 and wanted == "vertical":
             places = (0, 2)
@@ -108,12 +118,12 @@ def _table(
         raise ValueError(f"{where}: names {len(named)} columns, the lines below have {width}")
     try:
         time, horizontal, vertical = columns_of(named)
-        first, second = (horizontal, vertical) if wanted == "horizontal" else (vertical, horizontal)
-        if first is None:
-            assert second is not None
-            check_direction(f"{named[second]!r}", direction_of(named[second]), wanted)
-            first = second
-        places = (first, vertical) if vertical not in (None, first) else (first,)
+        own, other = (horizontal, vertical) if wanted == "horizontal" else (vertical, horizontal)
+        if own is None:
+            assert other is not None
+            check_direction(f"{named[other]!r}", direction_of(named[other]), wanted)
+            own = other
+        places = (own,) if vertical in (None, own) else (own, vertical)
         seconds, stated = unit_of(named[time], SECONDS), [unit_of_column(named[place]) for place in places]
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
