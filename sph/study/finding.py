@@ -80,6 +80,8 @@ class Finding(NamedTuple):
     measured: str
     wanted: str = ""
     key: str = ""  # to change
+    subject: str = ""  # the layer, variable or component that it is of, where a scene may have several
+    off_by: float = 1.0  # see ``off_by``; 1 also where it is not a matter of degree
 
     def sentence(self) -> str:
         """The finding in one sentence."""
@@ -95,10 +97,29 @@ class Finding(NamedTuple):
         """Whether it is more than a note."""
         return self.severity != NOTE
 
+    @property
+    def rank(self) -> tuple[int, float, int]:
+        """By which findings are sorted, the most harmful first: severity, distance from what is wanted, place in ``CODES``."""
+        return list(Severity).index(Severity(self.severity)), -self.off_by, list(CODES).index(self.code)
 
-def finding(code: str, what: str, measured: str, wanted: str = "", key: str = "", severity: Severity | None = None) -> Finding:
+
+def finding(
+    code: str,
+    what: str,
+    measured: str,
+    wanted: str = "",
+    key: str = "",
+    severity: Severity | None = None,
+    subject: str = "",
+    off_by: float = 1.0,
+) -> Finding:
     """A finding, by default of the severity of its code; KeyError for an unknown code."""
-    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key)
+    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key, subject, off_by)
+
+
+def off_by(measured: float, wanted: float) -> float:
+    """Distance of a measured value from the wanted one over the larger of the two, both 0 or more: 0 where it is as wanted, 1 at most."""
+    return abs(measured - wanted) / max(measured, wanted) if measured != wanted else 0.0
 
 
 def codes(found: Iterable[Finding]) -> str:
