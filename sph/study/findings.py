@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from sph.scene.geometry import Slope
@@ -24,8 +22,10 @@ from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_par
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
 from sph.study.finding import Finding, finding, off_by
+from sph.study.layer_findings import of_layers
 from sph.study.loss_findings import of_loss, of_softening
 from sph.study.motion_findings import of_motion
+from sph.study.soil_findings import of_soils
 
 FEWEST_IN_HEIGHT = 12
 """Fewest particles across a slope's height: with 10 and 15 the cost-accuracy studies have right classes, run-outs up to 40 and 36 % off."""
@@ -33,8 +33,6 @@ LARGEST_HEIGHT_ERROR = 0.01
 """Of a slope between level ground that is made of whole rows: 4 % too low it may go a third less far, 2 % too high a twentieth further."""
 LEVEL = 0.25
 """Spacings that level ground may rise or fall within a slope's height of the slope."""
-FEWEST_IN_LAYER = 4
-"""Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
 FEWEST_IN_WAVE = 8
 """Smoothing lengths (or spacings, where they are longer) in the shortest wavelength: one eighth is the largest element that Kuhlemeyer
 and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
@@ -151,25 +149,6 @@ def uncertain_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
     return rows
 
 
-class Layer(NamedTuple):
-    """The soil particles of one material."""
-
-    name: str
-    soil: Soil
-    particles: int
-    thickness: float  # that three quarters of its columns exceed, particles
-
-
-def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
-    """The materials with their particles."""
-    x, index = particles.x[: particles.n_soil], particles.layer[: particles.n_soil]
-    found = []
-    for number, (name, soil) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
-        columns = np.unique(np.round(x[index == number] / scene.numerics.spacing - 0.5), return_counts=True)[1]
-        found.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
-    return found
-
-
 def highest_frequency(scene: Scene) -> float:
     """Frequency (Hz) below which ``ENERGY`` of the motion's energy lies; 0 without shaking, and for a load that stays."""
     motion = scene.motion
@@ -195,7 +174,9 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
     particles = particles or place_particles(scene)
     found = (
         of_choices(scene)
-        + [each for layer in layers_of(scene, particles) for each in _layer(scene, layer)]
+        + of_soils(scene)
+        + of_layers(scene, particles)
+        + [each for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True) for each in _waves(scene, name, soil)]
         + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
         + of_softening(scene)
@@ -209,32 +190,20 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
     return sorted(found, key=lambda each: each.rank)
 
 
-def _layer(scene: Scene, layer: Layer) -> list[Finding]:
+def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
     found = []
     frequency = highest_frequency(scene)
-    lengths = in_wave(scene, layer.soil, frequency)
-    if layer.thickness < FEWEST_IN_LAYER:
-        found.append(
-            finding(
-                "thin-layer",
-                f"{layer.name} is thin",
-                f"{layer.thickness:g} particles across",
-                f"at least {FEWEST_IN_LAYER}",
-                "numerics.spacing, or the layer",
-                subject=layer.name,
-                off_by=off_by(layer.thickness, FEWEST_IN_LAYER),
-            )
-        )
+    lengths = in_wave(scene, soil, frequency)
     if lengths < FEWEST_IN_WAVE:
-        ratio = wave_speed_ratio(scene, layer.soil.s_wave_speed / frequency)
+        ratio = wave_speed_ratio(scene, soil.s_wave_speed / frequency)
         found.append(
             finding(
                 "short-waves",
-                f"shear waves of {frequency:.3g} Hz are short in {layer.name}",
-                f"{lengths:.2g} smoothing lengths in {layer.soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
+                f"shear waves of {frequency:.3g} Hz are short in {name}",
+                f"{lengths:.2g} smoothing lengths in {soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
                 f"at least {FEWEST_IN_WAVE} (Kuhlemeyer and Lysmer 1973)",
                 "numerics.spacing or numerics.smoothing_ratio",
-                subject=layer.name,
+                subject=name,
                 off_by=off_by(lengths, FEWEST_IN_WAVE),
             )
         )

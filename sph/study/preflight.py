@@ -9,6 +9,7 @@ spacing and twice that; the first job of a study takes coarser ones, which cost 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,14 +21,15 @@ from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
-from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated
+from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated, two_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
 from sph.study.finding import Finding, Severity, finding
-from sph.study.findings import findings, layers_of
+from sph.study.findings import findings
+from sph.study.layer_findings import broken_at, layers_of
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
@@ -90,7 +92,10 @@ def stability(scene: Scene) -> list[Finding]:
             return finding("stability-unknown", label, f"not found: {error}")
 
     standing = [_of_peak(peak.trial), *_of_softening(peak, scene), _of_residual(_at_residual(static), scene)]
-    return [*standing, *map(limit, QUESTIONS)]
+    coarse: list[Finding] = []
+    with suppress(ValueError):  # of spacings too close to each other, which the searches tell
+        coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
+    return [*standing, *coarse, *map(limit, QUESTIONS)]
 
 
 class Peak(NamedTuple):
@@ -275,6 +280,8 @@ def study_stability(
         if number and spent > LONGEST:
             unsearched += names
             continue
+        for broken in broken_at(scene, quick_spacings(scene)):
+            found.setdefault(broken, []).extend(names)
         for code in searches:
             label, find, _ = QUESTIONS[code]
             try:

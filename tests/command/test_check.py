@@ -92,7 +92,6 @@ def test_a_sound_scene_has_no_warning() -> None:
         ),
         ({"geometry.base": 437.0}, "thin-layer", "soil is thin", "numerics.spacing"),
         ({"layers": {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 5.0}}}}, "thin-layer", "clay is thin", "numerics.spacing"),
-        ({"layers": {"clay": {"region": {"kind": "elevation", "top": 400.0}}}}, "thin-layer", "clay is thin", "the layer"),
     ],
 )
 def test_a_warning_says_what_is_measured_and_wanted_and_the_key(settings: dict[str, Any], code: str, what: str, key: str) -> None:
