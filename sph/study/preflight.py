@@ -281,6 +281,7 @@ def study_stability(
             unsearched += names
             continue
         for broken in broken_at(scene, quick_spacings(scene)):
+            say(f"{names[0]}: {broken.line()}")
             found.setdefault(broken, []).extend(names)
         for code in searches:
             label, find, _ = QUESTIONS[code]

@@ -21,6 +21,7 @@ from sph.solver.run import run
 from sph.stability.extrapolation import Extrapolated, extrapolated
 from sph.stability.newmark import sliding_block
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
+from sph.stability.search import Trial
 from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
@@ -31,10 +32,12 @@ from sph.study.motion_findings import POLARITY_RATIO, drifting
 from sph.study.preflight import (
     QUICK_RATIO,
     QUICK_TOLERANCE,
+    Peak,
     Row,
     quick_scene,
     quick_spacings,
     read_preflight,
+    stability,
     study_findings,
     study_stability,
     write_preflight,
@@ -249,6 +252,26 @@ def test_a_slope_that_fails_unshaken_is_an_error_and_is_not_searched() -> None:
     weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0})
     (row,) = study_stability({"weak": weak}, lambda line: None)
     assert (row.finding.code, row.finding.severity) == ("fails-unshaken", "error")
+
+
+def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is nearly two rows at the scene's spacing is less than one at the coarse one, so that the extrapolated limit may be wrong."""
+    seam = scene(layers=thin_layers(clay=0.7), **{"geometry.base": 425.0, "numerics.spacing": 0.4})
+    assert quick_spacings(seam) == pytest.approx((1.0, 0.4))
+    stands = Trial(1.0, True, 0.0, 0.0, "complete", 0.0)
+
+    def unsearched(*arguments: Any, **options: Any) -> None:
+        raise ValueError("no search in this test")
+
+    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 0.0, False))
+    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.study.preflight.extrapolated", unsearched)
+    said: list[str] = []
+    found = {row.finding.code: row.finding for row in study_stability({"one": seam}, said.append)}
+    assert found["layer-broken"].subject == "clay" and found["layer-broken"].measured.endswith("at a spacing of 1 m")
+    assert [line.rpartition("[")[2] for line in said if "layer-broken" in line] == ["layer-broken]"]
+    assert "layer-broken" not in {each.code for each in findings(seam)}
+    assert "layer-broken" in {each.code for each in stability(seam)}
 
 
 def test_what_has_no_slope_is_told_with_the_reason() -> None:
