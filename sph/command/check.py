@@ -9,7 +9,8 @@ from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.study.cost import cost
 from sph.study.finding import Finding
-from sph.study.findings import Layer, choices, findings, highest_frequency, in_wave, layers_of, strengths, uncertain_rows, water_rows
+from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
+from sph.study.layer_findings import Layer, layers_of
 from sph.study.motion_findings import peak_accelerations
 
 if TYPE_CHECKING:

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import math
 import os
+import shlex
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 import sph
 from sph.command.schema import schema_file
@@ -29,16 +33,18 @@ START, AFTER = 3.0, 5.0
 SPEED = 250.0
 """Speed of shear waves in the soil that stands in the scene until it is replaced, m/s."""
 DENSITY, POISSON = 1900.0, 0.3
+LONGEST_TITLE = 100
+"""Most characters of the ground file's name in the title."""
 
 SCENE_TEXT = """\
-{scene_schema}# {title}
+{scene_schema}# A slope of one's own.
 # Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked REPLACE, then check:
-#   sph check {scene} --plot scene.png
-#   sph fos {scene}
-#   sph run {scene}
+#   sph check {scene_word} --plot scene.png
+#   sph fos {scene_word}
+#   sph run {scene_word}
 # Every key is described in docs/reference/scene-keys.md.
 name: {name}
-title: "{title} {placeholder}" # shown in every figure; take the bracket off with the last REPLACE
+title: {title} # shown in every figure; take the bracket off with the last REPLACE
 duration: {duration:g} # s, the record and {after:g} s more
 geometry:
   shape: ground_line
@@ -70,7 +76,7 @@ numerics:
 """
 STUDY_TEXT = """\
 {study_schema}# How far does the slope go, by the shaking and by what its soil keeps of its strength?
-#   snakemake --cores 2 --configfile {study}
+#   snakemake --cores 2 --configfile {study_word}
 study: {name}
 scene: {scene}
 fidelity: own
@@ -84,29 +90,33 @@ fidelities:
 
 
 def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
-    """Write ``SCENE`` and ``STUDY`` into a folder, which is made; their paths.
+    """Write ``SCENE`` and ``STUDY``, named after it, into a folder, which is made; their paths.
 
-    ValueError for a ground line or a record that cannot be used, and where one of the files exists.
+    ValueError for a ground line or a record that cannot be used, where one of the files exists, and for a path that a line of text cannot
+    hold; nothing is left behind then.
     """
     scene, study = folder / SCENE, folder / STUDY
     for path in (scene, study):
         if path.exists():
             raise ValueError(f"--out {folder}: {path} is there already; name another folder")
+    for path in (ground, record, folder.absolute()):
+        if not str(path).isprintable():
+            raise ValueError(f"{str(path)!r}: holds a character that cannot be printed, which a scene file cannot hold; rename it")
     line, downhill = _ground(ground)
     motion = read_record(record)
     height = line.slope_height
     spacing, frequency = height / ROWS, _digits(SPEED / (4.0 * height), 2)
-    name = "".join(letter if letter.isalnum() else "_" for letter in ground.stem)[:60] or "slope"
+    name = _name(folder.resolve())
     facts: dict[str, Any] = {
         "scene_schema": _schema_line("scene", folder),
         "study_schema": _schema_line("study", folder),
-        "placeholder": PLACEHOLDER,
-        "name": name if name[0].isalnum() else f"slope{name}",
-        "title": f"Slope of {ground.name}",
-        "scene": scene,
-        "study": study,
-        "ground": os.path.relpath(ground, folder),
-        "record": os.path.relpath(record, folder),
+        "name": _quoted(name),
+        "title": _quoted(f"Slope of {ground.name[:LONGEST_TITLE]} {PLACEHOLDER}"),
+        "scene": _quoted(str(scene)),
+        "scene_word": shlex.quote(str(scene)),
+        "study_word": shlex.quote(str(study)),
+        "ground": _quoted(os.path.relpath(ground, folder)),
+        "record": _quoted(os.path.relpath(record, folder)),
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
         "base": line.base,
         "downhill": downhill,
@@ -126,12 +136,32 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
         "coarse": _digits(height / COARSE_ROWS, 6),
         "amplitudes": ", ".join(f'"{factor * motion.peak:.3g}"' for factor in (0.5, 1.0, 1.5)),
     }
-    folder.mkdir(parents=True, exist_ok=True)
-    for path, text in ((scene, SCENE_TEXT), (study, STUDY_TEXT)):
-        with whole(path) as temporary:
-            temporary.write_text(text.format(**facts), encoding="utf-8")
-    load_scene(scene)
+    made = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for path, text in ((scene, SCENE_TEXT), (study, STUDY_TEXT)):
+            with whole(path) as temporary:
+                temporary.write_text(text.format(**facts), encoding="utf-8")
+        load_scene(scene)
+    except BaseException:
+        for path in (scene, study):
+            path.unlink(missing_ok=True)
+        for path in made:
+            with suppress(OSError):  # it was not made, or another program has put something there
+                path.rmdir()
+        raise
     return scene, study
+
+
+def _quoted(text: str) -> str:
+    """A text as YAML that is read as it was, whatever it holds."""
+    return yaml.safe_dump(text, default_style='"', allow_unicode=True, width=math.inf).rstrip("\n")
+
+
+def _name(folder: Path) -> str:
+    """Name of the scene and of the study in a folder: its own, of the letters that a name may have."""
+    name = "".join(letter if letter.isascii() and (letter.isalnum() or letter in "_.-") else "_" for letter in folder.name)[:60]
+    return name if name[:1].isalnum() else f"slope{name}"
 
 
 def _schema_line(name: str, folder: Path) -> str:

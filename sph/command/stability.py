@@ -9,16 +9,19 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from sph.command.options import say
 from sph.scene.configuration import validated
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
-from sph.stability.extrapolation import Extrapolated, extrapolated
+from sph.stability.extrapolation import Extrapolated, extrapolated, two_spacings
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
 from sph.storage.files import whole
 from sph.storage.trajectory import Status
+from sph.study.findings import findings
+from sph.study.layer_findings import broken_at
 
 
 class Question(NamedTuple):
@@ -54,10 +57,18 @@ def answer(
     single: bool = False,
     spacings: Sequence[float] | None = None,
 ) -> None:
-    """Search at two spacings and extrapolate, or at the scene's own alone; print and write.  ValueError for what is refused."""
+    """Search at two spacings and extrapolate, or at the scene's own alone; print and write.  ValueError for what is refused.
+
+    What is found of the scene without a run is said before, as by ``sph check``, and which layers another spacing breaks.
+    """
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
     if single and spacings is not None:
         raise ValueError("--single: takes the scene's own spacing, --spacings two others; give one of them")
+    told = findings(scene)
+    if not single:
+        told += broken_at(scene, two_spacings(scene, used, spacings))
+    for each in told:
+        say(each.line())
 
     def report(spacing: float, trial: Trial) -> None:
         if not as_json:
@@ -76,7 +87,8 @@ def answer(
         with whole(out) as temporary:
             pd.DataFrame(rows).to_csv(temporary, index=False)
     text = [*lines(question, searches), *(remaining(question, found) if isinstance(found, Extrapolated) else ()), used.sentence()]
-    print(to_json(record(question, found, searches, used), indent=1) if as_json else "\n".join(text))
+    facts = record(question, found, searches, used) | {"findings": [each._asdict() for each in told]}
+    print(to_json(facts, indent=1) if as_json else "\n".join(text))
 
 
 def trial_line(question: Question, trial: Trial) -> str:

@@ -31,6 +31,8 @@ CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
+SPACING = "numerics.spacing"
+"""The dimension of the resolution."""
 
 
 class Answer(NamedTuple):
@@ -53,15 +55,16 @@ def answer(
     findings = [row.finding for row in rows]
     yields = table["yield_acceleration"].dropna()
     of_runs = " to ".join(dict.fromkeys(map(in_both, (yields.min(), yields.max())))) if len(yields) else ""
+    where = "their own" if SPACING in table else f"{scene.numerics.spacing:g} m"
     facts = [
         ("Without shaking", *unshaken(table, rows)),
         ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(FACTORS)), "sph fos")),
-        ("Yield acceleration", *limit(findings, "yield-acceleration", of_runs, "sph yield-acceleration")),
+        ("Yield acceleration", *yielding(findings, of_runs, where)),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
     ]
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        levels(table, dimensions, probe),
+        levels(table, dimensions, probe, where),
         list(map(_raised, _warnings(table, scene, probe, rows))),
     )
 
@@ -119,6 +122,19 @@ def limit(findings: Sequence[Finding], code: str, of_runs: str, closely: str) ->
     return " to ".join(dict.fromkeys((least, most))), known
 
 
+def yielding(findings: Sequence[Finding], of_runs: str, where: str) -> tuple[str, str]:
+    """The yield acceleration that the Newmark block of the runs has, at their spacing, and what the searches before the runs found.
+
+    One number stands here, in the table of runs and behind the block; that of the searches, which is lower, has its error.
+    """
+    found, how = limit(findings, "yield-acceleration", "", "sph yield-acceleration")
+    if not of_runs:
+        return found, how
+    quick = f"extrapolated {found}, {how}" if any(each.code == "yield-acceleration" for each in findings) else f"with its error: {how}"
+    known = f"static, at the spacing of the runs ({where}), which makes slopes too strong; the Newmark block has it; {quick}"
+    return (f"at most {of_runs}" if of_runs[0].isdigit() else of_runs), known
+
+
 def searched(scene: Scene, files: Sequence[str]) -> str:
     """The intensities of the shaking at which the slopes of a search begin to go, in words; nothing without a search that found one."""
     for file in files:
@@ -152,8 +168,11 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
-def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
-    """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row an amplitude."""
+def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, where: str) -> Table:
+    """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row an amplitude.
+
+    The block has the yield acceleration at the spacing of the runs, ``where``.
+    """
     written = list(dict.fromkeys(table[AMPLITUDE])) if AMPLITUDE in table else []
     groups = [(value, table[table[AMPLITUDE] == value]) for value in sorted(written, key=float)]
     if not 0 < len(groups) <= MOST_VALUES:
@@ -165,8 +184,10 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
         spans = [_span(each.min(), each.max(), metres) if len(each) else NOTHING for each in lengths]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
-    note = "Least to most over the other dimensions of the study." if len(table) > len(groups) else ""
-    return Table("By the amplitude of shaking", head, rows, note)
+    notes = ["Least to most over the other dimensions of the study."] if len(table) > len(groups) else []
+    if table["newmark_displacement"].notna().any():
+        notes.append(f"The Newmark block has the yield acceleration above, at the spacing of the runs ({where}), and slides too little.")
+    return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 
 def _span(low: float, high: float, words: Callable[[float], str]) -> str:

@@ -27,6 +27,7 @@ from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import RESOLVED
 from sph.scene.soil import Soil
+from sph.scene.walls import WallFriction
 from sph.solver.run import Result, run
 from sph.stability.search import Trial
 from sph.storage.trajectory import Status
@@ -133,19 +134,25 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
 def divided_strength(scene: Scene, factor: float) -> Scene:
     """A scene whose cohesion, tan(phi) and tan(psi) are divided by a factor: classical strength reduction.
 
+    So are friction and cohesion of the interface to the walls (``walls.friction``), on which soil slides as on any slip surface.
     Not validated: with a factor below 1 the strength may lie above what a scene file may hold.
     """
 
     def divided(angle: float) -> float:
         return math.degrees(math.atan(math.tan(math.radians(angle)) / factor))
 
-    return _with_strength(scene, lambda soil, _: (soil.cohesion / factor, divided(soil.friction_angle), divided(soil.dilation_angle)))
+    made = _with_strength(scene, lambda soil, _: (soil.cohesion / factor, divided(soil.friction_angle), divided(soil.dilation_angle)))
+    if scene.walls.friction is None:
+        return made
+    interface = WallFriction.model_construct(**{name: value / factor for name, value in scene.walls.friction})
+    return made.model_copy(update={"walls": scene.walls.model_copy(update={"friction": interface})})
 
 
 def weakened(scene: Scene, strength_ratio: float) -> Scene:
     """A scene with the fluid state's strength throughout: cohesion, phi and psi multiplied by the paper's S_R (Eqs. 14 and 15).
 
-    A layer with an S_R of its own, and soil with residual strengths, keep those; psi falls as phi does.
+    A layer with an S_R of its own, and soil with residual strengths, keep those; psi falls as phi does.  The interface to the walls
+    does not soften, and keeps its strength.
     """
 
     def strength(soil: Soil, own: float | None) -> tuple[float, float, float]:

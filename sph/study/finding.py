@@ -51,10 +51,15 @@ CODES: dict[str, Code] = {
     "sparse-series": Code(WARNING, "the series hold few samples of the shaking"),
     "few-particles": Code(WARNING, "few particles across the slope's height"),
     "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
+    "layer-broken": Code(ERROR, "a layer that is continuous in the scene is dots of particles, or none at all"),
     "thin-layer": Code(WARNING, "few particles across a layer"),
     "thin-box": Code(WARNING, "the box's particles do not fill the kernel's support"),
     "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
     "no-process-zone": Code(WARNING, "failure has no length scale, so that results depend on the spacing; a note in the paper's scheme"),
+    "density-implausible": Code(WARNING, "a density of soil outside 1,000 to 3,000 kg/m3: a mistaken unit"),
+    "stiffness-implausible": Code(WARNING, "a speed of shear waves outside 30 to 3,500 m/s: Young's modulus in another unit than kPa"),
+    "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa: in Pa instead of kPa"),
+    "strength-implausible": Code(WARNING, "a friction angle below 5 degrees together with a cohesion below 5 kPa"),
     "soil-not-replaced": Code(WARNING, "the soil is that which `sph new` wrote"),
     "rigid-box": Code(WARNING, "a rigid box, which traps the waves: the slope is shaken harder than on a site that lets them out"),
     "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
@@ -81,6 +86,8 @@ class Finding(NamedTuple):
     measured: str
     wanted: str = ""
     key: str = ""  # to change
+    subject: str = ""  # the layer, variable or component that it is of, where a scene may have several
+    off_by: float = 1.0  # see ``off_by``; 1 also where it is not a matter of degree
 
     def sentence(self) -> str:
         """The finding in one sentence."""
@@ -96,10 +103,29 @@ class Finding(NamedTuple):
         """Whether it is more than a note."""
         return self.severity != NOTE
 
+    @property
+    def rank(self) -> tuple[int, float, int]:
+        """By which findings are sorted, the most harmful first: severity, distance from what is wanted, place in ``CODES``."""
+        return list(Severity).index(Severity(self.severity)), -self.off_by, list(CODES).index(self.code)
 
-def finding(code: str, what: str, measured: str, wanted: str = "", key: str = "", severity: Severity | None = None) -> Finding:
+
+def finding(
+    code: str,
+    what: str,
+    measured: str,
+    wanted: str = "",
+    key: str = "",
+    severity: Severity | None = None,
+    subject: str = "",
+    off_by: float = 1.0,
+) -> Finding:
     """A finding, by default of the severity of its code; KeyError for an unknown code."""
-    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key)
+    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key, subject, off_by)
+
+
+def off_by(measured: float, wanted: float) -> float:
+    """Distance of a measured value from the wanted one over the larger of the two, both 0 or more: 0 where it is as wanted, 1 at most."""
+    return abs(measured - wanted) / max(measured, wanted) if measured != wanted else 0.0
 
 
 def codes(found: Iterable[Finding]) -> str:

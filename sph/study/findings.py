@@ -5,8 +5,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from sph.scene.geometry import Slope
@@ -23,9 +21,11 @@ from sph.scene.water import standing_water
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
-from sph.study.finding import Finding, Severity, finding
+from sph.study.finding import Finding, finding, off_by
+from sph.study.layer_findings import of_layers
 from sph.study.loss_findings import of_loss, of_softening
 from sph.study.motion_findings import of_motion
+from sph.study.soil_findings import of_soils
 
 FEWEST_IN_HEIGHT = 12
 """Fewest particles across a slope's height: with 10 and 15 the cost-accuracy studies have right classes, run-outs up to 40 and 36 % off."""
@@ -33,8 +33,6 @@ LARGEST_HEIGHT_ERROR = 0.01
 """Of a slope between level ground that is made of whole rows: 4 % too low it may go a third less far, 2 % too high a twentieth further."""
 LEVEL = 0.25
 """Spacings that level ground may rise or fall within a slope's height of the slope."""
-FEWEST_IN_LAYER = 4
-"""Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
 FEWEST_IN_WAVE = 8
 """Smoothing lengths (or spacings, where they are longer) in the shortest wavelength: one eighth is the largest element that Kuhlemeyer
 and Lysmer (1973) allow; at it the lattice carries waves some 9 % too slowly at any h, at a tenth 6 %."""
@@ -151,25 +149,6 @@ def uncertain_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
     return rows
 
 
-class Layer(NamedTuple):
-    """The soil particles of one material."""
-
-    name: str
-    soil: Soil
-    particles: int
-    thickness: float  # that three quarters of its columns exceed, particles
-
-
-def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
-    """The materials with their particles."""
-    x, index = particles.x[: particles.n_soil], particles.layer[: particles.n_soil]
-    found = []
-    for number, (name, soil) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
-        columns = np.unique(np.round(x[index == number] / scene.numerics.spacing - 0.5), return_counts=True)[1]
-        found.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
-    return found
-
-
 def highest_frequency(scene: Scene) -> float:
     """Frequency (Hz) below which ``ENERGY`` of the motion's energy lies; 0 without shaking, and for a load that stays."""
     motion = scene.motion
@@ -191,11 +170,13 @@ def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
 
 
 def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
-    """All that is found of a scene and its particles without a run, warnings before notes; takes some 0.03 s."""
+    """All that is found of a scene and its particles without a run, the most harmful first; takes some 0.03 s."""
     particles = particles or place_particles(scene)
     found = (
         of_choices(scene)
-        + [each for layer in layers_of(scene, particles) for each in _layer(scene, layer)]
+        + of_soils(scene)
+        + of_layers(scene, particles)
+        + [each for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True) for each in _waves(scene, name, soil)]
         + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)
         + of_softening(scene)
@@ -206,29 +187,24 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + _series(scene)
         + _step(scene)
     )
-    return sorted(found, key=lambda each: list(Severity).index(Severity(each.severity)))
+    return sorted(found, key=lambda each: each.rank)
 
 
-def _layer(scene: Scene, layer: Layer) -> list[Finding]:
+def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
     found = []
     frequency = highest_frequency(scene)
-    lengths = in_wave(scene, layer.soil, frequency)
-    if layer.thickness < FEWEST_IN_LAYER:
-        wanted = f"at least {FEWEST_IN_LAYER}"
-        found.append(
-            finding(
-                "thin-layer", f"{layer.name} is thin", f"{layer.thickness:g} particles across", wanted, "numerics.spacing, or the layer"
-            )
-        )
+    lengths = in_wave(scene, soil, frequency)
     if lengths < FEWEST_IN_WAVE:
-        ratio = wave_speed_ratio(scene, layer.soil.s_wave_speed / frequency)
+        ratio = wave_speed_ratio(scene, soil.s_wave_speed / frequency)
         found.append(
             finding(
                 "short-waves",
-                f"shear waves of {frequency:.3g} Hz are short in {layer.name}",
-                f"{lengths:.2g} smoothing lengths in {layer.soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
+                f"shear waves of {frequency:.3g} Hz are short in {name}",
+                f"{lengths:.2g} smoothing lengths in {soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
                 f"at least {FEWEST_IN_WAVE} (Kuhlemeyer and Lysmer 1973)",
                 "numerics.spacing or numerics.smoothing_ratio",
+                subject=name,
+                off_by=off_by(lengths, FEWEST_IN_WAVE),
             )
         )
     return found
@@ -240,13 +216,27 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
     if height < FEWEST_IN_HEIGHT * scene.numerics.spacing * (1 - 1e-9):
         across = f"{height / scene.numerics.spacing:.1f} particles in {height:g} m"
         found.append(
-            finding("few-particles", "few particles across the slope's height", across, f"at least {FEWEST_IN_HEIGHT}", "numerics.spacing")
+            finding(
+                "few-particles",
+                "few particles across the slope's height",
+                across,
+                f"at least {FEWEST_IN_HEIGHT}",
+                "numerics.spacing",
+                off_by=off_by(height / scene.numerics.spacing, FEWEST_IN_HEIGHT),
+            )
         )
     behind = geometry.width - crest_x
     if behind < ROOM_BEHIND * height:
         key = "geometry.crest_length" if isinstance(geometry, Slope) else "geometry.window or the line"
         found.append(
-            finding("back-wall", "the back wall is near the crest", f"{behind:.3g} m", f"at least H = {ROOM_BEHIND * height:.3g} m", key)
+            finding(
+                "back-wall",
+                "the back wall is near the crest",
+                f"{behind:.3g} m",
+                f"at least H = {ROOM_BEHIND * height:.3g} m",
+                key,
+                off_by=off_by(behind, ROOM_BEHIND * height),
+            )
         )
     if toe_x < ROOM_AHEAD * height:
         key = "geometry.apron_length" if isinstance(geometry, Slope) else "geometry.window or the line"
@@ -257,6 +247,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
                 f"{toe_x:.3g} m",
                 f"2 H = {ROOM_AHEAD * height:.3g} m",
                 key,
+                off_by=off_by(toe_x, ROOM_AHEAD * height),
             )
         )
     if isinstance(geometry, GroundLine):
@@ -271,6 +262,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
                     f"{high - low:.3g} m and {height:.3g} m",
                     "the slope that may fail",
                     f"geometry.downhill={other}, or a narrower geometry.window",
+                    off_by=off_by(height, high - low),
                 )
             )
     return found
@@ -309,6 +301,7 @@ def of_rows(scene: Scene, particles: Particles) -> list[Finding]:
             f"{(1 + error) * height:.4g} m for {height:.4g} m ({error:+.1%})",
             f"a spacing of {dividing(dx, height):.4g} m, which divides the height",
             "numerics.spacing",
+            off_by=off_by(1 + error, 1.0),
         )
     ]
 
@@ -324,6 +317,7 @@ def thin_box(scene: Scene) -> list[Finding]:
                 f"{walls.layers} layers",
                 f"{needed}",
                 f"walls.layers={needed}, or a smaller numerics.smoothing_ratio",
+                off_by=off_by(walls.layers, needed),
             )
         ]
     return []
@@ -338,7 +332,9 @@ def of_variation(scene: Scene) -> list[Finding]:
         if shortest < reach * (1 - 1e-9):
             what = f"{variable.of} varies over lengths that the particles do not resolve"
             wanted = f"at least {reach:.3g} m, the kernel's reach"
-            found.append(finding("short-correlation", what, f"correlation length {shortest:g} m", wanted, "numerics.spacing, or the field"))
+            measured, key = f"correlation length {shortest:g} m", "numerics.spacing, or the field"
+            off = off_by(shortest, reach)
+            found.append(finding("short-correlation", what, measured, wanted, key, subject=variable.of, off_by=off))
     return found
 
 
@@ -379,6 +375,7 @@ def _series(scene: Scene) -> list[Finding]:
             measured,
             f"at least {FEWEST_IN_SERIES}",
             "outputs.series_interval",
+            off_by=off_by(samples, FEWEST_IN_SERIES),
         )
     ]
 
@@ -396,5 +393,6 @@ def _step(scene: Scene) -> list[Finding]:
             f"{step:.3g} s",
             wanted,
             "numerics.time_step, or numerics.adaptive_step={}",
+            off_by=off_by(step, SHARE_OF_LIMIT * smallest.seconds),
         )
     ]

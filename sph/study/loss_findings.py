@@ -8,7 +8,7 @@ from sph.scene.layers import Layer, softening_of
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.stability.standing import slope_height
-from sph.study.finding import NOTE, WARNING, Finding, finding
+from sph.study.finding import NOTE, WARNING, Finding, finding, off_by
 
 FEWEST_IN_LENGTH = 3
 """Spacings in the length over which plastic strain is averaged before soil fails."""
@@ -50,7 +50,9 @@ def of_loss(scene: Scene) -> list[Finding]:
     if length < SHORTEST_ZONE * height:
         what = f"slip in {name} develops over a short zone, so that the shaking at which the slope fails may depend on the spacing"
         wanted = f"{SHORTEST_ZONE:g} heights, {SHORTEST_ZONE * height:.3g} m; else compare two spacings"
-        found.append(finding("progressive-failure", what, f"{length:.3g} m", wanted, "coupling.softening.slip_at_residual"))
+        off = off_by(length, SHORTEST_ZONE * height)
+        key = "coupling.softening.slip_at_residual"
+        found.append(finding("progressive-failure", what, f"{length:.3g} m", wanted, key, subject=name, off_by=off))
     return found
 
 
@@ -77,5 +79,6 @@ def of_softening(scene: Scene) -> list[Finding]:
             f"{softening.width / dx:.2g} spacings in {softening.width:g} m",
             f"at least {FEWEST_IN_LENGTH}",
             "numerics.spacing, or coupling.softening.width",
+            off_by=off_by(softening.width / dx, FEWEST_IN_LENGTH),
         )
     ]

@@ -14,7 +14,7 @@ from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.stability.newmark import sliding_block
-from sph.study.finding import Finding, finding
+from sph.study.finding import Finding, finding, off_by
 
 WEAKEST, STRONGEST = 0.01, 2.0
 """Peak accelerations of the ground that are plausible, g: below a hundredth of g no slope that stands is moved, and of all records a
@@ -42,7 +42,12 @@ def cut_off(scene: Scene) -> list[Finding]:
     end = f"{scene.motion.end:.4g} s"
     return [
         finding(
-            "motion-cut-off", "the run ends while the ground moves", f"{scene.duration:g} s", f"more than {end}", f"duration, above {end}"
+            "motion-cut-off",
+            "the run ends while the ground moves",
+            f"{scene.duration:g} s",
+            f"more than {end}",
+            f"duration, above {end}",
+            off_by=off_by(scene.duration, scene.motion.end),
         )
     ]
 
@@ -75,7 +80,15 @@ def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]
     wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
     peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
     return [
-        finding("pga-implausible", f"the {name} peak acceleration of the ground is implausible", in_both(peak), wanted, key)
+        finding(
+            "pga-implausible",
+            f"the {name} peak acceleration of the ground is implausible",
+            in_both(peak),
+            wanted,
+            key,
+            subject=name,
+            off_by=off_by(peak, (STRONGEST if peak > STRONGEST * GRAVITY else WEAKEST) * GRAVITY),
+        )
         for name, peak in peaks.items()
         if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
     ]
@@ -109,14 +122,17 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
     if last > LARGEST_DRIFT * largest:
         offset, bound = last / float(time[-1] - time[0]), LARGEST_OFFSET * motion.peak
         at_end, wanted = f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s"
+        off = off_by(last, LARGEST_DRIFT * largest)
         if offset > bound:
             measured = f"a mean of {in_both(offset)}, {at_end}"
-            found.append(finding("record-offset", "the ground of the record drifts by an offset of its recorder", measured, wanted, key))
+            what = "the ground of the record drifts by an offset of its recorder"
+            found.append(finding("record-offset", what, measured, wanted, key, off_by=off))
         else:
-            found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key))
+            found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key, off_by=off))
     if furthest > LARGEST_DISPLACEMENT:
         wanted = f"at most {LARGEST_DISPLACEMENT:g} m, except beside a fault that broke the surface"
-        found.append(finding("record-displacement", "the peak displacement of the ground is implausible", f"{furthest:.3g} m", wanted, key))
+        off, what = off_by(furthest, LARGEST_DISPLACEMENT), "the peak displacement of the ground is implausible"
+        found.append(finding("record-displacement", what, f"{furthest:.3g} m", wanted, key, off_by=off))
     elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
         measured = f"{lasting:.2g} m of {furthest:.2g} m"
         found.append(finding("record-lasting", "the ground of the record ends away from where it began", measured, "near 0", key))

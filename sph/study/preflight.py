@@ -9,6 +9,7 @@ spacing and twice that; the first job of a study takes coarser ones, which cost 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,15 +21,16 @@ from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
-from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated
+from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated, two_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.finding import CODES, Finding, Severity, finding
-from sph.study.findings import findings, layers_of
-from sph.study.tables import count_column, read_csv, text_column, write_csv
+from sph.study.finding import Finding, Severity, finding
+from sph.study.findings import findings
+from sph.study.layer_findings import broken_at, layers_of
+from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
 """Relative width of the brackets in which the searches of a study end."""
@@ -46,11 +48,13 @@ PREFLIGHT: tuple[Variable, ...] = (
     text_column("severity", f"how much it matters: {', '.join(Severity)}"),
     text_column("code", "what kind of finding it is"),
     count_column("runs", "how many of the runs looked at it concerns"),
-    text_column("first_run", "the first of them; what was measured is of this one"),
+    text_column("worst_run", "the one of them in which it is worst, the first of several; what was measured is of this one"),
     text_column("what", "the finding in words"),
     text_column("measured", "what was measured"),
     text_column("wanted", "what is wanted; empty for a note that asks for nothing"),
     text_column("key", "the key to change; empty where nothing need be"),
+    text_column("subject", "the layer, variable or component that it is of, where a scene may have several"),
+    number_column("off_by", "1", "distance of what was measured from what is wanted over the larger; 1 where it is not a matter of degree"),
 )
 """The columns of ``preflight.csv``."""
 
@@ -66,7 +70,7 @@ class Row(NamedTuple):
 
     finding: Finding
     runs: int  # that it concerns
-    first_run: str
+    worst_run: str
 
 
 def stability(scene: Scene) -> list[Finding]:
@@ -88,7 +92,10 @@ def stability(scene: Scene) -> list[Finding]:
             return finding("stability-unknown", label, f"not found: {error}")
 
     standing = [_of_peak(peak.trial), *_of_softening(peak, scene), _of_residual(_at_residual(static), scene)]
-    return [*standing, *map(limit, QUESTIONS)]
+    coarse: list[Finding] = []
+    with suppress(ValueError):  # of spacings too close to each other, which the searches tell
+        coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
+    return [*standing, *coarse, *map(limit, QUESTIONS)]
 
 
 class Peak(NamedTuple):
@@ -273,6 +280,9 @@ def study_stability(
         if number and spent > LONGEST:
             unsearched += names
             continue
+        for broken in broken_at(scene, quick_spacings(scene)):
+            say(f"{names[0]}: {broken.line()}")
+            found.setdefault(broken, []).extend(names)
         for code in searches:
             label, find, _ = QUESTIONS[code]
             try:
@@ -290,16 +300,21 @@ def study_stability(
 
 
 def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
-    """What is found of the scenes of a study without a run: each code and key once, in the words of the first run that has it."""
-    found: dict[tuple[str, str], list[str]] = {}
-    words: dict[tuple[str, str], Finding] = {}
+    """What is found of the scenes of a study without a run, the most harmful first.
+
+    Each code, key and subject once, in the words of the run in which it is worst.
+    """
+    found: dict[tuple[str, str, str], dict[str, Finding]] = {}
+    of_all = _of_own_ratios(list(scenes.values()))
     for name, scene in scenes.items():
-        for each in findings(scene):
-            words.setdefault((each.code, each.key), each)
-            found.setdefault((each.code, each.key), []).append(name)
-    for each in _of_own_ratios(list(scenes.values())):
-        words[each.code, each.key], found[each.code, each.key] = each, list(scenes)
-    return [Row(words[at], len(dict.fromkeys(names)), names[0]) for at, names in found.items()]
+        for each in findings(scene) + of_all:
+            runs = found.setdefault((each.code, each.key, each.subject), {})
+            runs[name] = min(runs.get(name, each), each, key=lambda one: one.rank)
+    rows = []
+    for runs in found.values():
+        worst = min(runs, key=lambda name: runs[name].rank)
+        rows.append(Row(runs[worst], len(runs), worst))
+    return sorted(rows, key=lambda row: row.finding.rank)
 
 
 def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
@@ -323,10 +338,9 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
 
 
 def write_preflight(path: Path | str, rows: Sequence[Row]) -> None:
-    """Write ``preflight.csv``: errors first, then warnings and notes, in the order of ``CODES``."""
-    grave, known = list(Severity), list(CODES)
-    order = sorted(rows, key=lambda row: (grave.index(Severity(row.finding.severity)), known.index(row.finding.code)))
-    lines = [row.finding._asdict() | {"runs": row.runs, "first_run": row.first_run} for row in order]
+    """Write ``preflight.csv``, the most harmful finding first."""
+    order = sorted(rows, key=lambda row: row.finding.rank)
+    lines = [row.finding._asdict() | {"runs": row.runs, "worst_run": row.worst_run} for row in order]
     write_csv(pd.DataFrame(lines, columns=[column.name for column in PREFLIGHT]), path)
 
 
@@ -334,6 +348,5 @@ def read_preflight(path: Path | str) -> list[Row]:
     """The rows of ``preflight.csv``; ValueError names a file that is none."""
     table = read_csv(path, PREFLIGHT, "the preflight")
     return [
-        Row(Finding(*(str(row[name]) for name in Finding._fields)), int(row["runs"]), str(row["first_run"]))
-        for row in table.to_dict("records")
+        Row(Finding(*(row[name] for name in Finding._fields)), int(row["runs"]), str(row["worst_run"])) for row in table.to_dict("records")
     ]

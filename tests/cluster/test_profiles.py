@@ -78,7 +78,25 @@ def test_the_container_has_a_user_and_a_cache_of_compiled_code() -> None:
     order = [name for name, _ in instructions(RECIPE)]
     assert order.index("USER") < order.index("COPY"), "nothing is installed as root"
     warmed = next(argument for name, argument in instructions(RECIPE) if name == "RUN" and "sph compile" in argument)
-    assert "chmod -R a+rwX /var/cache/sph" in warmed
+    assert "chmod -R go-w /var/cache/sph" in warmed, "what lies there is executed"
+    user = re.search(r"--uid (\d+) sph", RECIPE)
+    assert user is not None and "a+" not in RECIPE
+    pages = (ROOT / "docs" / "how-to" / "clusters.md").read_text(encoding="utf-8")
+    for text in (RECIPE, pages):
+        assert f"podman run --rm --userns keep-id:uid={user[1]},gid={user[1]} " in text, "whoever runs it is the user of the cache"
+
+
+def test_no_page_keeps_compiled_code_in_a_shared_temporary_folder() -> None:
+    """Whoever makes the folder first decides what is executed."""
+    texts = [
+        *ROOT.glob("*.md"),
+        *(ROOT / "docs").rglob("*.md"),
+        ROOT / "Containerfile",
+        *(ROOT / "workflow").rglob("*.*"),
+        *(ROOT / ".ci").iterdir(),
+    ]
+    lines = [line for path in texts if path.is_file() for line in path.read_text(encoding="utf-8").splitlines() if "SPH_CACHE_DIR" in line]
+    assert lines and not [line for line in lines if re.search(r"SPH_CACHE_DIR\W*(/var)?/(tmp|dev/shm)|SPH_CACHE_DIR\W*\$\{?TMP", line)]
 
 
 def test_what_warms_the_cache_is_a_command() -> None:

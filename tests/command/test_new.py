@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import shlex
+import shutil
 from pathlib import Path
 
 import pytest
@@ -13,6 +15,7 @@ import sph
 from sph.command.cli import app
 from sph.command.new import write_new
 from sph.scene.schema import load_scene
+from sph.study.findings import PLACEHOLDER
 from sph.study.plan import load_study
 
 ROOT = Path(__file__).parents[2]
@@ -73,6 +76,70 @@ def test_nothing_is_overwritten_and_bad_files_are_refused(tmp_path: Path) -> Non
         told = CliRunner().invoke(app, ["new", *map(str, arguments)])
         assert told.exit_code == 2 and message in told.stderr
     assert (tmp_path / "study.yaml").read_text() == "mine" and not (tmp_path / "a").exists()
+
+
+NAMES = (
+    "Site #3.csv",
+    "A: B.csv",
+    "007.csv",
+    "it's.csv",
+    'a "quoted" \\ one.csv',
+    "{braces}.csv",
+    "Böschung, Süd.csv",
+    "- [x] & *y.csv",
+    "%TAG !.csv",
+    " blank .csv",
+    "n" * 200 + ".csv",
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_come_back_as_they_were(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    """Of the ground, of the record and of the folder."""
+    monkeypatch.chdir(tmp_path)
+    survey, motion, folder = Path("survey") / name, Path("motion") / name, Path("out") / name
+    for path, source in ((survey, GROUND), (motion, RECORD)):
+        path.parent.mkdir()
+        shutil.copy(source, path)
+    scene, study = write_new(survey, motion, folder)
+    keys, planned = (yaml.safe_load(path.read_text(encoding="utf-8")) for path in (scene, study))
+    assert (folder / keys["geometry"]["file"]).samefile(survey) and (folder / keys["motion"]["file"]).samefile(motion)
+    assert Path(planned["scene"]) == scene and name[:100] in keys["title"] and PLACEHOLDER in load_scene(scene).title
+    assert len(load_study(planned, [tmp_path]).study.runs) == 9
+    command = next(line for line in scene.read_text(encoding="utf-8").splitlines() if "sph check" in line)
+    assert shlex.split(command)[1:4] == ["sph", "check", str(scene)]
+
+
+def test_the_study_has_the_name_of_its_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two studies from two files of one name do not write to one folder of results."""
+    monkeypatch.chdir(tmp_path)
+    names = {}
+    for folder in ("north", "south-2", "007", "true", "...", "Süd"):
+        scene, study = write_new(GROUND, RECORD, Path(folder))
+        names[folder] = yaml.safe_load(study.read_text(encoding="utf-8"))["study"]
+        assert load_scene(scene).name == names[folder] == load_study(yaml.safe_load(study.read_text()), [tmp_path]).study.study
+    assert names == {"north": "north", "south-2": "south-2", "007": "007", "true": "true", "...": "slope...", "Süd": "S_d"}
+    here = tmp_path / "here"
+    here.mkdir()
+    monkeypatch.chdir(here)
+    assert load_scene(write_new(GROUND, RECORD, Path())[0]).name == "here"
+
+
+def test_a_refusal_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(path: Path) -> None:
+        raise ValueError("refused after it was written")
+
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "notes.txt").write_text("kept")
+    (tmp_path / "line\nbreak.csv").write_text(GROUND.read_text())
+    before = sorted(tmp_path.rglob("*"))
+    with pytest.raises(ValueError, match="cannot be printed"):
+        write_new(tmp_path / "line\nbreak.csv", RECORD, tmp_path / "a")
+    monkeypatch.setattr("sph.command.new.load_scene", refuse)
+    for folder in (tmp_path / "a" / "b" / "c", tmp_path / "mine" / "new", tmp_path / "mine"):
+        with pytest.raises(ValueError, match="refused after"):
+            write_new(GROUND, RECORD, folder)
+    assert sorted(tmp_path.rglob("*")) == before
 
 
 def test_the_version_is_printed() -> None:

@@ -21,13 +21,14 @@ from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
 from sph.measures.fields import displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.page.answer import FINDINGS, going, levels, limit, safety, searched, unshaken
+from sph.page.answer import FINDINGS, going, levels, limit, safety, searched, unshaken, yielding
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
 from sph.page.sections import DOCS, existing
 from sph.page.tables import chosen_keys, csv_table, layer_table, metres, scene_table, short
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import load_scene
+from sph.scene.units import in_both
 from sph.solver.particles import SOIL
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
@@ -315,6 +316,26 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     )
 
 
+def test_the_newmark_block_has_the_yield_acceleration_of_the_headline(study: StudyFiles) -> None:
+    """One number in the headline, in the table of runs and behind the block, said with its spacing; the extrapolated one beside it."""
+    table = read_table(study.table)
+    table["yield_acceleration"], table["newmark_displacement"] = 0.222 * GRAVITY, 0.1
+    write_csv(table, study.table)
+    quick = Finding(
+        "yield-acceleration", "note", "yield acceleration", "1.89 m/s2 (0.193 g) ± 0.2 m/s2 (0.0204 g), extrapolated from 2 and 1 m"
+    )
+    write_preflight(f"{FOLDER}/preflight.csv", [Row(quick, 4, "one")])
+    first = Words(build_page(study)).text.partition("One run")[0]
+    assert f"Yield acceleration at most {in_both(0.222 * GRAVITY).replace('m/s2', 'm/s²')}" in first
+    assert (
+        "at the spacing of the runs (2.5 m), which makes slopes too strong; the Newmark block has it; extrapolated 1.89 m/s² (0.193 g)"
+        in first
+    )
+    assert "The Newmark block has the yield acceleration above, at the spacing of the runs (2.5 m), and slides too little." in first
+    assert yielding([quick], "", "1 m")[0].startswith("1.89 m/s2"), "where no run has one"
+    assert yielding([], "", "1 m") == ("not searched", "sph yield-acceleration")
+
+
 def test_factors_of_safety_of_several_slopes(tmp_path: Path) -> None:
     """The least and the most, of how many, and why there is none: it may be the weakest that has none."""
     assert safety([]) == ""
@@ -353,7 +374,7 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(weak, [cohesion, shaking]).startswith("not up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
-    shown = levels(many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf), [shaking], "A")
+    shown = levels(many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf), [shaking], "A", "1 m")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")]
 
 

@@ -138,6 +138,31 @@ def test_both_reductions_of_strength() -> None:
     assert (weakened(scene, 0.5).soil.cohesion, weakened(scene, 0.5).soil.friction_angle) == (50.0, 15.0)
 
 
+ON_A_FLOOR = {
+    "walls.base": "free_slip",
+    "walls.friction": {"base": 0.6, "base_cohesion": 10.0},
+    "soil.cohesion": 500.0,
+    "gravity.inclination": 20.0,
+}
+"""Strong soil that slides on its floor."""
+
+
+def test_the_interface_to_the_walls_is_divided_as_the_soil_is_and_does_not_soften() -> None:
+    scene = layer(ON_A_FLOOR | {"walls.sides": "free_slip", "walls.friction.sides": 0.4, "walls.friction.sides_cohesion": 5.0})
+    friction = divided_strength(scene, 2.0).walls.friction
+    assert friction is not None and tuple(friction.model_dump().values()) == (0.3, 0.2, 5.0, 2.5)
+    assert divided_strength(layer(), 2.0).walls == layer().walls
+    assert weakened(scene, 0.5).walls == scene.walls
+
+
+def test_factor_of_safety_on_a_frictional_floor() -> None:
+    """F = (mu sigma + c) / tau along the floor, where soil of any strength slides."""
+    stress, slope = UNIT_WEIGHT * HEIGHT, math.radians(20.0)
+    exact = (0.6 * stress * math.cos(slope) + 10e3) / (stress * math.sin(slope))
+    static = static_scene(layer(ON_A_FLOOR | {"numerics.spacing": 1.0}), FailureRule())
+    assert [stand(divided_strength(static, factor * exact), FailureRule(), factor).stands for factor in (0.97, 1.03)] == [True, False]
+
+
 @pytest.mark.long
 def test_a_run_that_diverges_has_failed() -> None:
     trial = stand(static_scene(layer({"soil.youngs_modulus": 1.0}), FailureRule()), FailureRule(), 1.0)
@@ -283,6 +308,9 @@ def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
     assert found["quantity"] == "critical strength ratio" and (coarse["spacing"], fine["spacing"]) == (1.0, 0.5)
     assert found["value"] == fine["value"] < coarse["value"] and found["error"] > coarse["value"] - fine["value"]
     assert fine["lower"] < fine["value"] < fine["upper"]
+    assert [each["code"] for each in found["findings"]] == [
+        line.rpartition("[")[2][:-1] for line in result.stderr.splitlines() if "]" in line
+    ]
     assert found["runs"] == len(coarse["trials"]) + len(fine["trials"]) and found["rule"]["observation"] == 5.0
 
 

@@ -16,13 +16,14 @@ from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.ground_motion import GroundMotion
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_digest, run_to_file
 from sph.solver.run import run
 from sph.stability.extrapolation import Extrapolated, extrapolated
 from sph.stability.newmark import sliding_block
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
+from sph.stability.search import Trial
 from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
@@ -33,14 +34,18 @@ from sph.study.motion_findings import POLARITY_RATIO, drifting
 from sph.study.preflight import (
     QUICK_RATIO,
     QUICK_TOLERANCE,
+    Peak,
     Row,
     quick_scene,
     quick_spacings,
     read_preflight,
+    stability,
     study_findings,
     study_stability,
     write_preflight,
 )
+
+SCENES = Path(__file__).parents[2] / "config" / "scenes"
 
 SLOPE: dict[str, Any] = {
     "scheme": "paper",
@@ -161,7 +166,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
     scenes = {f"{ratio}-{rate}": scene(**{"coupling.S_R": ratio, "coupling.gamma": rate}) for ratio in (0.3, 0.9) for rate in (1.0, 9.0)}
     said: list[str] = []
     rows = study_stability(scenes, said.append, ["factor-of-safety"])
-    assert [(row.finding.code, row.runs, row.first_run) for row in rows] == [
+    assert [(row.finding.code, row.runs, row.worst_run) for row in rows] == [
         ("stands-unshaken", 4, "0.3-1.0"),
         ("fails-at-residual", 2, "0.3-1.0"),
         ("stands-at-residual", 2, "0.9-1.0"),
@@ -199,7 +204,7 @@ def test_each_slope_is_searched() -> None:
     scenes = {f"{cohesion}": scene(**{"soil.cohesion": cohesion}) for cohesion in (25.0, 40.0)}
     rows = [row for row in study_stability(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
     weak, strong = (float(row.finding.measured.split()[0]) for row in rows)
-    assert [row.first_run for row in rows] == ["25.0", "40.0"] and 1.0 < weak < strong
+    assert [row.worst_run for row in rows] == ["25.0", "40.0"] and 1.0 < weak < strong
 
 
 @pytest.mark.long
@@ -207,7 +212,7 @@ def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(quick_scene(scene()), DEFAULT_RULE)).seconds)
     scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}
     rows = study_stability(scenes, lambda line: None, [])
-    assert ("stability-unknown", "0.9") in {(row.finding.code, row.first_run) for row in rows}
+    assert ("stability-unknown", "0.9") in {(row.finding.code, row.worst_run) for row in rows}
 
 
 @pytest.mark.long
@@ -262,6 +267,26 @@ def test_a_slope_that_fails_unshaken_is_an_error_and_is_not_searched() -> None:
     assert (row.finding.code, row.finding.severity) == ("fails-unshaken", "error")
 
 
+def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is nearly two rows at the scene's spacing is less than one at the coarse one, so that the extrapolated limit may be wrong."""
+    seam = scene(layers=thin_layers(clay=0.7), **{"geometry.base": 425.0, "numerics.spacing": 0.4})
+    assert quick_spacings(seam) == pytest.approx((1.0, 0.4))
+    stands = Trial(1.0, True, 0.0, 0.0, "complete", 0.0)
+
+    def unsearched(*arguments: Any, **options: Any) -> None:
+        raise ValueError("no search in this test")
+
+    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 0.0, False))
+    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.study.preflight.extrapolated", unsearched)
+    said: list[str] = []
+    found = {row.finding.code: row.finding for row in study_stability({"one": seam}, said.append)}
+    assert found["layer-broken"].subject == "clay" and found["layer-broken"].measured.endswith("at a spacing of 1 m")
+    assert [line.rpartition("[")[2] for line in said if "layer-broken" in line] == ["layer-broken]"]
+    assert "layer-broken" not in {each.code for each in findings(seam)}
+    assert "layer-broken" in {each.code for each in stability(seam)}
+
+
 def test_what_has_no_slope_is_told_with_the_reason() -> None:
     still = scene(**{"gravity.acceleration": 0.0})
     (row,) = study_stability({"still": still}, lambda line: None)
@@ -275,10 +300,46 @@ def test_the_table_has_errors_first_and_comes_back_as_written(tmp_path: Path) ->
     write_preflight(tmp_path / "preflight.csv", [*rows, error])
     back = read_preflight(tmp_path / "preflight.csv")
     assert back[0] == error and set(back) == {*rows, error}
+    assert [row.finding.rank for row in back] == sorted(row.finding.rank for row in back)
     assert [row.finding.severity for row in back] == sorted((row.finding.severity for row in back), key=list(Severity).index)
     (tmp_path / "other.csv").write_text("a,b\n1,2\n")
     with pytest.raises(ValueError, match="are not those of the preflight"):
         read_preflight(tmp_path / "other.csv")
+
+
+def thin_layers(**thickness: float) -> dict[str, Any]:
+    """Layers from 430 m upwards on which the spacing of 1 m puts 3, 2 and 1 rows, in the order in which they are given."""
+    layers, bottom = {}, 430.0
+    for name, rows in thickness.items():
+        layers[name] = {"region": {"kind": "elevation", "bottom": bottom, "top": bottom + rows}, "soil": {"cohesion": 18.0}}
+        bottom += rows
+    return layers
+
+
+def test_each_thin_layer_of_a_study_has_its_row_the_worst_first(tmp_path: Path) -> None:
+    """Three findings of one code and one key: none takes the place of another."""
+    one = scene(**{"geometry.base": 425.0}, layers=thin_layers(sand=3.0, silt=2.0, clay=1.0))
+    told = [each for each in findings(one) if each.code == "thin-layer"]
+    assert [(each.subject, each.measured) for each in told] == [
+        (n, f"{r} particles across") for n, r in (("clay", 1), ("silt", 2), ("sand", 3))
+    ]
+    write_preflight(tmp_path / "preflight.csv", study_findings({"one": one}))
+    assert [row.finding for row in read_preflight(tmp_path / "preflight.csv") if row.finding.code == "thin-layer"] == told
+
+
+def test_a_finding_of_several_runs_has_the_words_of_the_worst() -> None:
+    scenes = {f"{rows}": scene(**{"geometry.base": 425.0}, layers=thin_layers(clay=rows)) for rows in (3.0, 1.0, 2.0)}
+    (row,) = [row for row in study_findings(scenes) if row.finding.code == "thin-layer"]
+    assert (row.runs, row.worst_run, row.finding.measured) == (3, "1.0", "1 particles across")
+
+
+@pytest.mark.parametrize("name", [path.name for path in sorted(SCENES.glob("*.yaml"))])
+def test_no_two_findings_of_a_scene_are_taken_for_one(name: str) -> None:
+    """What is found of a scene is in the table of its study, row by row, of weak waves and thin layers as well."""
+    given = load_scene(SCENES / name)
+    coarse = given.model_copy(update={"numerics": given.numerics.model_copy(update={"spacing": 2.0 * given.numerics.spacing})})
+    for one in (given, coarse):
+        assert [row.finding for row in study_findings({"one": one})] == findings(one)
 
 
 # ---------------------------------------------------------------- soil that fails before the shaking

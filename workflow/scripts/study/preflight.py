@@ -17,7 +17,7 @@ def preflight(planned: Mapping[str, Planned], size: int, path_to_csv: str, log: 
         print(f"looks at {len(scenes)} of {size} runs, evenly through the study", file=log)
     rows = study_findings(scenes)
     for row in rows:
-        print(f"{row.first_run}: {row.finding.line()}", file=log)
+        print(f"{row.worst_run}: {row.finding.line()}", file=log)
     tell(rows)
     stability = study_stability(scenes, lambda line: print(line, file=log, flush=True))
     tell(stability)
@@ -28,7 +28,7 @@ def tell(rows: Iterable[Row]) -> None:
     """Show what is more than a note where the study was started."""
     for row in rows:
         if row.finding.severity != Severity.NOTE:
-            print(f"{row.first_run}: {row.finding.line()}", file=sys.stderr, flush=True)
+            print(f"{row.worst_run}: {row.finding.line()}", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

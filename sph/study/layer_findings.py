@@ -1,0 +1,164 @@
+"""What of the layers of a scene its particles do not resolve, found before a run: thin layers, and those that are not continuous."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.geometry import Bodies
+from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
+from sph.scene.places import RIGHT
+from sph.scene.schema import Scene
+from sph.scene.soil import Soil
+from sph.solver.particles import Particles, place_particles
+from sph.study.finding import Finding, finding, off_by
+
+FEWEST_IN_LAYER = 4
+"""Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
+LARGEST_GAP = 0.25
+"""Share of a layer's columns at its ends, where it thins out to nothing, that may be without a particle."""
+
+
+class Layer(NamedTuple):
+    """The soil particles of one material."""
+
+    name: str
+    soil: Soil
+    particles: int
+    thickness: float  # that three quarters of its columns exceed, particles
+
+
+class Section(NamedTuple):
+    """A layer in the columns of the lattice."""
+
+    thickness: np.ndarray  # (columns,) vertically, as the scene has it, m; 0 where it is not
+    particles: np.ndarray  # (columns,) number of its soil particles
+
+
+def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
+    """The materials with their particles."""
+    found = []
+    for number, (name, soil) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
+        counts = _in_columns(scene, particles, number)
+        columns = counts[counts > 0]
+        found.append(Layer(name, soil, int(columns.sum()), float(np.percentile(columns, 25)) if columns.size else 0.0))
+    return found
+
+
+def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
+    """A finding for each layer that is thin, and an error instead for each that its particles do not make continuous."""
+    found, cut = [], broken(scene, particles)
+    for layer in layers_of(scene, particles):
+        if layer.thickness < FEWEST_IN_LAYER and layer.name not in {each.subject for each in cut}:
+            found.append(
+                finding(
+                    "thin-layer",
+                    f"{layer.name} is thin",
+                    f"{layer.thickness:g} particles across",
+                    f"at least {FEWEST_IN_LAYER}",
+                    "numerics.spacing, or the layer",
+                    subject=layer.name,
+                    off_by=off_by(layer.thickness, FEWEST_IN_LAYER),
+                )
+            )
+    return cut + found
+
+
+def broken(scene: Scene, particles: Particles) -> list[Finding]:
+    """An error for each layer that is continuous in the scene and not in its particles, where weak soil has no slip surface."""
+    dx = scene.numerics.spacing
+    found = []
+    for name, section in sections(scene, particles).items():
+        there, filled = section.thickness > 0.0, section.particles > 0
+        if _is_continuous(section, dx):
+            continue
+        thickness = float(np.median(section.thickness[there])) if there.any() else 0.0
+        columns, crossed = int(np.count_nonzero(there & filled)), int(np.count_nonzero(there))
+        measured = f"particles in {columns} of the {crossed} columns that it crosses, {thickness:.3g} m thick at a spacing"
+        found.append(
+            finding(
+                "layer-broken",
+                f"{name} is not continuous in the particles" if filled.any() else f"{name} has no particle",
+                f"{measured} of {dx:.3g} m" if there.any() else "it lies outside the ground, or under later layers",
+                f"a particle in every column, for which it has to be {dx:.3g} m thick at least",
+                f"numerics.spacing, smaller, or layers.{name}.region, thicker",
+                subject=name,
+                off_by=off_by(min(columns, thickness / dx * crossed), crossed) if crossed else 1.0,
+            )
+        )
+    return found
+
+
+def broken_at(scene: Scene, spacings: Iterable[float]) -> list[Finding]:
+    """Layers that are continuous at the scene's spacing and broken at others (m), as searches of its stability take them; each once."""
+    there = {each.subject for each in broken(scene, place_particles(scene))}
+    found: dict[str, Finding] = {}
+    for spacing in spacings:
+        other = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
+        for each in broken(other, place_particles(other)):
+            if each.subject not in there:
+                found.setdefault(each.subject, each)
+    return list(found.values())
+
+
+def _is_continuous(section: Section, spacing: float) -> bool:
+    """Whether a layer is a spacing thick, mostly, and has a particle in all columns but at its ends, where it thins out.
+
+    Of a thinner one the place of the lattice decides whether it is a row of particles, dots or nothing.
+    """
+    there = section.thickness > 0.0
+    thick, gap = section.thickness > spacing * (1.0 - 1e-9), there & (section.particles == 0)
+    if not section.particles.any() or 2 * np.count_nonzero(thick) < np.count_nonzero(there):
+        return False
+    parts = np.split(np.arange(there.size), np.flatnonzero(np.diff(there)) + 1)  # of the section, and of what lies between
+    return not any(_is_cut(thick[part], gap[part]) for part in parts) and bool(gap.sum() <= LARGEST_GAP * there.sum())
+
+
+def _is_cut(thick: np.ndarray, gap: np.ndarray) -> bool:
+    """Whether there is a column without a particle between two in which a layer is thick."""
+    between = np.maximum.accumulate(thick) & np.maximum.accumulate(thick[::-1])[::-1]
+    return bool((gap & between).any())
+
+
+def sections(scene: Scene, particles: Particles) -> dict[str, Section]:
+    """The layers in the columns of the lattice, by name, the later one where two overlap; none of bodies, which have no section."""
+    if isinstance(scene.geometry, Bodies) or not scene.layers:
+        return {}
+    geometry, dx = scene.geometry, scene.numerics.spacing
+    column = (np.arange(scene.lattice[0]) + 0.5 + RIGHT + scene.numerics.lattice_shift) * dx
+    ground = geometry.ground(column)
+    x, top = geometry.in_survey(column, ground)
+    base = geometry.in_survey(column, np.zeros_like(column))[1]
+    crossed = [side for layer in scene.layers.values() for side in _sides(layer.region, x, top)]
+    heights = np.sort([base, top, *(np.clip(np.nan_to_num(side, nan=base[0]), base, top) for side in crossed)], axis=0)
+    middle, part = 0.5 * (heights[1:] + heights[:-1]), np.diff(heights, axis=0)
+    number = np.zeros(middle.shape, int)
+    for index, layer in enumerate(scene.layers.values(), 1):
+        number[layer.region.contains(np.broadcast_to(x, middle.shape), middle, np.broadcast_to(top, middle.shape))] = index
+    return {
+        name: Section(np.where(number == index, part, 0.0).sum(axis=0), _in_columns(scene, particles, index))
+        for index, name in enumerate(scene.layers, 1)
+    }
+
+
+def _sides(region: DepthRegion | ElevationRegion | PolygonRegion, x: np.ndarray, ground: np.ndarray) -> list[np.ndarray]:
+    """Heights (n,) at which a region begins or ends at places x (n,) below a ground (n,), m; NaN where a side of a polygon is not."""
+    if isinstance(region, DepthRegion):
+        return [ground - depth for depth in (region.top, region.bottom) if depth is not None]
+    if isinstance(region, ElevationRegion):
+        return [np.full_like(x, height) for height in (region.bottom, region.top) if height is not None]
+    found = []
+    for (x1, y1), (x2, y2) in zip(region.points, np.roll(region.outline, -1, axis=0), strict=True):
+        if x1 != x2:
+            share = (x - x1) / (x2 - x1)
+            found.append(np.where((share >= 0.0) & (share <= 1.0), y1 + share * (y2 - y1), np.nan))
+    return found
+
+
+def _in_columns(scene: Scene, particles: Particles, number: int) -> np.ndarray:
+    """Soil particles (columns,) of a material in the columns of the lattice."""
+    x = particles.x[: particles.n_soil][particles.layer[: particles.n_soil] == number]
+    columns = np.round(x / scene.numerics.spacing - 0.5).astype(int)
+    return np.bincount(columns, minlength=scene.lattice[0])
