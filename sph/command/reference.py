@@ -13,7 +13,7 @@ import math
 import re
 import sys
 import typing
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,6 +43,7 @@ from sph.experiments.trigger.design import Searched, Trigger
 from sph.experiments.trigger.efficiency import MEASURE_COLUMNS
 from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
+from sph.experiments.trigger.levels import read_levels
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.paper.release import BASELINE, READ_AT, STUDY_AT, read_measured
@@ -233,6 +234,26 @@ def resolved_claim_lines() -> Iterator[tuple[str, ...]]:
         yield str(row["claim"]), row["statement"], f"{row['study']}, {row['fidelity']}", verdict, row["measured"]
 
 
+def slip_level_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (slope, slip at the residual strength, bracket at each spacing) of the critical amplitude."""
+    table = read_levels()
+    for (study, slip), rows in table[table["slip_at_residual"].notna()].groupby(["study", "slip_at_residual"], sort=False):
+        brackets = {row["case"]: _bracket(row) for row in rows.to_dict("records")}
+        yield str(study), f"{1e3 * float(str(slip)):.0f} mm", *(brackets.get(case, "") for case in SLIP_CASES)
+
+
+def slip_choice_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (choice, bracket, change against the scene as it is) of the critical amplitude."""
+    table = read_levels()
+    rows = table[table["slip_at_residual"].isna()].assign(level=lambda found: 0.5 * (found["lower"] + found["upper"])).to_dict("records")
+    for row in rows:
+        yield row["case"], _bracket(row), f"{100 * (row['level'] / rows[0]['level'] - 1):+.0f} %"
+
+
+def _bracket(row: Mapping[Any, Any]) -> str:
+    return f"{row['lower']:.4g} to {row['upper']:.4g}"
+
+
 def solid_state_lines() -> Iterator[tuple[str, ...]]:
     """Rows (solid state, gamma, S_R, A's displacement at each time) of either solid state of failed soil."""
     for row in read_measured("solid_states").to_dict("records"):
@@ -349,6 +370,9 @@ RESOLVED_HEAD = (
 )
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")
+SLIP_CASES = ("5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
+SLIP_LEVEL_HEAD = ("study", "residual strength after", *SLIP_CASES)
+SLIP_CHOICE_HEAD = ("changed", "critical amplitude, m/s²", "change")
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
@@ -439,6 +463,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "convergence": lambda: _variables(CONVERGENCE),
     "claims": lambda: Reference(CLAIM_HEAD, list(claim_lines())),
     "resolved_claims": lambda: Reference(RESOLVED_CLAIM_HEAD, list(resolved_claim_lines())),
+    "slip_levels": lambda: Reference(SLIP_LEVEL_HEAD, list(slip_level_lines())),
+    "slip_choices": lambda: Reference(SLIP_CHOICE_HEAD, list(slip_choice_lines())),
     "solid_states": lambda: Reference(SOLID_STATE_HEAD, list(solid_state_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,

@@ -91,6 +91,18 @@ SHIPPED: dict[str, Shipped] = {
         "python -m sph.paper.release",
         MEASURED / "fidelities.csv",
     ),
+    "slip_levels": Shipped(
+        ("results/long_box_slip", "results/stiff_clay", "results/stiff_clay_choices"),
+        (
+            *(f"config/studies/{name}*.yaml" for name in ("long_box_slip", "stiff_clay")),
+            *(f"config/studies/{name}*/trigger.yaml" for name in ("long_box_slip", "stiff_clay")),
+            "config/scenes/long_box.yaml",
+            "config/scenes/stiff_clay.yaml",
+        ),
+        "for study in long_box_slip stiff_clay stiff_clay_choices; do "
+        "snakemake --cores 2 --configfile config/studies/$study.yaml -- trigger; done; python -m sph.experiments.trigger.levels",
+        MEASURED / "slip_levels.csv",
+    ),
     "solid_states": Shipped(
         ("results/paper_solid_states",),
         ("config/studies/paper_solid_states.yaml", "config/scenes/paper.yaml"),
