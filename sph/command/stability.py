@@ -59,7 +59,7 @@ def answer(
 ) -> None:
     """Search at two spacings and extrapolate, or at the scene's own alone; print and write.  ValueError for what is refused.
 
-    What is found of the scene without a run is said before, as by ``sph check``, and which layers another spacing breaks.
+    Errors and warnings of the scene are said before, as by ``sph run``, and which layers another spacing breaks.
     """
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
     if single and spacings is not None:
@@ -68,7 +68,8 @@ def answer(
     if not single:
         told += broken_at(scene, two_spacings(scene, used, spacings))
     for each in told:
-        say(each.line())
+        if each.counts:
+            say(each.line())
 
     def report(spacing: float, trial: Trial) -> None:
         if not as_json:

@@ -33,7 +33,7 @@ def slope(seed: int) -> dict[str, Any]:
     cohesion = 10.0 ** float(brentq(short, 1.0, 6.5, xtol=1e-3))
     return {
         "name": f"slope{seed}",
-        "duration": 12.0,
+        "duration": 16.0,
         "gravity": {"ramp": 2.0, "duration": 7.0, "damping": 10.0},  # soft soil takes seconds to settle
         "geometry": {
             "shape": "slope",
@@ -56,7 +56,7 @@ def slope(seed: int) -> dict[str, Any]:
             "S_R": float(draw.uniform(0.1, 0.6)),
             "softening": {"slip_at_peak": 1e-3, "slip_at_residual": float(10.0 ** draw.uniform(-1.7, -0.7)), "width": 0.4 * height},
         },
-        "damping": {"ratio": 0.03, "frequencies": [1.0, 10.0]},
+        "damping": {"ratio": 0.1, "frequencies": [0.3, 5.0]},  # so that elastic vibrations have died out at the end
         "motion": {
             "kind": "tapered_sine",
             "amplitude": HARDLY,

@@ -37,22 +37,28 @@ def test_the_average_by_hand() -> None:
     assert np.count_nonzero(state.mean_plastic_strain) == 2
 
 
-def test_the_average_ends_at_the_surface() -> None:
-    # In the corner a quarter of the neighbours is there: the mean is over those.
-    simulation = Simulation(make_scene(BLOCK))
-    state, terms = simulation.state, simulation.terms
-    state.plastic_strain[: terms.n_soil] = 0.25
-    terms.slip.at_yield[:] = True
-    average_plastic_strain(terms.slip, state, 0, terms.n_soil)
-    np.testing.assert_allclose(state.mean_plastic_strain[: terms.n_soil], 0.25, rtol=1e-12)
+def test_the_average_ends_at_the_surface_and_walls_that_hold_soil_do_not_slip() -> None:
+    # Without walls a quarter of the neighbours is there in the corner: the mean is over those.  On a base that holds the soil, the places
+    # below it count as soil that does not slip: in the middle of the lowest row the weights, 2.6704 in the row, 1.7104 and 0.2096 in the
+    # two above, have as much below, so that 4.5904 of 6.5104 slip.
+    for base, share in (("none", 1.0), ("free_slip", 1.0), ("fixed", 4.5904 / 6.5104), ("no_slip", 4.5904 / 6.5104)):
+        simulation = Simulation(make_scene(merge(BLOCK, {"walls": {"base": base, "sides": "none", "layers": 4}})))
+        state, terms = simulation.state, simulation.terms
+        state.plastic_strain[: terms.n_soil] = 0.25
+        terms.slip.at_yield[:] = True
+        average_plastic_strain(terms.slip, state, 0, terms.n_soil)
+        mean = state.mean_plastic_strain[: terms.n_soil].reshape(20, 20)
+        np.testing.assert_allclose(mean[:, 2:], 0.25, rtol=1e-12)
+        assert mean[10, 0] == pytest.approx(0.25 * share, rel=1e-12), base
 
 
 def test_the_average_goes_around_periodic_sides_and_not_beyond_the_soil() -> None:
     # The leftmost column has a strain of 1.  Around periodic sides it is the neighbour of the rightmost, whose mean is then that of the
     # column on its other side.  A length beyond the box asks for no more memory than the box, and all soil has about one mean.
-    periodic = merge(BLOCK, {"walls": {"sides": "periodic"}})
+    unheld = merge(BLOCK, {"walls": {"base": "none", "sides": "none"}})
+    periodic, long = merge(unheld, {"walls": {"sides": "periodic"}}), merge(unheld, {"coupling": {"softening": {"width": 1000.0}}})
     found = {}
-    for name, scene in (("periodic", periodic), ("open", BLOCK), ("long", merge(BLOCK, {"coupling": {"softening": {"width": 1000.0}}}))):
+    for name, scene in (("periodic", periodic), ("open", unheld), ("long", long)):
         simulation = Simulation(make_scene(scene))
         state, terms = simulation.state, simulation.terms
         terms.slip.at_yield[:] = True
