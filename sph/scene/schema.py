@@ -291,9 +291,10 @@ class Scene(Section):
         """Refuse failed soil that would be elastic for ever, and so stronger than before it failed, and keys without effect or sense."""
         for name, layer in self.layers.items():
             softening_of(self.coupling, layer)
-            slips = [key for key in ("slip_at_peak", "slip_at_residual") if getattr(layer, key) is not None]
-            if slips and not self.coupling.softens_by_slip:
-                raise ValueError(f"layers.{name}.{slips[0]}: needs coupling.softening.slip_at_residual, the slip of the other soil")
+            if layer.slip_at_peak is not None and self.coupling.softening is None:
+                raise ValueError(f"layers.{name}.slip_at_peak: needs coupling.softening, with the slip of the other soil")
+            if layer.slip_at_residual is not None and not self.coupling.softens_by_slip:
+                raise ValueError(f"layers.{name}.slip_at_residual: needs coupling.softening.slip_at_residual, the slip of the other soil")
             if layer.S_R is not None and None not in (layer.soil.residual_cohesion, layer.soil.residual_friction_angle):
                 raise ValueError(f"layers.{name}.S_R: without effect beside residual_cohesion and residual_friction_angle of its soil")
         if self.coupling.solid_after_failure == "elastic" and self.coupling.initial_state == "solid":

@@ -3,7 +3,7 @@
 The test is the classical one of strength reduction (Griffiths and Lane 1999): elastic, perfectly plastic soil with non-associated flow
 under gravity.  It is a run of the scene's own soil, box and spacing with
 
-* ``gamma: 0``, in layers too: the solid state keeps its Mohr-Coulomb strength and nothing softens;
+* ``gamma: 0`` and no ``slip_at_residual``, in layers too: the solid state keeps its Mohr-Coulomb strength and nothing softens;
 * no ground motion, or a constant acceleration after the gravity stage: the pseudo-static load;
 * no Rayleigh damping: its stiffness part would be a viscosity of beta_R G (0.6 MPa s in the paper's soil), by which a slope that has
   lost its balance only creeps, and seems to stand; the gravity stage keeps its own damping, which fades before observation;
@@ -113,7 +113,8 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
         "motion": load,
         "coupling.gamma": 0.0,
         "coupling.solid_after_failure": "elastic_plastic",
-        **{f"layers.{name}.gamma": None for name in scene.layers},
+        **({"coupling.softening.slip_at_residual": None} if scene.coupling.softening else {}),
+        **{f"layers.{name}.{rate}": None for name in scene.layers for rate in ("gamma", "slip_at_residual")},
         "coupling.initial_state": "solid",
         "coupling.fluid": {"law": "elastic_viscoplastic"},
         "initial_velocity": None,

@@ -43,6 +43,24 @@ def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, smal
     same_bits(branched, unbranched)
 
 
+@pytest.mark.parametrize("variant", ["default", "loss by slip"])
+def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_one(
+    tmp_path: Path, small_slope: Builder, variant: str
+) -> None:
+    # Taken up again where some soil has lost nearly all of its strength and some is losing it.
+    scene = small_slope({"coupling.S_R": 0.1, "coupling.gamma": 5.0} | VARIANTS[variant])
+    middle = tmp_path / "middle.nc"
+
+    def keep(result: Callable[[], Result]) -> None:
+        beta = (state := result()).restart["beta"].values
+        if np.count_nonzero(beta < 0.1) > 10 and np.any((beta > 0.1) & (beta < 1)) and not middle.exists():
+            trajectory.write(middle, state.trajectory, state.restart)
+
+    whole = Run(scene).go(checkpoint=keep)
+    assert trajectory.read_restart(middle).attrs["step"] < whole.restart.attrs["step"]
+    same_bits(run(scene, restart=middle), whole)
+
+
 def test_branches_differ(tmp_path: Path, small_slope: Builder) -> None:
     strong, weak = (run(small_slope({"coupling.S_R": s, "coupling.gamma": 100.0})).trajectory for s in (0.9, 0.1))
     a, b = (float(ds["probe_displacement_y"][-1, 0]) for ds in (strong, weak))

@@ -194,6 +194,27 @@ def test_the_static_test_keeps_the_strength_of_layers_that_have_a_rate_of_their_
     assert calm.layers["clay"].gamma is None and calm.coupling.gamma == 0
 
 
+YIELDING = {"coupling.solid_after_failure": "elastic_plastic", "coupling.gamma": 0.0}
+
+
+def test_a_slope_that_loses_strength_by_slip_has_the_limits_of_its_strength_at_the_peak() -> None:
+    # The slips of the soil and of its layer are left out of the static test, which is then that of the slope without loss of strength.
+    clay = {"region": {"kind": "depth", "top": 3.0}, "S_R": 0.1}
+    slips = {"coupling.softening": {"slip_at_peak": 1e-3, "slip_at_residual": 0.02, "width": 2.0}} | YIELDING
+    calm = static_scene(layer(slips | {"layers.clay": clay | {"slip_at_peak": 2e-3, "slip_at_residual": 0.01}}), FailureRule())
+    assert not calm.coupling.softens_by_slip and calm.layers["clay"].slip_at_residual is None
+    peaks = YIELDING | {"coupling.softening": {"slip_at_peak": 1e-3, "width": 2.0}, "layers.clay": clay | {"slip_at_peak": 2e-3}}
+    assert calm == static_scene(layer(peaks), FailureRule())
+
+
+@pytest.mark.long
+def test_the_yield_acceleration_does_not_know_how_strength_is_lost() -> None:
+    slips = {"coupling.softening": {"slip_at_peak": 1e-3, "slip_at_residual": 0.02, "width": 2.0}} | YIELDING
+    slope = CUT | {"geometry.slope_angle": 60.0, "soil.friction_angle": 20.0, "numerics.spacing": 1.0}
+    found = [yield_acceleration(layer(slope | changes), tolerance=0.1).value for changes in (slips, {})]
+    assert found[0] == found[1] > 0.5
+
+
 @pytest.mark.parametrize(
     ("overrides", "wanted"),
     [

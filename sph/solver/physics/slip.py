@@ -71,12 +71,12 @@ def gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):
 
 @jit
 def average_plastic_strain(term, state, first, last):  # type: ignore[no-untyped-def]
-    """Average the plastic strain around those of soil particles first to last whose solid state is at yield."""
+    """Average the plastic strain around those of soil particles first to last whose solid state has a weight and is at yield."""
     if term is None:
         return
     else:
         for i in range(first, last):
-            if term.at_yield[i]:
+            if state.beta[i] > 0.0 and term.at_yield[i]:  # what is left of a step in which it had a weight says nothing
                 total = weight = 0.0
                 for k in range(term.step.size):
                     j = term.grid[term.place[i] + term.step[k]]
