@@ -7,7 +7,8 @@ sources and numba's version; loading and saving happen under a lock between proc
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
 (``sph.solver.terms.active_terms``).
 
-Nor does numba notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
+Nor does numba ask whose files it executes: a folder that another user owns or can write to is refused (``private``).  Nor does
+it notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
 files with their digests, and under the lock, before anything is loaded, what is not as listed is deleted and compiled again.
 """
 
@@ -36,6 +37,7 @@ from numba.core.codegen import get_host_cpu_features
 from numba.core.registry import CPUDispatcher
 
 from sph.solver.compiled.inlined import InlinedCompiler
+from sph.solver.compiled.private import PRIVATE, for_user_alone, make_private, refuse_shared
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
@@ -97,7 +99,7 @@ def _digest(names: Iterable[str]) -> str:
     return digest.hexdigest()[:16]
 
 
-REMEDY = "set SPH_CACHE_DIR to a folder that can be written"
+REMEDY = "set SPH_CACHE_DIR to a folder that you, and nobody else, can write to"
 
 
 def cache_folder() -> Path:
@@ -188,7 +190,7 @@ class _Once(event.Listener):
             self.kept = True
             place = cache_folder().parent / TIMES
             # A folder that cannot be written is refused where code is to be kept in it.
-            with suppress(OSError), FileLock(place.with_suffix(".lock")):
+            with suppress(OSError), FileLock(place.with_suffix(".lock"), mode=PRIVATE), for_user_alone():
                 _replace(place, json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)}))
 
 
@@ -220,7 +222,7 @@ def compile_lock(variant: str = "", required: bool = True) -> Iterator[None]:
     """Compile or load from the cache, only what is there as it was written; one process at a time where a ``variant`` is named.
 
     Others that want the same one wait and load it; those of other variants compile beside it.  OSError names the folder and the remedy if
-    compiled code cannot be kept there; if that is not ``required``, what is compiled then serves this process alone.
+    compiled code cannot be kept there, or others may change it; if that is not ``required``, what is compiled serves this process alone.
     """
     with ExitStack() as stack:
         try:
@@ -235,12 +237,13 @@ def compile_lock(variant: str = "", required: bool = True) -> Iterator[None]:
 def _cache(variant: str) -> Iterator[None]:
     folder = cache_folder()
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with FileLock(folder / "lock"):
+        make_private(folder)
+        refuse_shared(folder)
+        with FileLock(folder / "lock", mode=PRIVATE), for_user_alone():
             _keep_in(folder)
         with ExitStack() as stack:
             if variant:
-                stack.enter_context(FileLock(folder / f"{hashlib.sha256(variant.encode()).hexdigest()[:16]}.lock"))
+                stack.enter_context(FileLock(folder / f"{hashlib.sha256(variant.encode()).hexdigest()[:16]}.lock", mode=PRIVATE))
             stack.enter_context(_no_collection())
             yield
     except OSError as error:
@@ -279,16 +282,17 @@ class _OneAtATime:
 
     def load(self, key: Any) -> Any:
         """The code of a variant, None if it is not there or not as it was written."""
-        with FileLock(self.folder / "lock"):
+        with FileLock(self.folder / "lock", mode=PRIVATE):
             mend(self.folder)
             return self.files.load(key)
 
     def save(self, key: Any, data: Any) -> None:
         """Add the code of a variant."""
-        with FileLock(self.folder / "lock"):
+        with FileLock(self.folder / "lock", mode=PRIVATE):
             mend(self.folder)
-            self.files.save(key, data)
-            seal(self.folder)
+            with for_user_alone():
+                self.files.save(key, data)
+                seal(self.folder)
 
 
 LISTED = "digests.json"
