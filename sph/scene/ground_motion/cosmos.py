@@ -4,7 +4,10 @@ COSMOS Strong-Motion Data Format, version 1.20 (2001): lines of text, the first 
 below a line with the number of its values and their Fortran format: integers, reals, comments, and the samples with their unit.  The
 62nd real is the interval of the samples in ms, the 63rd their duration in s, the 64th their peak; a value that is not known is -999.
 The line above the samples states their duration in whole seconds, in some files their interval.  The 54th integer is the azimuth of the
-sensor, or 400 to 402 for a vertical one.  Histories of velocity and displacement behind the acceleration are left out.
+sensor, the 55th that in the structure, where the other is not known: degrees from north (1 to 360), or a code of its table of sensor
+orientations, 400 up, 401 down, 402 vertical of either sense, from 500 to 701 radial, transverse, longitudinal, tangential and other
+horizontal ones (so has the USGS's gmprocess them, ``io/cosmos``).  Histories of velocity and displacement behind the acceleration are
+left out.
 """
 
 from __future__ import annotations
@@ -26,8 +29,10 @@ REALS = re.compile(rf"\s*(\d+)\s+real-header\s+values\s+follow\s+on\s+(\d+)\s+li
 SAMPLES = re.compile(rf"\s*(\d+)\s+acceleration\s+pts.*?units\s*=\s*(.+?)\s*,\s*{FORMAT}", re.I)
 EVERY = re.compile(r"(?:at|every|dt\s*=|interval\s*=?)\s*(\d*\.?\d+)\s*(m?)s(?:ec)?", re.I)
 DURATION = re.compile(r"(?:approx\w*\.?\s*)(\d*\.?\d+)\s*sec", re.I)
-AZIMUTH, VERTICAL = 53, (400, 401, 402)
-"""Index of the integer with the azimuth of the sensor, and its values for up, down and vertical."""
+AZIMUTHS: tuple[int, ...] = (53, 54)
+"""Indices of the integers with the azimuth of the sensor from north, and in the structure."""
+ORIENTATIONS: dict[Direction, tuple[int, ...]] = {"vertical": (400, 401, 402), "horizontal": (*range(1, 361), 500, 501, 600, 601, 700, 701)}
+"""Their values for a vertical and for a horizontal sensor."""
 RECORDED_INTERVAL, INTERVAL, LENGTH, PEAK = 33, 61, 62, 63
 """Indices of the reals with the interval of the recorder (s or ms), that of the samples (ms), their duration (s) and peak."""
 UNKNOWN = -999.0
@@ -57,9 +62,12 @@ def read_cosmos(path: Path | str, unit: Unit | None = None, wanted: Direction = 
     if stated is None:
         raise ValueError(f"{path}, line {blocks[0] + 1}: {words.strip()!r} is no unit of acceleration that is known here")
     check_header(path, lines[: heads[0]], wanted)
-    azimuth = _header(path, lines, INTEGERS, heads[0])
-    said: Direction | None = "vertical" if len(azimuth) > AZIMUTH and azimuth[AZIMUTH] in VERTICAL else None
-    check_direction(f"{path}: the 54th integer of its header", said, wanted)
+    integers = _header(path, lines, INTEGERS, heads[0])
+    for index in (index for index in AZIMUTHS if index < len(integers)):
+        said = next((name for name, codes in ORIENTATIONS.items() if integers[index] in codes), None)
+        check_direction(f"{path}: the {index + 1}th integer of its header, {integers[index]:g},", said, wanted)
+        if said is not None:
+            break
     reals = _header(path, lines, REALS, heads[0] + 1)
     interval = _interval(
         path, reals, f"lines {heads[0] + 2}-{heads[0] + 1 + _height(lines[heads[0]])} and {blocks[0] + 1}", lines[blocks[0]], count

@@ -1,8 +1,9 @@
 """Records of the USGS in SMC format: 11 lines of text, 48 integers, 50 reals, comments, samples in cm/s2.
 
-https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html: the first line names the kind of file; integers are written as 8I10, the 16th
-counts the lines of comments and the 17th the samples; reals as 5E15.7, the 2nd is the sampling rate; samples as eight a line of
-ten columns.
+https://escweb.wr.usgs.gov/nsmp-data/smcfmt.html: the first line names the kind of file; integers are written as 8I10, the 13th is the
+sensor's angle from upwards (0 up, 180 down, 90 horizontal; the USGS's gmprocess takes 0 and 180 as vertical too), the 14th its azimuth,
+the 16th counts the lines of comments and the 17th the samples; reals as 5E15.7, the 2nd is the sampling rate; samples as eight a line
+of ten columns.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
+from sph.scene.ground_motion.direction import Direction
 
 INTERVAL, RATE = 0.01, 100
 TIME = np.arange(1000) * INTERVAL
@@ -344,17 +345,32 @@ def test_a_horizontal_component_is_no_vertical_motion(tmp_path: Path, name: str)
         read_components(tmp_path / name, wanted="vertical")
 
 
-def test_the_integers_of_headers_tell_a_vertical_sensor(tmp_path: Path) -> None:
-    lines = TEXTS["a.smc"].split("\n")
-    upright = lines[12][:40] + f"{0:10d}" + lines[12][50:]
-    (tmp_path / "a.smc").write_text("\n".join([*lines[:12], upright, *lines[13:]]))
-    lines = TEXTS["a.V2"].split("\n")
-    at = next(index for index, line in enumerate(lines) if "Integer-header" in line) + 6
-    (tmp_path / "a.V2").write_text("\n".join([*lines[:at], lines[at][:24] + f"{400:8d}" + lines[at][32:], *lines[at + 1 :]]))
-    for name, word in (("a.smc", "13th integer"), ("a.V2", "54th integer")):
-        with pytest.raises(ValueError, match=f"{word}.* vertical component"):
-            read_record(tmp_path / name)
-        assert len(read_components(tmp_path / name, wanted="vertical")) == 2
+SENSORS = {
+    "smc": [({13: 0}, "vertical"), ({13: 180}, "vertical"), ({13: 90}, "horizontal"), ({13: -32768}, None)],
+    "V2": [({54: 400}, "vertical"), ({54: 401}, "vertical"), ({54: 402}, "vertical"), ({55: 400}, "vertical"), ({54: 1}, "horizontal"),
+        ({54: 360}, "horizontal"), ({54: 500}, "horizontal"), ({54: 701}, "horizontal"), ({55: 90}, "horizontal"),
+        ({54: 90, 55: 400}, "horizontal"), ({54: 2000}, None), ({}, None)],
+}  # fmt: skip
+"""Integers of headers by their number, and what they say of the sensor: the tables of the formats."""
+
+
+@pytest.mark.parametrize(("ending", "given", "said"), [(ending, *each) for ending, cases in SENSORS.items() for each in cases])
+def test_the_integers_of_headers_tell_a_vertical_sensor(tmp_path: Path, ending: str, given: dict[int, int], said: str | None) -> None:
+    lines = TEXTS[f"a.{ending}"].split("\n")
+    first = next((at for at, line in enumerate(lines, 1) if "Integer-header" in line), 11)
+    each, width = {"smc": (8, 10), "V2": (10, 8)}[ending]
+    for number, value in given.items():
+        at, place = first + (number - 1) // each, width * ((number - 1) % each)
+        lines[at] = lines[at][:place] + f"{value:{width}d}" + lines[at][place + width :]
+    path = tmp_path / f"a.{ending}"
+    path.write_text("\n".join(lines))
+    directions: tuple[Direction, ...] = ("horizontal", "vertical")
+    for wanted in directions:
+        if said in (None, wanted):
+            assert len(read_components(path, wanted=wanted)) == 2
+        else:
+            with pytest.raises(ValueError, match=rf"the {next(iter(given))}th integer.* a {said} component"):
+                read_components(path, wanted=wanted)
 
 
 @pytest.mark.parametrize(
