@@ -41,6 +41,25 @@ def test_exact_versions_are_given_for_every_dependency() -> None:
     assert {name.lower() for name in names} - {PROJECT["name"]} <= spelled
 
 
+def faults(text: str) -> set[str]:
+    """Requirements with digests that are not those of constraints.txt, or have none, and lines of anything else."""
+    lines = [line for line in text.splitlines() if line and not line.startswith("#")]
+    named = dict.fromkeys(line.split(" ")[0] for line in lines)
+    bare = {line for line in lines if not re.fullmatch(r"\S+==\S+( --hash=sha256:[0-9a-f]{64})+", line)}
+    return bare | (set(named) ^ {f"{name}=={version}" for name, version in EXACT.items()})
+
+
+def test_the_exact_set_has_digests() -> None:
+    """After a change of constraints.txt: tests/packaging/write_hashes.py."""
+    text = (ROOT / "requirements-hashed.txt").read_text(encoding="utf-8")
+    assert not faults(text) and "://" not in text
+    first = next(line for line in text.splitlines() if "==" in line)
+    assert faults(text.replace(first, first.split(" ")[0])) == {first.split(" ")[0]}
+    assert faults(text.replace(first + "\n", "")) == {first.split(" ")[0]}
+    assert faults(text.replace("--hash=sha256:", "--hash=sha256:0", 1)) and faults(text + "--index-url elsewhere\n")
+    assert len(faults(text.replace("numpy==", "numpy==1."))) == 2
+
+
 def test_the_version_is_one() -> None:
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["version"] == sph.__version__ and citation["license"] == PROJECT["license"]
