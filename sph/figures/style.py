@@ -93,15 +93,15 @@ def note_text(scene: Scene) -> str:
 
 
 def add_note(figure: Figure, scenes: Iterable[Scene], fidelity: str = "") -> None:
-    """Small grey note at the lower right: where the figure comes from.  Different scenes all appear."""
+    """Small grey note at the lower right: where the figure comes from.  Different scenes all appear, a line each."""
     notes = list(dict.fromkeys(note_text(scene) for scene in scenes))
     prefix = f"fidelity {fidelity} · " if fidelity else ""
-    write_note(figure, prefix + " | ".join(notes))
+    write_note(figure, prefix + "\n".join(notes))
 
 
 def write_note(figure: Figure, text: str) -> None:
-    """Small grey line at the lower right."""
-    figure.supxlabel(text, x=0.995, ha="right", fontsize=6, color=GREY)
+    """Small grey text at the lower right, in more lines than one where the figure is too narrow."""
+    figure.supxlabel(text, x=0.995, ha="right", fontsize=6, color=GREY, wrap=True)
 
 
 def plain(text: str) -> str:

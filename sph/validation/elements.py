@@ -158,14 +158,16 @@ def draw_simple_shear(levels: Mapping[str, Level]) -> Figure:
     """Shear stress of an element in simple shear at constant pressure, with either solid state of failed soil."""
     figure = Figure(figsize=(0.6 * WIDTH, 2.8), layout="constrained")
     ax = figure.subplots()
-    for run, style in (("elastic", "--"), ("shear", "-")):
+    for run, style in (("shear", "-"), ("elastic", "--")):
         for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
             time, stress = _mean_shear(level[run])
             named = label if run == "shear" else None
             ax.plot(time, 1e-3 * stress, linestyle="", marker=marker, markersize=3, markerfacecolor="none", color=colour, label=named)
         fine = np.linspace(0.0, time[-1], 2000)
         law = level[run].scene.coupling.solid_after_failure.replace("_", "-")
-        ax.plot(fine, 1e-3 * shear_stress(level[run].scene, fine), style, color="black", linewidth=0.8, label=f"closed form, {law}")
+        ax.plot(
+            fine, 1e-3 * shear_stress(level[run].scene, fine), style, color="black", linewidth=0.8, label=f"closed form, solid state {law}"
+        )
     ax.set(xlabel="time (s)", ylabel="shear stress (kPa)", xlim=(0.0, time[-1]), ylim=(0.0, None))
     ax.legend()
     return figure

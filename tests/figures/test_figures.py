@@ -34,7 +34,7 @@ from sph.figures import (
 from sph.figures.arrangement import layer_colours, motion_name
 from sph.figures.profile import field_norm
 from sph.figures.scene import figure_scene
-from sph.figures.style import LINE_STYLES, curve_colours
+from sph.figures.style import LINE_STYLES, curve_colours, note_text, write_note
 from sph.measures.fields import FIELDS, displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.scene.schema import load_scene
@@ -392,6 +392,28 @@ def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
         sections = [ax for ax in figure.axes if ax.get_ylabel() in ("elevation (m)", "height (m)")]
         assert sections or name == "motion"
         assert all(ax.get_aspect() == 1.0 for ax in sections), name
+
+
+def test_a_long_note_takes_more_lines_and_stays_in_the_figure() -> None:
+    """Runs with either solid state of failed soil, of a long name: a line each, broken where the figure is narrower."""
+    runs = {
+        law: synthetic(translation(-3.0), overrides={"name": "a_slope_with_a_long_name", "coupling": {"solid_after_failure": law}})
+        for law in ("elastic", "elastic_plastic")
+    }
+    figures = [
+        figure_profiles(runs, "standard"),
+        figure_motion(runs["elastic"], "standard"),
+        Figure(figsize=(2.5, 2.5), layout="constrained"),
+    ]
+    figures[2].subplots().set_xlabel("time (s)")
+    write_note(figures[2], note_text(scene_of(runs["elastic"])))
+    for figure in figures:
+        canvas = FigureCanvasAgg(figure)
+        canvas.draw()
+        (note,) = (text for text in figure.texts if "failed solid" in text.get_text())
+        box = note.get_window_extent(canvas.get_renderer())
+        assert box.x0 >= 0.0 and box.x1 <= figure.bbox.x1 and box.y0 >= 0.0 and overprints(figure) == []
+    assert any(text.get_text().count("\n") == 1 for text in figures[0].texts)
 
 
 def test_a_slope_that_falls_to_the_right_is_drawn_so() -> None:
