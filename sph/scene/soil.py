@@ -29,10 +29,15 @@ class Soil(Section):
         default=0.0,
     )
     residual_cohesion: float | None = key(
-        "residual cohesion, which failed soil keeps; null: S_R times the cohesion", "kPa", "Eq. 15", ge=0, le=1e6, default=None
+        "residual cohesion, which failed soil keeps, of a ring shear test; null: S_R times the cohesion",
+        "kPa",
+        "Eq. 15",
+        ge=0,
+        le=1e6,
+        default=None,
     )
     residual_friction_angle: float | None = key(
-        "residual friction angle, which failed soil keeps; null: S_R times the friction angle",
+        "residual friction angle, which failed soil keeps, of a ring shear test; null: S_R times the friction angle",
         "degree",
         "Eq. 14",
         ge=0,
@@ -115,7 +120,8 @@ class Softening(Section):
         le=10,
     )
     slip_at_residual: float | None = key(
-        "slip at which the residual strength is reached; null: strength falls with time after the peak, at the rate gamma",
+        "slip at which the residual strength is reached: in a ring shear test, that from which on the stress no longer falls; "
+        "null: strength falls with time after the peak, at the rate gamma",
         "m",
         "Skempton 1985",
         gt=0,
@@ -123,7 +129,7 @@ class Softening(Section):
         default=None,
     )
     width: float = key(
-        "width over which plastic strain is averaged, three spacings or more: of what yields before a slip surface forms",
+        "width over which plastic strain is averaged, three spacings or more: of what yields before a slip surface forms; no test gives it",
         "m",
         "Bazant and Jirasek 2002",
         gt=0,

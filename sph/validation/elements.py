@@ -165,9 +165,7 @@ def draw_simple_shear(levels: Mapping[str, Level]) -> Figure:
             ax.plot(time, 1e-3 * stress, linestyle="", marker=marker, markersize=3, markerfacecolor="none", color=colour, label=named)
         fine = np.linspace(0.0, time[-1], 2000)
         law = level[run].scene.coupling.solid_after_failure.replace("_", "-")
-        ax.plot(
-            fine, 1e-3 * shear_stress(level[run].scene, fine), style, color="black", linewidth=0.8, label=f"closed form, solid state {law}"
-        )
+        ax.plot(fine, 1e-3 * shear_stress(level[run].scene, fine), style, color="black", linewidth=0.8, label=f"closed form, {law}")
     ax.set(xlabel="time (s)", ylabel="shear stress (kPa)", xlim=(0.0, time[-1]), ylim=(0.0, None))
     ax.legend()
     return figure

@@ -449,7 +449,9 @@ def test_each_motion_and_each_slope_has_a_block_of_its_own(tmp_path: Path) -> No
     plan = load_trigger("config/studies/gentle_motions/trigger.yaml", study, [ROOT])
     assert len({search.file for search in plan.searches.values()}) == 1 and len(plan.searches) == 12, "twelve motions shake one slope"
     scenes = {at: scene.build() for at, scene in list(plan.shaken.items())[:2]}
-    found = block_estimates(scenes, dict.fromkeys(plan.searches, 2.0), ["collapse"], MetricSettings(), plan.dimensions, 4.5)
+    found = block_estimates(
+        scenes, dict.fromkeys(plan.searches, 2.0), ["collapse"], MetricSettings(), plan.dimensions, plan.trigger.intensity.highest
+    )
     for at, scene in scenes.items():
         block = found[at]["collapse"]
         motion = motion_of(scene).scaled(block["newmark_intensity"])

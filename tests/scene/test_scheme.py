@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 import xarray as xr
 
-from sph.scene.configuration import dotted, flat, merge
-from sph.scene.schema import Scene, make_scene
+from sph.scene.configuration import dotted, flat, merge, read_yaml
+from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.storage.trajectory import scene_of
 from sph.study.findings import strengths
@@ -111,3 +112,20 @@ def test_failure_without_a_length_is_warned_of_but_for_the_papers() -> None:
     (noted,) = of_softening(make_scene(merge(OWN, {"scheme": "paper"})))
     assert (noted.code, noted.severity) == ("no-process-zone", "note")
     assert of_softening(make_scene(merge(OWN, {"coupling": {"softening": {"slip_at_peak": 1e-3, "width": 2.0}}}))) == []
+
+
+BY_TIME = {
+    "long_box": "the measured tables are of it",
+    "lower_san_fernando": "liquefied soil; no shear test gives a slip",
+}
+"""Shipped slopes that keep the loss of strength by time, and why."""
+
+
+def test_shipped_slopes_lose_their_strength_by_slip() -> None:
+    root = Path(__file__).resolve().parents[2]
+    files = [*(root / "config" / "scenes").glob("*.yaml"), *(root / "docs" / "gallery").glob("*.yaml")]
+    scenes = [load_scene(path) for path in files if "geometry" in read_yaml(path)]
+    own = {scene.name: scene for scene in scenes if scene.scheme == "resolved"}
+    assert len(own) >= 10 and set(BY_TIME) <= set(own)
+    assert {name for name, scene in own.items() if not scene.coupling.softens_by_slip} == set(BY_TIME)
+    assert not [name for name, scene in own.items() if name not in BY_TIME and scene.coupling.gamma > 0.0]
