@@ -9,6 +9,7 @@ from sph.experiments.cost_accuracy.design import scheme, settings_text
 from sph.measures.metrics import MetricSettings, Value, measure
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import scene_of
+from sph.study.after_run import debris_at_wall
 from sph.study.baseline import baseline_metrics
 from sph.study.tables import FINDINGS
 
@@ -22,5 +23,7 @@ def run_values(run: xr.Dataset, settings: MetricSettings, yield_acceleration: fl
     numerics = settings_text(scheme(scene))
     if numerics not in _known:
         _known[numerics] = expected_metrics(scene)
-    found = " ".join(parse_json(run.attrs.get("findings", "[]")))
-    return measure(run, settings) | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}
+    values = measure(run, settings)
+    after = debris_at_wall(scene, str(values["reached_side"]), float(values["reached_side_time"]))
+    found = " ".join([*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after)])
+    return values | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}

@@ -79,7 +79,13 @@ BASELINE: tuple[Variable, ...] = (
     ),
 )
 """The sliding block beside the run; see ``sph.study.baseline``."""
-FINDINGS = Variable("findings", GRID, "str", "1", "codes of what was found of the run's scene before it was run, with blanks between them")
+FINDINGS = Variable(
+    "findings",
+    GRID,
+    "str",
+    "1",
+    "codes of what was found of the run's scene before it was run and of its debris after, with blanks between them",
+)
 VALUES = (*METRICS, *EXPECTED, *BASELINE, FINDINGS)
 
 
