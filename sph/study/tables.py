@@ -51,7 +51,8 @@ EXPECTED: tuple[Variable, ...] = tuple(
         "f8",
         "1",
         f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
-        "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these",
+        "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these, and for a slope "
+        "unlike the measured one by height, angle, layers, water, strength, S_R and gamma",
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
