@@ -12,6 +12,7 @@ from sph.figures import STUDY_FIGURES, caption as caption_of
 from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.paper.study import load_study
+from sph.study.plan import claim_results
 from sph.study.planned import planned, sources
 from sph.study.preflight import MOST_SCENES
 from sph.study.sampling import chosen_study
@@ -79,6 +80,11 @@ rule all:
         f"{RESULTS}/study.nc",
         f"{RESULTS}/study.csv",
         certain(RESULTS, SECTIONS, [".png", ".pdf"]),
+
+
+onstart:
+    if workflow.is_main_process:
+        claim_results(PLAN)
 
 
 onsuccess:

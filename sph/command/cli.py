@@ -118,6 +118,7 @@ def run(
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
+        from sph.study.after_run import found_after
         from sph.study.finding import codes
         from sph.study.findings import findings
 
@@ -159,6 +160,9 @@ def run(
             f"numerics.time_step was {ratio:.2f} times the limit measured on the particles as they lay; "
             "choose a smaller one, or numerics.adaptive_step"
         )
+    if result.status not in (Status.DIVERGED, Status.PAUSED):
+        for each in found_after(result.trajectory, loaded):
+            say(each.line())
     if earlier is not None and repeats:
         say(compare(earlier, result.trajectory, scene))
     if result.status == Status.DIVERGED:
@@ -310,8 +314,11 @@ def metrics(
     with refusals("measuring the trajectory"):
         from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
         from sph.storage import trajectory
+        from sph.study.after_run import debris_at_wall
 
-        values = measure(trajectory.read_run(file), MetricSettings())
+        run = trajectory.read_run(file)
+        values = measure(run, MetricSettings())
+        found = debris_at_wall(trajectory.scene_of(run), str(values["reached_side"]), float(values["reached_side_time"]))
     if as_json:
         print(to_json(values, indent=1))
         return
@@ -321,6 +328,8 @@ def metrics(
     else:
         show_table(("metric", "value", "unit"), ((row.name, shown[row.name], row.units) for row in METRICS if row.name in CHIEF))
         print(f"{len(METRICS) - len(CHIEF)} more, and what each means: --all")
+    for each in found:
+        say(each.line())
 
 
 @app.command(epilog="Examples:  sph status  |  sph status results/paper/standard --watch  |  sph status --configfile study.yaml")

@@ -18,7 +18,8 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, file_name
-from sph.measures.metrics import MetricSettings, energy_gap, largest_mass, outline_area
+from sph.measures.linked import largest_mass
+from sph.measures.metrics import MetricSettings, energy_gap, outline_area
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.motion import NoMotion
 from sph.scene.names import check_known

@@ -6,21 +6,25 @@ import xarray as xr
 
 from sph.experiments.cost_accuracy.advice import expected_metrics
 from sph.experiments.cost_accuracy.design import scheme, settings_text
+from sph.experiments.cost_accuracy.likeness import unlike
 from sph.measures.metrics import MetricSettings, Value, measure
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import scene_of
+from sph.study.after_run import debris_at_wall
 from sph.study.baseline import baseline_metrics
 from sph.study.tables import FINDINGS
 
 _known: dict[str, dict[str, float]] = {}
-"""Errors to expect by how a scene is simulated, which the runs of a study often share."""
+"""Errors to expect by how a scene is simulated and in what it is unlike the measured slope, which the runs of a study often share."""
 
 
 def run_values(run: xr.Dataset, settings: MetricSettings, yield_acceleration: float) -> dict[str, Value]:
     """The columns ``sph.study.tables.VALUES`` of a run, from its trajectory and the yield acceleration of its slope (m/s2)."""
     scene = scene_of(run)
-    numerics = settings_text(scheme(scene))
+    numerics = settings_text(scheme(scene)) + str(unlike(scene))
     if numerics not in _known:
         _known[numerics] = expected_metrics(scene)
-    found = " ".join(parse_json(run.attrs.get("findings", "[]")))
-    return measure(run, settings) | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}
+    values = measure(run, settings)
+    after = debris_at_wall(scene, str(values["reached_side"]), float(values["reached_side_time"]))
+    found = " ".join([*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after)])
+    return values | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}

@@ -30,6 +30,8 @@ import xarray as xr
 from pydantic import model_validator
 
 from sph.measures.fields import ProbeHistory, displacement, last_at, probe_history
+from sph.measures.linked import largest_mass
+from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.gravity import FAILED_AREA
@@ -184,6 +186,17 @@ METRICS: tuple[Variable, ...] = (
         "largest height above the initial ground, half a spacing included, of soil in the largest linked mass with x below the initial "
         "toe; heave of the apron counts; at least 0",
     ),
+    Variable(
+        "reached_side",
+        GRID,
+        "str",
+        "1",
+        "sides of the box that failed soil has met which has moved more than moved_threshold, in any frame, with blanks between them: "
+        f"'{FRONT}' and '{BACK}' where it is in the largest linked mass and within a smoothing length of the end before the toe or behind "
+        f"the crest, '{OVER}' where it is there above the top of the side, or has left the box. Displacement, run-out and deposit are then "
+        f"those of the box: with '{FRONT}' or '{OVER}' lower bounds",
+    ),
+    _number("reached_side_time", "s", "first frame in which it met a side; NaN if it met none"),
     *(
         _number(name, "m2", f"area (number of soil particles times spacing squared) with a displacement above {limit} m, at the end")
         for name, limit in AREA_THRESHOLDS.items()
@@ -223,7 +236,7 @@ METRICS: tuple[Variable, ...] = (
 )
 CHIEF = (
     "status", "collapse_class", "still_moving", "displacement_vertical", "displacement_horizontal", "displacement_magnitude",
-    "onset_time", "arrest_time", "failed_fraction", "runout", "runout_over_height", "travel_angle", "deposit_height",
+    "onset_time", "arrest_time", "failed_fraction", "runout", "runout_over_height", "travel_angle", "deposit_height", "reached_side",
 )  # fmt: skip
 """The metrics that answer how far a slope has moved; the others say when, how and how well computed."""
 METRIC_BY_NAME = {metric.name: metric for metric in METRICS}
@@ -244,7 +257,7 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
     values: dict[str, Value] = {metric.name: math.nan for metric in METRICS}
     values |= _facts(trajectory, scene, status)
     if status == Status.DIVERGED:
-        return values | {"collapse_class": UNDETERMINED, "still_moving": 1}
+        return values | {"collapse_class": UNDETERMINED, "still_moving": 1, "reached_side": ""}
     probe = probe_history(trajectory, settings.probe)
     moving = _still_moving(trajectory, probe, settings)
     values |= _probe_metrics(probe, scene, settings, moving)
@@ -255,7 +268,8 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
         "energy_error": _energy_error(trajectory),
     }
     values |= _soil_metrics(trajectory, scene, settings)
-    return values
+    met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
+    return values | {"reached_side": " ".join(met), "reached_side_time": min(met.values(), default=math.nan)}
 
 
 def collapse_class(relative_displacement: float, settings: MetricSettings) -> str:
@@ -270,19 +284,6 @@ def class_displacement(name: str, scene: Scene, settings: MetricSettings) -> flo
 
 def _limits(settings: MetricSettings) -> dict[str, float]:
     return dict(zip(CLASSES[1:], (settings.stable_limit, settings.minor_limit, settings.damaged_limit), strict=True))
-
-
-def linked_sets(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
-    """Number (n,), from 0, of the set of points linked by distances up to ``link`` (m) that each point belongs to."""
-    pairs = scipy.spatial.cKDTree(np.column_stack([x, y])).query_pairs(link, output_type="ndarray")
-    links = scipy.sparse.coo_array((np.ones(len(pairs), bool), (pairs[:, 0], pairs[:, 1])), shape=(x.size, x.size))
-    return np.asarray(scipy.sparse.csgraph.connected_components(links, directed=False)[1])
-
-
-def largest_mass(x: np.ndarray, y: np.ndarray, link: float) -> np.ndarray:
-    """Mask (n,) of the largest set of points (n,) linked by distances up to ``link``, all in m; of equal sets the first."""
-    label = linked_sets(x, y, link)
-    return label == np.argmax(np.bincount(label))
 
 
 def outline_area(x: np.ndarray, y: np.ndarray, spacing: float) -> float:

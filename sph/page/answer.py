@@ -12,11 +12,13 @@ import pandas as pd
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.measures.metrics import CLASSES, STABLE
-from sph.page.tables import MOST_VALUES, NOTHING, Table, metres
+from sph.measures.sides import BACK
+from sph.page.tables import AT_LEAST, MOST_VALUES, NOTHING, Table, metres
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
+from sph.study.after_run import is_bounded
 from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
@@ -182,9 +184,13 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, whe
         reached = [name for name in CLASSES if (runs["collapse_class"] == name).any()] or [NOTHING]
         lengths = [runs[name].dropna() for name in ("displacement_magnitude", "runout", "newmark_displacement")]
         spans = [_span(each.min(), each.max(), metres) if len(each) else NOTHING for each in lengths]
+        if runs["reached_side"].map(is_bounded).any():
+            spans[:2] = [AT_LEAST + span for span in spans[:2]]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
     notes = ["Least to most over the other dimensions of the study."] if len(table) > len(groups) else []
+    if table["reached_side"].map(is_bounded).any():
+        notes.append(f"{AT_LEAST.strip()}: in a run the debris met the box, and would have gone further.")
     if table["newmark_displacement"].notna().any():
         notes.append(f"The Newmark block has the yield acceleration above, at the spacing of the runs ({where}), and slides too little.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
@@ -207,6 +213,14 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no numbers.")
     say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
+    say(
+        table["reached_side"].map(is_bounded).sum(),
+        "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",
+    )
+    say(
+        table["reached_side"].str.contains(BACK).sum(),
+        "have failed soil at the end of the box behind the crest: the box bounds the failure; lengthen the crest.",
+    )
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
         f"move {probe} by less than one particle spacing ({scene.numerics.spacing:g} m), of which the expected error says nothing.",

@@ -18,6 +18,7 @@ from sph.scene.soil import Soil
 from sph.scene.units import beside_g
 from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
+from sph.study.after_run import is_bounded
 from sph.study.dimensions import Dimension, readable, shown_unit
 
 MOST_ROWS = 500
@@ -44,6 +45,8 @@ MOST_VALUES = 12
 """Most values of a dimension that the page shows one by one."""
 NOTHING = "–"
 """Stands for NaN."""
+AT_LEAST = "≥ "
+"""Before a lower bound."""
 
 
 class Code(str):
@@ -114,7 +117,13 @@ def _share(value: float) -> str:
 
 
 def _status(row: Mapping[Any, Any]) -> str:
-    return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "")
+    met = f", debris at {row['reached_side'].replace(' ', ', ')}" if row["reached_side"] else ""
+    return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "") + met
+
+
+def _at_least(row: Mapping[Any, Any], name: str) -> str:
+    """A length of a run, as a lower bound where its debris met the box."""
+    return AT_LEAST * is_bounded(row["reached_side"]) + metres(row[name])
 
 
 class Column(NamedTuple):
@@ -131,8 +140,8 @@ def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
         *(Column(found.label, lambda row, found=found: beside_g(row[found.name], found.unit)) for found in dimensions),  # type: ignore[misc]
         Column("class", operator.itemgetter("collapse_class")),
         Column("status", _status),
-        Column(f"displacement of {probe} (m)", lambda row: metres(row["displacement_magnitude"]), True),
-        Column("run-out (m)", lambda row: metres(row["runout"]), True),
+        Column(f"displacement of {probe} (m)", lambda row: _at_least(row, "displacement_magnitude"), True),
+        Column("run-out (m)", lambda row: _at_least(row, "runout"), True),
         Column("Newmark block (m)", lambda row: metres(row["newmark_displacement"]), True),
         Column("expected error of displacement", lambda row: _share(row["expected_displacement_error"]), True),
         Column("expected error of run-out", lambda row: _share(row["expected_runout_error"]), True),

@@ -43,7 +43,14 @@ SAMPLES_IN_PERIOD = 8
 FEWEST_IN_SERIES = 10
 """Samples of the series in a period of the highest significant frequency, of which straight lines miss the peak by at most 5 %."""
 ROOM_BEHIND, ROOM_AHEAD = 1.0, 2.0
-"""Soil behind the crest and before the toe, over the slope's height; the paper's slope runs out 1.3 heights with S_R 0.10."""
+"""Least soil behind the crest and before the toe, over the slope's height; weak debris runs further (``reach``)."""
+THIN, SPREAD = 7.0, 5.3
+"""Of ``reach``: the height over the depth of its debris, and twice the area of the debris over H^2.  Fitted to run-outs that no wall
+stopped: of ``measured/resolution.csv`` at 0.5 m, S_R 0.25, 0.35 and 0.50 (0.96, 0.54 and 0.13 H), S_R 0.10 at rest (2.7 H,
+docs/evidence/cost-accuracy.md), and a slope of 8 m with S_R 0.05 to 0.40 (8.3 to 1.3 H; tests/study/test_room.py).  Its reach is 0 to 20 %
+more than theirs."""
+DROWNED = 0.5
+"""Part of the friction that debris keeps where the scene has water: that of saturated soil under water, whose weight is about half."""
 SHARE_OF_LIMIT = 0.8
 """Largest part of the lattice's limit for a fixed time step: debris is 1.2 times as stiff (``sph.solver.time_step``)."""
 
@@ -238,16 +245,17 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
                 off_by=off_by(behind, ROOM_BEHIND * height),
             )
         )
-    if toe_x < ROOM_AHEAD * height:
+    room = room_ahead(scene)
+    if toe_x < room * (1 - 1e-9):
         key = "geometry.apron_length" if isinstance(geometry, Slope) else "geometry.window or the line"
         found.append(
             finding(
                 "little-room",
                 "little room for the run-out before the front wall",
                 f"{toe_x:.3g} m",
-                f"2 H = {ROOM_AHEAD * height:.3g} m",
+                f"at least {room:.3g} m, {room / height:.2g} H, for the strength that failed soil keeps",
                 key,
-                off_by=off_by(toe_x, ROOM_AHEAD * height),
+                off_by=off_by(toe_x, room),
             )
         )
     if isinstance(geometry, GroundLine):
@@ -266,6 +274,32 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
                 )
             )
     return found
+
+
+def reach(scene: Scene) -> float:
+    """Horizontal distance (m) from the crest edge at which debris may come to rest, by the weakest residual strength.
+
+    L = min(H / mu, sqrt(2 A / mu)), mu = tan(phi_r) + c_r / (rho g d): a block that slides along the line of energy (Heim 1932), but no
+    more than debris of the area A spreads until its surface has the gradient mu, with A and the depth d by ``SPREAD`` and ``THIN``.
+    """
+    geometry = scene.geometry
+    assert isinstance(geometry, (Slope, GroundLine))
+    height, weakest = geometry.slope_height, np.inf
+    for soil, layer in zip(scene.soils, (None, *scene.layers.values()), strict=True):
+        cohesion, angle = soil.residual(scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R)
+        wet = scene.water is not None or (layer is not None and layer.r_u is not None)
+        friction = np.tan(np.radians(angle)) * (DROWNED if wet else 1.0)
+        weight = soil.density * scene.gravity.acceleration * height
+        weakest = min(weakest, friction + (1e3 * cohesion * THIN / weight if weight else np.inf))
+    return height * min(1.0 / max(weakest, 1e-3), np.sqrt(SPREAD / max(weakest, 1e-3)))
+
+
+def room_ahead(scene: Scene) -> float:
+    """Apron (m) that debris may need: its reach beyond the toe, and a height H for the soil of the apron that it pushes ahead."""
+    geometry = scene.geometry
+    assert isinstance(geometry, (Slope, GroundLine))
+    height = geometry.slope_height
+    return max(ROOM_AHEAD * height, reach(scene) - (geometry.crest[0] - geometry.toe[0]) + height)
 
 
 def height_error(scene: Scene, particles: Particles) -> float:

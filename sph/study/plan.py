@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import os
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -16,6 +17,7 @@ from typing import Any
 from sph.measures.fields import check_probe
 from sph.scene.configuration import dotted, found_file, merge, one_line, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, make_scene
+from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, named_point, scene_key, title_of, value_of
 from sph.study.planned import planned
 from sph.study.sampling import read_cases
@@ -264,7 +266,9 @@ def load_study(
     if check:
         plan.validate()
         sources: list[Path | str] = [scene, *scene_files(plan.scene()), *([] if cases is None else [found_file(folders, cases, "cases")])]
-        _check_apart(sources, Path(folders[0], "results", study.study), origin)
+        results = Path(folders[0], "results", study.study)
+        _check_apart(sources, results, origin)
+        _check_owner(results, study, origin)
     return plan
 
 
@@ -286,6 +290,40 @@ def _with_experiments(data: Mapping[str, Any], origin: str, warn: bool) -> Mappi
         # Of this module: a warning of the frame above it, which may be the Snakefile, does not come through Snakemake.
         warnings.warn(f"{origin}: write experiments: {{{wanted}}}; as keys of the study they end with the next release", FutureWarning, 2)
     return {name: value for name, value in data.items() if name not in former} | {"experiments": {**former, **named}}
+
+
+OWNER = "scene_file.txt"
+"""In the folder of a study's results: the scene file that they are of, as the study names it."""
+
+
+def owner_of(study: Study) -> str:
+    """Scene file of a study, as it is written into the folder of its results."""
+    return os.path.normpath(study.scene)
+
+
+def claim_results(plan: Plan, folder: Path | str = ".") -> None:
+    """Write into the folder of a study's results, below the working ``folder``, which scene file they are of; an earlier file stays."""
+    path = Path(folder, "results", plan.study.study, OWNER)
+    if not path.exists():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        with whole(path) as temporary:
+            temporary.write_text(owner_of(plan.study) + "\n", encoding="utf-8")
+
+
+def _check_owner(results: Path, study: Study, origin: str) -> None:
+    """Refuse a study whose results would take the place of those of another scene file; one without a note of it is taken as its own."""
+    path = results / OWNER
+    try:
+        owner = path.read_text(encoding="utf-8").strip()
+    except FileNotFoundError:
+        return
+    except (OSError, ValueError) as error:
+        raise ValueError(f"{path}: cannot be read: {error}; delete it if the results beside it may be replaced") from error
+    if owner != owner_of(study):
+        raise ValueError(
+            f"{origin}: study: {study.study!r}: {results} holds results of the scene {owner}, and this study has {owner_of(study)}; "
+            f"give it another name (study: NAME), or, if the scene file was only moved or its results may be replaced, delete {path}"
+        )
 
 
 def _check_apart(sources: Iterable[Path | str], results: Path, origin: str) -> None:

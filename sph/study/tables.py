@@ -51,7 +51,8 @@ EXPECTED: tuple[Variable, ...] = tuple(
         "f8",
         "1",
         f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
-        "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these",
+        "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these, and for a slope "
+        "unlike the measured one by height, angle, layers, water, strength, S_R and gamma",
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
@@ -79,7 +80,13 @@ BASELINE: tuple[Variable, ...] = (
     ),
 )
 """The sliding block beside the run; see ``sph.study.baseline``."""
-FINDINGS = Variable("findings", GRID, "str", "1", "codes of what was found of the run's scene before it was run, with blanks between them")
+FINDINGS = Variable(
+    "findings",
+    GRID,
+    "str",
+    "1",
+    "codes of what was found of the run's scene before it was run and of its debris after, with blanks between them",
+)
 VALUES = (*METRICS, *EXPECTED, *BASELINE, FINDINGS)
 
 

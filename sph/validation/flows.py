@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 
 from sph.figures.profile import draw_circles
 from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.measures.metrics import MetricSettings, largest_mass
+from sph.measures.linked import largest_mass
+from sph.measures.metrics import MetricSettings
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.validation.columns import row_means

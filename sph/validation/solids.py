@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 
 from sph.figures.profile import draw_circles
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled
-from sph.measures.metrics import energy_gap, linked_sets
+from sph.measures.linked import linked_sets
+from sph.measures.metrics import energy_gap
 from sph.scene.geometry import RingBody
 from sph.scene.schema import Scene
 from sph.solver.particles import place_particles

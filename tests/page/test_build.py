@@ -374,8 +374,11 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(weak, [cohesion, shaking]).startswith("not up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
-    shown = levels(many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf), [shaking], "A", "1 m")
+    many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back")
+    shown = levels(many, [shaking], "A", "1 m")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")]
+    met = levels(many.assign(reached_side="front back", runout=9.0), [shaking], "A", "1 m")
+    assert met.rows[0][2:4] == ("≥ 2.00", "≥ 9.00") and "would have gone further" in met.note
 
 
 def test_a_search_says_at_which_intensity_the_slope_goes(tmp_path: Path) -> None:

@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.experiments.cost_accuracy.design import is_mean, scheme, settings_text
+from sph.experiments.cost_accuracy.likeness import unlike
 from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, read_trade, summary
 from sph.scene.geometry import SLOPES
 from sph.scene.names import check_known
@@ -26,6 +27,10 @@ SHIPPED = Path(__file__).parents[1] / "measured" / "trade.csv"
 SHIPPED_RESOLUTION = SHIPPED.with_name("resolution.csv")
 """Table of the scheme for one's own slopes, by ``snakemake resolution``."""
 NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 trade' makes one"
+
+
+REMEDY = "run it at a second spacing (numerics.spacing as a dimension of the study, docs/how-to/studies.md)"
+"""What to do where no error is known."""
 
 
 class Expected(NamedTuple):
@@ -61,12 +66,13 @@ def shipped_table(scheme: str = "paper") -> pd.DataFrame | None:
 
 
 def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected | None:
-    """Errors of the variant with the scheme of a scene; None where no variant has it, one of its runs diverged, or there is no table.
+    """Errors of the variant with the scheme of a scene; None for a scene unlike the measured slope (``likeness.unlike``), where no
+    variant has its scheme, one of its runs diverged, or there is no table.
 
     ``table`` as from ``read_trade``; the shipped one of its scheme by default.
     """
     table = shipped_table(scene.scheme) if table is None else table
-    if table is None:
+    if table is None or unlike(scene):
         return None
     wanted = settings_text(scheme(scene))
     measured = summary(table)
@@ -130,8 +136,8 @@ def expected_sentence(scene: Scene) -> str:
     expected = expected_error(scene, table)
     if expected:
         return expected.sentence()
-    if scene.coupling.softens_by_slip:
-        return "not known for strength that is lost by slip: compare two spacings (docs/model/softening.md)"
+    if others := unlike(scene):
+        return f"not known for this slope, since {', '.join(others)}; {REMEDY}"
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:

@@ -1,0 +1,51 @@
+"""Whether the soil that failed met the sides of the box: its run-out is then that of the box, and the failure may be as well.
+
+Met is a side where soil that has failed and has moved by more than a threshold since the gravity stage lies within a smoothing
+length of it, in any frame.  Soil thrown ahead of the main mass does not count, soil that has left the box always does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from sph.measures.fields import gravity_frame
+from sph.measures.linked import largest_mass
+from sph.scene.schema import Scene
+from sph.solver.particles import SIDE, SOIL
+
+FRONT, BACK, OVER = "front", "back", "over"
+"""The end of the box before the toe; that behind the crest; over the top of a side, or out of the box."""
+
+
+def reached_sides(trajectory: xr.Dataset, scene: Scene, moved: float, link: float) -> dict[str, float]:
+    """Time (s) of the first frame in which failed soil that has moved by more than ``moved`` (m) is at each side that it meets.
+
+    ``link``: distance (m) up to which particles hang together as one mass.  Periodic sides are none.
+    """
+    sides = scene.walls.kinds.sides
+    if sides.periodic:
+        return {}
+    soil, wall = trajectory["kind"].values == SOIL, trajectory["kind"].values == SIDE
+    spacing, near = scene.numerics.spacing, scene.numerics.smoothing_length
+    width = scene.lattice[0] * spacing
+    x_wall, y_wall = trajectory["x0"].values[wall], trajectory["y0"].values[wall]
+    tops = {
+        side: float(y_wall[there].max(initial=-np.inf)) + 0.5 * spacing for side, there in ((FRONT, x_wall < 0), (BACK, x_wall > width))
+    }
+    start, reached = gravity_frame(trajectory), dict[str, float]()
+    from_x, from_y = (trajectory[f"displacement_{axis}"].values[start, soil].astype(float) for axis in "xy")
+    for frame, time in enumerate(trajectory["time"].values[start:], start):
+        x, y, by_x, by_y = (trajectory[name].values[frame, soil].astype(float) for name in ("x", "y", "displacement_x", "displacement_y"))
+        debris = (trajectory["failed"].values[frame, soil] == 1) & (np.hypot(by_x - from_x, by_y - from_y) > moved)
+        if (debris & ((x < 0) | (x > width))).any():
+            reached.setdefault(OVER, float(time))
+        at = {FRONT: debris & (x < near), BACK: debris & (x > width - near)} if sides.has_particles else {}
+        new = {side: there for side, there in at.items() if there.any() and not {side, OVER} <= reached.keys()}
+        mass = largest_mass(x, y, link) if new else np.zeros(0, bool)
+        for side, there in new.items():
+            if (there & mass).any():
+                reached.setdefault(side, float(time))
+            if (there & mass & (y > tops[side])).any():
+                reached.setdefault(OVER, float(time))
+    return {side: reached[side] for side in (FRONT, BACK, OVER) if side in reached}

@@ -1,0 +1,41 @@
+"""What is found after a run, from its metrics."""
+
+from __future__ import annotations
+
+import xarray as xr
+
+from sph.measures.metrics import MetricSettings
+from sph.measures.sides import BACK, FRONT, OVER, reached_sides
+from sph.scene.ground_line import GroundLine
+from sph.scene.schema import Scene
+from sph.study.finding import Finding, finding
+
+LOWER_BOUND = (FRONT, OVER)
+"""Sides with which displacement and run-out are lower bounds: debris would have gone further, or has been lost."""
+WORDS = {FRONT: "the end of the box before the toe", BACK: "the end of the box behind the crest", OVER: "the top of a side"}
+
+
+def is_bounded(reached_side: str) -> bool:
+    """Whether displacement and run-out of a run are lower bounds, by its metric ``reached_side``."""
+    return any(side in LOWER_BOUND for side in reached_side.split())
+
+
+def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding]:
+    """The finding of a run whose failed soil met sides of the box, by the metrics ``reached_side`` and ``reached_side_time`` (s)."""
+    sides = reached_side.split()
+    if not sides:
+        return []
+    what = "soil that failed has reached " + " and ".join(WORDS[side] for side in sides)
+    if is_bounded(reached_side):
+        what += ", so that displacement and run-out are lower bounds"
+    line = isinstance(scene.geometry, GroundLine)
+    keys = {FRONT: "geometry.apron_length", BACK: "geometry.crest_length", OVER: "geometry.apron_length"}
+    key = "geometry.window or the line" if line else " and ".join(dict.fromkeys(keys[side] for side in sides))
+    return [finding("debris-at-wall", what, f"at {time:.3g} s", "a box that the debris does not fill", key)]
+
+
+def found_after(trajectory: xr.Dataset, scene: Scene) -> list[Finding]:
+    """The same from the trajectory of a run that came to its end, with the default settings of the metrics."""
+    settings = MetricSettings()
+    met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
+    return debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0))

@@ -1,0 +1,109 @@
+"""Debris that meets the box: by runs of a slope of 8 m in boxes of several lengths, and the room that is asked for before them."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sph.measures.metrics import Value, measure
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import run
+from sph.study.after_run import debris_at_wall, found_after, is_bounded
+from sph.study.findings import findings, reach, room_ahead
+
+LOW: dict[str, Any] = {
+    "name": "low",
+    "duration": 15.0,
+    "geometry": {"shape": "slope", "slope_angle": 60.0, "slope_height": 8.0, "base_depth": 2.0, "apron_length": 16.0, "crest_length": 40.0},
+    "soil": {
+        "density": 1900.0,
+        "youngs_modulus": 3e5,
+        "poisson_ratio": 0.3,
+        "cohesion": 13.0,
+        "friction_angle": 30.0,
+        "viscosity": 2.0,
+    },
+    "walls": {"base": "no_slip", "sides": "no_slip"},
+    "coupling": {"S_R": 0.05, "gamma": 100.0, "softening": {"slip_at_peak": 1e-3, "width": 3.0}},
+    "motion": {"kind": "tapered_sine", "amplitude": 2.0, "frequency": 2.0, "start": 3.0, "ramp": 1.0, "decay_start": 6.0, "end": 7.0},
+    "damping": {"ratio": 0.02, "frequencies": [1.0, 10.0]},
+    "numerics": {"spacing": 2.0 / 3.0},
+    "outputs": {"frame_interval": 0.25},
+}
+"""A low slope of weak soil, 12 rows of particles high."""
+
+
+def low(**changes: Any) -> Scene:
+    return make_scene(merge(LOW, dotted(changes)))
+
+
+@functools.cache
+def measured(apron: float, ratio: float) -> dict[str, Value]:
+    return measure(run(low(**{"geometry.apron_length": apron, "coupling.S_R": ratio})).trajectory)
+
+
+def room(scene: Scene) -> list[tuple[str, str]]:
+    return [(each.wanted, each.key) for each in findings(scene) if each.code == "little-room"]
+
+
+def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound() -> None:
+    scene = low()
+    trajectory = run(scene).trajectory
+    short, long = measure(trajectory), measured(60.0, 0.3)
+    assert str(short["reached_side"]).split()[0] == "front" and is_bounded(str(short["reached_side"]))
+    assert 3.0 < float(short["reached_side_time"]) < 15.0
+    (found,) = found_after(trajectory, scene)
+    assert (found.code, found.severity) == ("debris-at-wall", "warning") and "lower bounds" in found.what
+    assert "geometry.apron_length" in found.key
+    assert [found] == debris_at_wall(scene, str(short["reached_side"]), float(short["reached_side_time"]))
+    assert long["reached_side"] == "" and np.isnan(float(long["reached_side_time"])), "60 m are enough for an S_R of 0.3"
+    assert debris_at_wall(scene, "", np.nan) == []
+
+
+def within(scene: Scene) -> float:
+    """Reach of the debris beyond the toe, m."""
+    return reach(scene) - (scene.geometry.crest[0] - scene.geometry.toe[0])
+
+
+@pytest.mark.parametrize("ratio", [0.2, pytest.param(0.3, marks=pytest.mark.long), pytest.param(0.4, marks=pytest.mark.long)])
+def test_the_room_that_is_asked_for_is_enough_and_half_of_the_run_out_is_not(ratio: float) -> None:
+    scene = low(**{"coupling.S_R": ratio})
+    free = measured(round(room_ahead(scene)), ratio)
+    assert "front" not in str(free["reached_side"])
+    assert 0.7 * within(scene) < float(free["runout"]) < within(scene)
+    short = measured(round(0.5 * float(free["runout"])), ratio)
+    assert "front" in str(short["reached_side"]).split()
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("ratio", "apron", "runout"), [(0.05, 110.0, 66.0), (0.1, 80.0, 50.0)])
+def test_weak_debris_goes_as_far_as_is_asked_for(ratio: float, apron: float, runout: float) -> None:
+    free = measured(apron, ratio)
+    assert "front" not in str(free["reached_side"]) and float(free["runout"]) == pytest.approx(runout, rel=0.1)
+    assert float(free["runout"]) < within(low(**{"coupling.S_R": ratio}))
+
+
+def test_the_apron_that_weak_debris_needs_is_named() -> None:
+    soil = {"soil.cohesion": 40.0, "soil.friction_angle": 20.0}
+    ((wanted, key),) = room(low(**soil))
+    assert "at least 58.6 m, 7.3 H" in wanted and key == "geometry.apron_length"
+    assert room(low(**soil, **{"geometry.apron_length": 60.0})) == []
+    assert room(low(**soil, **{"coupling.S_R": 1.0})) == [], "soil that keeps its strength needs no more than 2 H"
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.5, 20.0), st.sampled_from([None, "weak"]))
+def test_less_strength_asks_for_more_room_never_for_less_than_before(first: float, second: float, apron: float, layer: str | None) -> None:
+    weak = {} if layer is None else {"layers": {layer: {"region": {"kind": "depth", "top": 3.0}, "soil": {"cohesion": 6.0}}}}
+    less, more = sorted((first, second))
+    lengths = [reach(low(**{"coupling.S_R": ratio}, **weak)) for ratio in (less, more)]
+    assert lengths[0] >= lengths[1] > 0.0
+    assert reach(low(**{"coupling.S_R": less}, **weak)) >= reach(low(**{"coupling.S_R": less}))
+    scene = low(**{"coupling.S_R": less, "geometry.apron_length": 8.0 * apron}, **weak)
+    assert room_ahead(scene) >= 16.0 and bool(room(scene)) == (8.0 * apron < room_ahead(scene) * (1 - 1e-9))
