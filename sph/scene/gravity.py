@@ -77,7 +77,8 @@ class GravityStage(Section):
         "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
     )
     initial_stress: Literal["none", "geostatic"] | UniformStress = key(
-        "stress at the start: none; geostatic, K0 stress of level ground at the same depth (needs ramp: 0); or a uniform pressure",
+        "stress at the start: none; geostatic, that of level ground at the same depth, with the K0 of its soil (needs ramp: 0; the default "
+        "where a K0 is written); or a uniform pressure",
         default="none",
     )
 

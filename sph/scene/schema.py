@@ -194,6 +194,7 @@ class Scene(Section):
                 f"gravity.ramp: {self.gravity.ramp} s with gravity.initial_stress: geostatic, "
                 "which balances gravity in full from the start; set gravity.ramp: 0"
             )
+        self._check_at_rest()
         if self.gravity.initial_stress == "geostatic" and self.gravity.inclination != 0:
             raise ValueError(
                 f"gravity.inclination: {self.gravity.inclination} degree must be 0 with gravity.initial_stress: geostatic (level ground)"
@@ -285,6 +286,15 @@ class Scene(Section):
                     f"numerics.time_step: {step:g} s misses {1.0 - np.abs(felt).max() / abs(samples[peak]):.1%} of the peak of motion, "
                     f"a record every {interval:.6g} s from {record.start:g} s on; choose a step of which both are whole multiples, or a "
                     "shorter one"
+                )
+
+    def _check_at_rest(self) -> None:
+        """Refuse a K0 that nothing would take."""
+        for path, soil in zip(self.soil_keys, self.soils, strict=True):
+            if soil.K0 is not None and self.gravity.initial_stress != "geostatic":
+                raise ValueError(
+                    f"{path}.K0: {soil.K0:g} with gravity.initial_stress: {self.gravity.initial_stress}, which brings gravity on in soil "
+                    "without stress; leave out gravity.initial_stress and gravity.ramp, or set them to geostatic and 0, or K0 to null"
                 )
 
     def _check_coupling(self) -> None:
@@ -429,6 +439,11 @@ class Scene(Section):
     def soils(self) -> tuple[Soil, ...]:
         """The scene's own soil and those of its layers in order."""
         return self.soil, *(layer.soil for layer in self.layers.values())
+
+    @property
+    def soil_keys(self) -> tuple[str, ...]:
+        """Dotted keys of these soils."""
+        return "soil", *(f"layers.{name}.soil" for name in self.layers)
 
     @property
     def largest_p_wave_speed(self) -> float:

@@ -244,6 +244,7 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
     assert {"rigid-box", "no-dilation", "no-process-zone", "soil-not-replaced"} <= set(told)
     assert told["rigid-box"].measured == "base no-slip, sides free-slip"
     assert [(label, text.split(" (")[0]) for label, text in choices(own)] == [
+        ("stress at the start", "gravity brought on in elastic soil, K0 = 0.429 = nu / (1 - nu)"),
         ("failure begins", "at once where the stress reaches the strength"),
         ("solid state of failed soil", "elastic-plastic, never beyond the peak strength"),
         ("dilation angle", "0 degree"),
