@@ -83,5 +83,5 @@ class GravityStage(Section):
     )
 
     def failed(self, t_f: np.ndarray) -> np.ndarray:
-        """Which particles (n,) failed under gravity alone, by their times of failure (s): at the end of the stage, before any shaking."""
+        """Which particles (n,) failed under gravity alone, by their times of failure (s): at the end of the stage."""
         return np.isclose(t_f, self.duration, rtol=1e-9, atol=0.0)

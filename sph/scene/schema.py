@@ -462,6 +462,14 @@ class Scene(Section):
         """Layers of boundary particles that fill the kernel's support but for one spacing, where the gradient fades."""
         return math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
 
+    def unshaken(self, t_f: np.ndarray) -> np.ndarray:
+        """Which particles (n,) failed under gravity alone, by their times of failure (s): when the gravity stage ended, or from then until
+        the shaking begins."""
+        failed = self.gravity.failed(t_f)
+        if isinstance(self.motion, NoMotion):
+            return failed
+        return failed | ((t_f > self.gravity.duration) & (t_f < self.motion.start - 0.5 * self.numerics.time_step))
+
     def fails_unshaken(self, failed: int) -> bool:
         """Whether so many soil particles, failed under gravity alone, are a slope that has failed: more than ``FAILED_AREA`` H^2."""
         height = self.geometry.crest[1] - self.geometry.toe[1]

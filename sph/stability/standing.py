@@ -82,8 +82,10 @@ def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
     return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / FEWEST_ROWS)
 
 
-def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
+def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, softens: bool = False) -> Scene:
     """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe.
+
+    With ``softens`` the soil loses its strength as in the scene.
 
     Absorbing walls hold no load that stays; a no-slip base and free-slip sides stand in their place.
     """
@@ -113,12 +115,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     changes = {
         "duration": math.ceil((loaded + observed) / frame) * frame,
         "motion": load,
-        "coupling.gamma": 0.0,
-        "coupling.solid_after_failure": "elastic_plastic",
-        **({"coupling.softening.slip_at_residual": None} if scene.coupling.softening else {}),
-        **{f"layers.{name}.{rate}": None for name in scene.layers for rate in ("gamma", "slip_at_residual")},
-        "coupling.initial_state": "solid",
-        "coupling.fluid": {"law": "elastic_viscoplastic"},
+        **({} if softens else _without_loss(scene)),
         "initial_velocity": None,
         "damping": None,
         "early_stop": None,
@@ -132,6 +129,18 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     if scene.numerics.smoothing_length > SMOOTHING_RATIO * spacing:
         changes |= {"numerics.smoothing_ratio": SMOOTHING_RATIO, "numerics.smoothing_length_is": "half_support"}
     return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)
+
+
+def _without_loss(scene: Scene) -> dict[str, Any]:
+    """Dotted keys with which no soil loses strength."""
+    return {
+        "coupling.gamma": 0.0,
+        "coupling.solid_after_failure": "elastic_plastic",
+        **({"coupling.softening.slip_at_residual": None} if scene.coupling.softening else {}),
+        **{f"layers.{name}.{rate}": None for name in scene.layers for rate in ("gamma", "slip_at_residual")},
+        "coupling.initial_state": "solid",
+        "coupling.fluid": {"law": "elastic_viscoplastic"},
+    }
 
 
 def divided_strength(scene: Scene, factor: float) -> Scene:
