@@ -176,6 +176,8 @@ def test_plot_of_a_trajectory_colours_by_each_field(slid: xr.Dataset, field: str
     is_soil = slid["kind"].values == SOIL
     np.testing.assert_allclose(shown, FIELDS[field].of(slid, frame)[is_soil])
     expected = {"initial_height": 34.5, "displacement": 1.5, "speed": 0.75, "beta": 1.0, "pressure": 1.0}
+    angle = np.radians(20.0)
+    expected["mobilised"] = 1.5 / (150.0 * np.cos(angle) + 1.5 * np.sin(angle))
     assert float(np.max(np.asarray(shown))) == pytest.approx(expected[field])
     assert "t = 6 s" in texts(figure) and "complete" in texts(figure)
 
