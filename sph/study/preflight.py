@@ -196,7 +196,8 @@ def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> l
     if trial.stands:
         return []
     measured = f"{trial.displaced_area:.3g} m2 displaced ({trial.status}) as it softens, {_at(peak.spacing, scene)}"
-    return [finding("softens-unshaken", what, measured, "to stand", key)]
+    what = "left unshaken the slope fails as its soil softens: the result is not that of an earthquake alone"
+    return [finding("fails-softened", what, measured, "to stand", key)]
 
 
 def _of_residual(trial: Trial, scene: Scene) -> Finding:

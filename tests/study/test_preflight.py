@@ -306,7 +306,7 @@ def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeyp
     def told(begun: bool, **settings: Any) -> list[Finding]:
         monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 1.0, begun=begun))
         rows = study_stability({"one": scene(**settings)}, lambda line: None, [])
-        return [row.finding for row in rows if row.finding.code == "softens-unshaken"]
+        return [row.finding for row in rows if row.finding.code == "fails-softened"]
 
     (found,) = told(True)
     assert found.severity == "error" and found.measured.startswith("7 m2 displaced") and found.wanted == "to stand"
