@@ -8,7 +8,7 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 import sph
-from sph.figures import STUDY_FIGURES, caption as caption_of
+from sph.figures import RUN_FIGURES, STUDY_FIGURES, caption as caption_of
 from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.paper.study import load_study

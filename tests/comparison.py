@@ -21,6 +21,7 @@ VARIANTS = {
         "coupling.gamma": 0.0,
         "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 7.5},
     },
+    "at rest": {"soil.K0": 0.8, "gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
 }
 """Overrides by name."""
 

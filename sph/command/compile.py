@@ -10,7 +10,7 @@ from sph.scene.schema import Scene
 from sph.solver.simulation import Simulation
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, static_scene
-from sph.study.preflight import quick_scene
+from sph.study.preflight import standing_scene
 
 
 def compile_for(scene: Scene, label: str) -> float:
@@ -21,7 +21,7 @@ def compile_for(scene: Scene, label: str) -> float:
     start = time.monotonic()
     tested = [scene]
     with suppress(ValueError):  # of a scene without a slope, or too coarse for its tests
-        tested.append(divided_strength(static_scene(quick_scene(scene), DEFAULT_RULE), 1.0))
+        tested.append(divided_strength(static_scene(standing_scene(scene), DEFAULT_RULE), 1.0))
     for each in tested:
         with reporter(label, each):
             Simulation(each, enforce_limit=False).prepare()

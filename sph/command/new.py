@@ -62,6 +62,7 @@ soil:
   friction_angle: 30.0 # degree, at the peak                       REPLACE
   dilation_angle: 0.0 # degree, at most the friction angle; 0: soil keeps its volume as it shears, as loose soil and clay do
   viscosity: 2.0 # Pa s, of debris beyond its yield stress; matters little
+  # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure is
 # layers: # of other soil, by depth, elevation or polygon; only the keys that differ
 #   clay: {{region: {{kind: depth, top: 6.0, bottom: 9.0}}, soil: {{cohesion: 12.0, friction_angle: 19.0}}, S_R: 0.6}}
 coupling:
@@ -122,6 +123,7 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
         "downhill": downhill,
         "density": DENSITY,
         "poisson": POISSON,
+        "rest": POISSON / (1.0 - POISSON),
         "speed": SPEED,
         "modulus": 2e-3 * (1.0 + POISSON) * DENSITY * SPEED**2,
         "width": _digits(WIDTH * height, 2),

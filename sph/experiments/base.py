@@ -15,6 +15,7 @@ from sph.measures.fields import check_probe
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import Section, key
 from sph.scene.schema import Scene, make_scene
+from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
 from sph.storage.trajectory import Variable
@@ -102,7 +103,9 @@ def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> S
         check_probe(probe, built, where)
     try:
         check_time_step(built)
-        locate_probes(built, place_particles(built))
+        particles = place_particles(built)
+        locate_probes(built, particles)
+        check_at_rest(built, particles)
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
     return built

@@ -1,6 +1,7 @@
 """Figures of studies and experiments and the plot of one trajectory; a function draws, it does not derive quantities.
 
 * ``arrangement``: what goes in: geometry, motion, initial particles
+* ``mobilised``: how near to its strength soil is before the shaking
 * ``profile``: particles of a frame, drawn to size
 * ``history``: motion of a probe against time
 * ``overview``: one trajectory at a chosen time (``sph plot``)
@@ -24,11 +25,12 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
+from sph.figures.mobilised import figure_mobilised
 from sph.figures.overview import plot_trajectory
 from sph.figures.profile import figure_profiles
 from sph.figures.study import figure_map, figure_study
 from sph.figures.style import save
-from sph.study.schema import INPUT_FIGURES, PROFILES
+from sph.study.schema import INPUT_FIGURES, MOBILISED, PROFILES
 
 __all__ = [
     "RUN_FIGURES",
@@ -38,6 +40,7 @@ __all__ = [
     "figure_arrangement",
     "figure_geometry",
     "figure_map",
+    "figure_mobilised",
     "figure_motion",
     "figure_profiles",
     "figure_study",
@@ -47,6 +50,7 @@ __all__ = [
 
 RUN_FIGURES: dict[str, Callable[..., Figure]] = {
     **dict(zip(INPUT_FIGURES, (figure_geometry, figure_motion, figure_arrangement), strict=True)),
+    MOBILISED: figure_mobilised,
     PROFILES: figure_profiles,
 }
 """Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from sph.measures.mobilised import mobilised
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.storage.trajectory import Status, scene_of
@@ -114,6 +115,7 @@ FIELDS: dict[str, Field] = {
     "speed": Field("speed relative to the box", "m/s", _speed),
     "beta": Field("weight of the solid state β", "-", _beta),
     "pressure": Field("mean pressure", "kPa", _mean_pressure),
+    "mobilised": Field("share of the peak strength used", "-", mobilised),
 }
 
 

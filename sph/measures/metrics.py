@@ -29,8 +29,9 @@ import scipy  # type: ignore[import-untyped]
 import xarray as xr
 from pydantic import model_validator
 
-from sph.measures.fields import ProbeHistory, displacement, last_at, probe_history
+from sph.measures.fields import ProbeHistory, displacement, gravity_frame, last_at, probe_history
 from sph.measures.linked import largest_mass
+from sph.measures.mobilised import DISC, mobilised_by_layer
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
@@ -136,8 +137,14 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "failed_unshaken",
         "1",
-        "soil particles that failed under gravity alone, and soften before the shaking, over all soil particles; where they cover more "
+        "soil particles that failed under gravity alone, before the shaking begins, over all soil particles; where they cover more "
         f"than {FAILED_AREA:g} H2 the status is {Status.FAILED_UNSHAKEN}, and no number of the run is the earthquake's alone",
+    ),
+    _number(
+        "mobilised_strength",
+        "1",
+        "largest share of its peak strength that a layer uses at the end of the gravity stage: sum of the radii of the Mohr circles over "
+        f"that of the radii at yield, in the disc, {DISC:g} times as wide as the slope is high, where it is largest",
     ),
     _number("shaking_start", "s", "start of the shaking; NaN without shaking"),
     _number("shaking_end", "s", "end of the shaking; NaN without shaking"),
@@ -362,7 +369,8 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
     t_f = trajectory["t_f"].values
     values: dict[str, Value] = {
         "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
-        "failed_unshaken": float(np.mean(scene.gravity.failed(t_f[soil]))),
+        "failed_unshaken": float(np.mean(scene.unshaken(t_f[soil]))),
+        "mobilised_strength": max(mobilised_by_layer(trajectory, gravity_frame(trajectory)).values(), default=math.nan),
         "failed_fraction": float(trajectory["failed_fraction"].values[-1]),
         "peak_speed": float(trajectory["maximum_speed"].values[after_gravity].max()),
         "area_change": _area_change(trajectory, soil),

@@ -16,7 +16,7 @@ from sph.figures import caption as caption_of
 from sph.figures.trigger import MAPPED
 from sph.page.answer import CRITICAL, FINDINGS
 from sph.storage.trajectory import Variable
-from sph.study.schema import INPUT_FIGURES, PROFILES
+from sph.study.schema import INPUT_FIGURES, MOBILISED, PROFILES
 
 Held = TypeVar("Held")
 
@@ -67,7 +67,10 @@ FIGURES = Section(
     "Figures",
     "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
     "snakemake --cores 2",
-    figures=drawings(STUDY_FIGURES | RUN_FIGURES, {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | INPUTS),
+    figures=drawings(
+        STUDY_FIGURES | RUN_FIGURES,
+        {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | {MOBILISED: "Strength used before the shaking"} | INPUTS,
+    ),
     always=True,
 )
 TRIGGER = Section(

@@ -77,10 +77,11 @@ class GravityStage(Section):
         "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
     )
     initial_stress: Literal["none", "geostatic"] | UniformStress = key(
-        "stress at the start: none; geostatic, K0 stress of level ground at the same depth (needs ramp: 0); or a uniform pressure",
+        "stress at the start: none; geostatic, that of level ground at the same depth, with the K0 of its soil (needs ramp: 0; the default "
+        "where a K0 is written); or a uniform pressure",
         default="none",
     )
 
     def failed(self, t_f: np.ndarray) -> np.ndarray:
-        """Which particles (n,) failed under gravity alone, by their times of failure (s): at the end of the stage, before any shaking."""
+        """Which particles (n,) failed under gravity alone, by their times of failure (s): at the end of the stage."""
         return np.isclose(t_f, self.duration, rtol=1e-9, atol=0.0)

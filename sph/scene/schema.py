@@ -194,6 +194,7 @@ class Scene(Section):
                 f"gravity.ramp: {self.gravity.ramp} s with gravity.initial_stress: geostatic, "
                 "which balances gravity in full from the start; set gravity.ramp: 0"
             )
+        self._check_at_rest()
         if self.gravity.initial_stress == "geostatic" and self.gravity.inclination != 0:
             raise ValueError(
                 f"gravity.inclination: {self.gravity.inclination} degree must be 0 with gravity.initial_stress: geostatic (level ground)"
@@ -285,6 +286,15 @@ class Scene(Section):
                     f"numerics.time_step: {step:g} s misses {1.0 - np.abs(felt).max() / abs(samples[peak]):.1%} of the peak of motion, "
                     f"a record every {interval:.6g} s from {record.start:g} s on; choose a step of which both are whole multiples, or a "
                     "shorter one"
+                )
+
+    def _check_at_rest(self) -> None:
+        """Refuse a K0 that nothing would take."""
+        for path, soil in zip(self.soil_keys, self.soils, strict=True):
+            if soil.K0 is not None and self.gravity.initial_stress != "geostatic":
+                raise ValueError(
+                    f"{path}.K0: {soil.K0:g} with gravity.initial_stress: {self.gravity.initial_stress}, which brings gravity on in soil "
+                    "without stress; leave out gravity.initial_stress and gravity.ramp, or set them to geostatic and 0, or K0 to null"
                 )
 
     def _check_coupling(self) -> None:
@@ -431,6 +441,11 @@ class Scene(Section):
         return self.soil, *(layer.soil for layer in self.layers.values())
 
     @property
+    def soil_keys(self) -> tuple[str, ...]:
+        """Dotted keys of these soils."""
+        return "soil", *(f"layers.{name}.soil" for name in self.layers)
+
+    @property
     def largest_p_wave_speed(self) -> float:
         """V_p of the stiffest soil, m/s."""
         return max(soil.p_wave_speed for soil in self.soils)
@@ -446,6 +461,14 @@ class Scene(Section):
     def layers_filling_support(self) -> int:
         """Layers of boundary particles that fill the kernel's support but for one spacing, where the gradient fades."""
         return math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
+
+    def unshaken(self, t_f: np.ndarray) -> np.ndarray:
+        """Which particles (n,) failed under gravity alone, by their times of failure (s): when the gravity stage ended, or from then until
+        the shaking begins."""
+        failed = self.gravity.failed(t_f)
+        if isinstance(self.motion, NoMotion):
+            return failed
+        return failed | ((t_f > self.gravity.duration) & (t_f < self.motion.start - 0.5 * self.numerics.time_step))
 
     def fails_unshaken(self, failed: int) -> bool:
         """Whether so many soil particles, failed under gravity alone, are a slope that has failed: more than ``FAILED_AREA`` H^2."""

@@ -47,6 +47,8 @@ NEEDED = {
     "numerics.spacing": "spacing of the particles, m; a twentieth of the slope's height for a first look",
 }
 """What a scene of the scheme ``resolved`` must write, and what it means."""
+AT_REST: dict[str, Any] = dotted({"gravity.initial_stress": "geostatic", "gravity.ramp": 0.0})
+"""What is filled in where a K0 is written."""
 INSTEAD = {"coupling.gamma": (BY_SLIP,), "coupling.S_R": ("soil.residual_cohesion", "soil.residual_friction_angle")}
 """Keys that may be written instead of one of these."""
 
@@ -54,7 +56,15 @@ INSTEAD = {"coupling.gamma": (BY_SLIP,), "coupling.S_R": ("soil.residual_cohesio
 def filled(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """A scene's mapping with what its scheme fills in."""
     made = merge(RESOLVED, data) if _is_resolved(data) else data
+    made = merge(AT_REST, made) if _writes_rest(data) else made
     return merge({"coupling": {"gamma": 0.0}}, made) if has_key(data, BY_SLIP, set_there=True) else made
+
+
+def _writes_rest(data: Mapping[str, Any]) -> bool:
+    """Whether the scene's own soil or that of a layer has a K0."""
+    layers = data.get("layers") if isinstance(data, Mapping) else None
+    of_layers = layers.values() if isinstance(layers, Mapping) else ()
+    return any(has_key(each, "soil.K0", set_there=True) for each in (data, *of_layers))
 
 
 def missing(data: Mapping[str, Any], origin: str) -> list[str]:

@@ -45,6 +45,21 @@ class Soil(Section):
         default=None,
     )
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
+    K0: float | None = key(
+        "coefficient of earth pressure at rest: horizontal over vertical effective stress at the start, in and across the section, within "
+        "the active and the passive limit; written, the scene starts geostatic (gravity.initial_stress); null: that of elastic soil, "
+        "nu / (1 - nu)",
+        source="Jaky 1944",
+        ge=0,
+        le=20,
+        default=None,
+    )
+
+    @model_validator(mode="after")
+    def _at_rest(self) -> Soil:
+        if self.K0 is not None and self.cohesion == 0:
+            self.check_at_rest("K0", 1.0)  # without cohesion the limits are those of any depth
+        return self
 
     @model_validator(mode="after")
     def _flow(self) -> Soil:
@@ -61,6 +76,31 @@ class Soil(Section):
         written = ((self.residual_cohesion, self.cohesion), (self.residual_friction_angle, self.friction_angle))
         cohesion, angle = (strength_ratio * peak if residual is None else residual for residual, peak in written)
         return cohesion, angle
+
+    @property
+    def at_rest(self) -> float:
+        """Horizontal over vertical effective stress of level ground before the gravity stage: K0, or that of elastic soil."""
+        return self.poisson_ratio / (1.0 - self.poisson_ratio) if self.K0 is None else self.K0
+
+    def limits_at_rest(self, vertical: float) -> tuple[float, float]:
+        """Least and largest horizontal over vertical effective stress that the peak strength holds at a vertical one, Pa; tension is none.
+
+        Active and passive limit of Rankine (1857): K_a - 2 c sqrt(K_a) / sigma_v, not below 0, and K_p + 2 c sqrt(K_p) / sigma_v.
+        """
+        sine = math.sin(self.friction_angle_si)
+        active, passive = (1.0 - sine) / (1.0 + sine), (1.0 + sine) / (1.0 - sine)
+        low, high = (2.0 * self.cohesion_si * math.sqrt(ratio) / vertical for ratio in (active, passive))
+        return max(active - low, 0.0), passive + high
+
+    def check_at_rest(self, name: str, vertical: float, where: str = "") -> None:
+        """ValueError, which gives K0 as ``name``, where the peak strength does not hold it at a vertical effective stress, Pa."""
+        low, high = self.limits_at_rest(vertical)
+        if self.K0 is not None and not low - 1e-9 <= self.K0 <= high + 1e-9:
+            raise ValueError(
+                f"{name}: {self.K0:g} lies outside the active and the passive limit, {low:.3g} to {high:.3g} for "
+                f"cohesion: {self.cohesion:g} kPa and friction_angle: {self.friction_angle:g} degrees{where}; choose a K0 between them, "
+                "such as 1 - sin(phi) of normally consolidated soil, or null"
+            )
 
     @property
     def shear_modulus_si(self) -> float:

@@ -1,10 +1,15 @@
 """Starting from a computed stress instead of bringing gravity on.
 
-Geostatic stress of soil at rest, elastic in plane strain and compressed vertically only, at the depth d below the ground:
+Geostatic stress of soil at rest at the depth d below the ground, the density rho summed through layers:
 
-    sigma_yy = -rho g d,   sigma_xx = sigma_zz = nu / (1 - nu) sigma_yy,   sigma_xy = 0;
+    sigma_yy = -rho g d,   sigma_xx = sigma_zz = K0 sigma_yy,   sigma_xy = 0;
 
-with water these are effective stresses, and sigma_yy = -(rho g d - u) with the pore pressure u.
+with water these are effective stresses, and sigma_yy = -(rho g d - u) with the pore pressure u.  K0 is ``soil.K0``, which a layer may have
+of its own, the same across the section as in it: of the two horizontal stresses only one is known, and level ground is alike in
+both directions.  Where it is null, K0 = nu / (1 - nu), as in elastic soil that is compressed vertically only.
+
+The peak strength of the soil has to hold K0 at every depth at which the soil lies (``check_at_rest``); where it varies in space, weak
+places start on their yield surface.
 
 It is in equilibrium under level ground.  Under a slope it is not (sigma_xx changes along x), and its strains do not fit together:
 the gravity stage relaxes it to another stress than bringing gravity on does.
@@ -36,18 +41,39 @@ def impose_stress(state: State, scene: Scene, particles: Particles, n_stressed: 
         _impose_geostatic_stress(state, scene, particles, n_stressed)
 
 
+def effective_overburden(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Vertical effective stress (n,) of the soil above places (n,) of the initial slope, Pa, compression positive; never tension."""
+    vertical = scene.gravity.acceleration * overburden(scene, x, y)
+    return vertical if scene.water is None else np.maximum(vertical - pore_pressure(scene, x, y), 0.0)
+
+
+def greatest_stress(scene: Scene, particles: Particles) -> list[float]:
+    """Greatest vertical effective stress in each of the scene's soils, Pa; 0 in one that has no particle."""
+    soil = slice(0, particles.n_soil)
+    vertical = effective_overburden(scene, particles.x[soil], particles.y[soil])
+    return [float(vertical[particles.layer[soil] == number].max(initial=0.0)) for number in range(len(scene.soils))]
+
+
+def check_at_rest(scene: Scene, particles: Particles) -> None:
+    """ValueError for a K0 that the peak strength of its soil does not hold at the greatest effective stress in it, where cohesion helps
+    least: the run would start from another stress than the scene's."""
+    if all(soil.K0 is None for soil in scene.soils):
+        return
+    for path, soil, stress in zip(scene.soil_keys, scene.soils, greatest_stress(scene, particles), strict=True):
+        if stress > 0.0:
+            soil.check_at_rest(f"{path}.K0", stress, f" at its greatest vertical effective stress, {1e-3 * stress:.3g} kPa")
+
+
 def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n_stressed: int) -> None:
     """Density and deviator of geostatic stress, in the fluid state as well where the scene starts with it.
 
     The depth counts from the ground vertically above; base particles continue it downwards, particles beside the box take
     the ground at the box's edge, and those above the ground have no stress.
     """
+    check_at_rest(scene, particles)
     layer = particles.layer[:n_stressed]
-    places = particles.x[:n_stressed], particles.y[:n_stressed]
-    vertical = scene.gravity.acceleration * overburden(scene, *places)
-    if scene.water is not None:
-        vertical = np.maximum(vertical - pore_pressure(scene, *places), 0.0)
-    ratio = np.array([soil.poisson_ratio / (1.0 - soil.poisson_ratio) for soil in scene.soils])[layer]
+    vertical = effective_overburden(scene, particles.x[:n_stressed], particles.y[:n_stressed])
+    ratio = np.array([soil.at_rest for soil in scene.soils])[layer]
     mean = vertical * (1.0 + 2.0 * ratio) / 3.0
     state.density[:n_stressed] = scene.soil.density * (1.0 + mean / np.array([soil.bulk_modulus_si for soil in scene.soils])[layer])
     state.density_pairs[:] = state.density

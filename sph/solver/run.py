@@ -142,8 +142,11 @@ class Run:
     def _finished(self, rest: str) -> tuple[str, str]:
         """Status and reason of a run that has reached its duration or came to ``rest``."""
         simulation = self.simulation
-        unshaken = simulation.scene.gravity.failed(simulation.state.t_f[: simulation.particles.n_soil])
+        scene, n_soil = simulation.scene, simulation.particles.n_soil
+        unshaken, layer = scene.unshaken(simulation.state.t_f[:n_soil]), simulation.particles.layer[:n_soil]
+        parts = [f"{np.mean(unshaken[layer == k]):.2%} of {name}" for k, name in enumerate(scene.layers, 1) if unshaken[layer == k].any()]
         share = f"{np.mean(unshaken):.2%} of the soil yields under gravity alone" if unshaken.any() else ""
+        share += f" ({', '.join(parts)})" if parts else ""
         reason = "; ".join(filter(None, (share, rest)))
         if simulation.scene.fails_unshaken(int(np.count_nonzero(unshaken))):
             return Status.FAILED_UNSHAKEN, reason

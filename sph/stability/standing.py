@@ -28,6 +28,8 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import RESOLVED
 from sph.scene.soil import Soil
 from sph.scene.walls import WallFriction
+from sph.solver.initial_stress import greatest_stress
+from sph.solver.particles import place_particles
 from sph.solver.run import Result, run
 from sph.stability.search import Trial
 from sph.storage.trajectory import Status
@@ -80,8 +82,10 @@ def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
     return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / FEWEST_ROWS)
 
 
-def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> Scene:
+def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, softens: bool = False) -> Scene:
     """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe.
+
+    With ``softens`` the soil loses its strength as in the scene.
 
     Absorbing walls hold no load that stays; a no-slip base and free-slip sides stand in their place.
     """
@@ -111,12 +115,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     changes = {
         "duration": math.ceil((loaded + observed) / frame) * frame,
         "motion": load,
-        "coupling.gamma": 0.0,
-        "coupling.solid_after_failure": "elastic_plastic",
-        **({"coupling.softening.slip_at_residual": None} if scene.coupling.softening else {}),
-        **{f"layers.{name}.{rate}": None for name in scene.layers for rate in ("gamma", "slip_at_residual")},
-        "coupling.initial_state": "solid",
-        "coupling.fluid": {"law": "elastic_viscoplastic"},
+        **({} if softens else _without_loss(scene)),
         "initial_velocity": None,
         "damping": None,
         "early_stop": None,
@@ -130,6 +129,18 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> 
     if scene.numerics.smoothing_length > SMOOTHING_RATIO * spacing:
         changes |= {"numerics.smoothing_ratio": SMOOTHING_RATIO, "numerics.smoothing_length_is": "half_support"}
     return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)
+
+
+def _without_loss(scene: Scene) -> dict[str, Any]:
+    """Dotted keys with which no soil loses strength."""
+    return {
+        "coupling.gamma": 0.0,
+        "coupling.solid_after_failure": "elastic_plastic",
+        **({"coupling.softening.slip_at_residual": None} if scene.coupling.softening else {}),
+        **{f"layers.{name}.{rate}": None for name in scene.layers for rate in ("gamma", "slip_at_residual")},
+        "coupling.initial_state": "solid",
+        "coupling.fluid": {"law": "elastic_viscoplastic"},
+    }
 
 
 def divided_strength(scene: Scene, factor: float) -> Scene:
@@ -165,14 +176,35 @@ def weakened(scene: Scene, strength_ratio: float) -> Scene:
 
 
 def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float, float]]) -> Scene:
-    """A scene with other cohesion (kPa), friction and dilation angle (degree): a function of each soil and the S_R of its layer."""
+    """A scene with other cohesion (kPa), friction and dilation angle (degree): a function of each soil and the S_R of its layer.
+
+    A K0 that the other strength does not hold is taken to the nearer limit.
+    """
 
     def changed(soil: Soil, own: float | None = None) -> Soil:
         new = dict(zip(("cohesion", "friction_angle", "dilation_angle"), strength(soil, own), strict=True))
         return soil.model_copy(update=new | {"residual_cohesion": None, "residual_friction_angle": None})
 
     layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
-    return scene.model_copy(update={"soil": changed(scene.soil), "layers": layers})
+    made = scene.model_copy(update={"soil": changed(scene.soil), "layers": layers})
+    return made if all(soil.K0 is None for soil in made.soils) else _held(made)
+
+
+def _held(scene: Scene) -> Scene:
+    """A scene with each K0 within the limits at the greatest vertical stress in its soil."""
+
+    def held(soil: Soil, stress: float) -> Soil:
+        if soil.K0 is None or stress == 0.0:
+            return soil
+        low, high = soil.limits_at_rest(stress)
+        return soil.model_copy(update={"K0": min(max(soil.K0, low), high)})
+
+    own, *others = greatest_stress(scene, place_particles(scene))
+    layers = {
+        name: layer.model_copy(update={"soil": held(layer.soil, stress)})
+        for (name, layer), stress in zip(scene.layers.items(), others, strict=True)
+    }
+    return scene.model_copy(update={"soil": held(scene.soil, own), "layers": layers})
 
 
 def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:

@@ -31,9 +31,11 @@ ERROR, WARNING, NOTE = Severity
 CODES: dict[str, Code] = {
     "fails-unshaken": Code(ERROR, "the slope fails at its peak strength without shaking"),
     "softens-unshaken": Code(ERROR, "soil is at its strength under gravity alone, and softens before the shaking"),
+    "fails-softened": Code(ERROR, "the slope stands at its peak strength without shaking, and fails as its soil softens"),
     "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
     "fails-at-residual": Code(NOTE, "without shaking the slope fails at its residual strength: soil that fails keeps moving downslope"),
     "stands-at-residual": Code(NOTE, "without shaking the slope stands at its residual strength: soil that fails comes to rest"),
+    "mobilised-strength": Code(NOTE, "share of its peak strength that a layer uses under gravity alone; a warning from 95 % on"),
     "factor-of-safety": Code(NOTE, "static factor of safety"),
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
     "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),

@@ -18,6 +18,7 @@ from sph.scene.soil import Soil
 from sph.scene.units import in_both
 from sph.scene.walls import wall_words
 from sph.scene.water import standing_water
+from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
@@ -76,7 +77,8 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
 
 
 def choices(scene: Scene) -> list[tuple[str, str]]:
-    """Name and value of what decides the answer and has a default: how failure begins, what failed soil carries, dilation and the walls."""
+    """Name and value of what decides the answer and has a default: the stress at the start, how failure begins, what failed soil carries,
+    dilation and the walls."""
     softening, walls = scene.coupling.softening, scene.walls
     begins = "at once where the stress reaches the strength (coupling.softening: null)"
     if softening is not None:
@@ -93,11 +95,25 @@ def choices(scene: Scene) -> list[tuple[str, str]]:
         "elastic_plastic": "elastic-plastic, never beyond the peak strength",
     }[scene.coupling.solid_after_failure]
     return [
+        ("stress at the start", _at_rest(scene)),
         ("failure begins", begins),
         ("solid state of failed soil", failed),
         ("dilation angle", dilation),
         ("walls", box + (": a rigid box" if _is_rigid(scene) else "")),
     ]
+
+
+def _at_rest(scene: Scene) -> str:
+    """Horizontal over vertical effective stress of level ground before the shaking, and whence."""
+    if scene.gravity.initial_stress not in ("none", "geostatic"):
+        return "a uniform pressure (gravity.initial_stress)"
+    told = {
+        name: f"{soil.at_rest:.3g}{' = nu / (1 - nu)' if soil.K0 is None else ''}"
+        for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True)
+    }
+    same = len(set(told.values())) == 1
+    start = "gravity brought on in elastic soil" if scene.gravity.initial_stress == "none" else "geostatic"
+    return f"{start}, K0 = {told['soil'] if same else ', '.join(f'{text} in {name}' for name, text in told.items())}"
 
 
 def _box(scene: Scene) -> str:
@@ -177,8 +193,12 @@ def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
 
 
 def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
-    """All that is found of a scene and its particles without a run, the most harmful first; takes some 0.03 s."""
+    """All that is found of a scene and its particles without a run, the most harmful first; takes some 0.03 s.
+
+    ValueError for a K0 that its soil does not hold.
+    """
     particles = particles or place_particles(scene)
+    check_at_rest(scene, particles)
     found = (
         of_choices(scene)
         + of_soils(scene)

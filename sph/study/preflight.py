@@ -8,6 +8,7 @@ spacing and twice that; the first job of a study takes coarser ones, which cost 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
@@ -16,6 +17,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from sph.measures.fields import gravity_frame
+from sph.measures.mobilised import mobilised_by_layer
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
@@ -27,7 +30,7 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.finding import Finding, Severity, finding
+from sph.study.finding import Finding, Severity, finding, off_by
 from sph.study.findings import findings
 from sph.study.layer_findings import broken_at, layers_of
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
@@ -42,6 +45,10 @@ LONGEST = 60.0
 """Computing time on the reference machine after which no further slope or strength of a study is tested for standing, s."""
 MOST_SCENES = 200
 """Most scenes of a study that are looked at, evenly through it."""
+OWN_SECONDS = 12.0
+"""Computing time on the reference machine up to which a study tests whether a slope stands at the spacing of its runs, s."""
+USED_UP = 0.95
+"""Share of its peak strength from which on hardly any is left to the shaking."""
 QUICK_TRIALS = (9, 6)
 """Static tests of a search to ``QUICK_TOLERANCE``, at the coarse and at the fine spacing (measured: 5 to 11 and 3 to 6)."""
 PREFLIGHT: tuple[Variable, ...] = (
@@ -82,7 +89,7 @@ def stability(scene: Scene) -> list[Finding]:
     static = static_scene(scene, DEFAULT_RULE)
     peak = _at_peak(static)
     if not peak.trial.stands:
-        return [_of_peak(peak.trial)]
+        return [_of_peak(peak, scene)]
 
     def limit(code: str) -> Finding:
         label, find, _ = QUESTIONS[code]
@@ -91,7 +98,8 @@ def stability(scene: Scene) -> list[Finding]:
         except ValueError as error:
             return finding("stability-unknown", label, f"not found: {error}")
 
-    standing = [_of_peak(peak.trial), *_of_softening(peak, scene), _of_residual(_at_residual(static), scene)]
+    softened = _of_softening(peak, scene, lambda: _softening(scene))
+    standing = [_of_peak(peak, scene), *_of_mobilised(peak), *softened, _of_residual(_at_residual(static), scene)]
     coarse: list[Finding] = []
     with suppress(ValueError):  # of spacings too close to each other, which the searches tell
         coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
@@ -102,51 +110,94 @@ class Peak(NamedTuple):
     """The test of a slope at its peak strength."""
 
     trial: Trial
-    yielded: float
+    spacing: float  # m
+    yielded: float = 0.0
     """area of the soil that failed under gravity alone, m2"""
-    too_much: bool
+    too_much: bool = False
     """that area is one with which a run has the status ``failed_unshaken``"""
+    begun: bool = False
+    """soil has failed, in the gravity stage or later, so that it may soften"""
+    mobilised: Mapping[str, float] = {}
+    """share of its peak strength that each layer uses at the end of the gravity stage"""
 
 
 def _at_peak(static: Scene) -> Peak:
     tested = divided_strength(static, 1.0)
     result = run(tested)
-    failed = tested.gravity.failed(result.trajectory["t_f"].values[result.trajectory["kind"].values == SOIL])
-    count = int(np.count_nonzero(failed))
-    return Peak(judged(result, tested, DEFAULT_RULE, 1.0), count * tested.numerics.spacing**2, tested.fails_unshaken(count))
+    trajectory, spacing = result.trajectory, tested.numerics.spacing
+    t_f = trajectory["t_f"].values[trajectory["kind"].values == SOIL]
+    count = int(np.count_nonzero(tested.gravity.failed(t_f)))
+    trial = judged(result, tested, DEFAULT_RULE, 1.0)
+    used = mobilised_by_layer(trajectory, gravity_frame(trajectory)) if trial.stands else {}
+    return Peak(trial, spacing, count * spacing**2, tested.fails_unshaken(count), bool(np.isfinite(t_f).any()), used)
 
 
 def _at_residual(static: Scene) -> Trial:
     return stand(weakened(static, static.coupling.S_R), DEFAULT_RULE, static.coupling.S_R)
 
 
-def _of_peak(trial: Trial) -> Finding:
-    if trial.stands:
-        return finding("stands-unshaken", "the slope unshaken, at its peak strength", "stands")
+def _softening(scene: Scene) -> Trial:
+    return stand(static_scene(scene, DEFAULT_RULE, softens=True), DEFAULT_RULE, 1.0)
+
+
+def _at(spacing: float, scene: Scene) -> str:
+    """The spacing of a test in words, with that of the runs where it is another."""
+    own = scene.numerics.spacing
+    return f"at a spacing of {spacing:.3g} m" + ("" if math.isclose(spacing, own, rel_tol=1e-6) else f", where the runs have {own:.3g} m")
+
+
+def _of_peak(peak: Peak, scene: Scene) -> Finding:
+    if peak.trial.stands:
+        return finding("stands-unshaken", "the slope unshaken, at its peak strength", f"stands {_at(peak.spacing, scene)}")
     return finding(
         "fails-unshaken",
         "the slope does not stand unshaken, so that its failure is not that of an earthquake",
-        f"fails at its peak strength, {trial.displaced_area:.3g} m2 displaced ({trial.status})",
+        f"fails at its peak strength, {peak.trial.displaced_area:.3g} m2 displaced ({peak.trial.status}) {_at(peak.spacing, scene)}",
         "to stand",
         "soil.cohesion and soil.friction_angle, or the geometry",
     )
 
 
-def _of_softening(peak: Peak, scene: Scene) -> list[Finding]:
-    """An error where so much soil is at its strength under gravity that runs of the scene have the status ``failed_unshaken``."""
-    softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
-    if not softens or not peak.too_much:
-        return []
-    strength = "soil.cohesion and soil.friction_angle"
-    return [
-        finding(
-            "softens-unshaken",
-            "soil is at its strength under gravity alone and softens before the shaking: the result is not that of an earthquake",
-            f"{peak.yielded:.3g} m2",
-            f"at most {FAILED_AREA:g} H2 = {FAILED_AREA * slope_height(scene) ** 2:.3g} m2",
-            f"coupling.softening{'' if scene.coupling.softening is None else '.slip_at_peak'}, or {strength}",
+def _of_mobilised(peak: Peak) -> list[Finding]:
+    """How much of its peak strength each layer uses before the shaking, the most first; a warning where hardly any is left."""
+    told = []
+    for name, share in sorted(peak.mobilised.items(), key=lambda pair: -pair[1]):
+        near = share >= USED_UP
+        told.append(
+            finding(
+                "mobilised-strength",
+                f"strength of {name} that gravity alone uses, before the shaking",
+                f"{100 * share:.0f} % of its peak strength",
+                f"less than {100 * USED_UP:.0f} %, or a known stress at the start" if near else "",
+                f"{'soil' if name == 'soil' else f'layers.{name}.soil'}.K0, or its strength" if near else "",
+                Severity.WARNING if near else None,
+                subject=name,
+                off_by=off_by(share, USED_UP) if near else 1.0,
+            )
         )
-    ]
+    return told
+
+
+def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> list[Finding]:
+    """An error where so much soil is at its strength under gravity that runs of the scene have the status ``failed_unshaken``, or where
+    the slope fails unshaken as its soil softens.
+
+    Without soil that fails at the peak strength none softens, and the test at that strength is the answer.
+    """
+    softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
+    what = "soil is at its strength under gravity alone and softens before the shaking: the result is not that of an earthquake"
+    key = f"coupling.softening{'' if scene.coupling.softening is None else '.slip_at_peak'}, or soil.cohesion and soil.friction_angle"
+    if not softens or not peak.begun:
+        return []
+    if peak.too_much:
+        wanted = f"at most {FAILED_AREA:g} H2 = {FAILED_AREA * slope_height(scene) ** 2:.3g} m2"
+        return [finding("softens-unshaken", what, f"{peak.yielded:.3g} m2 {_at(peak.spacing, scene)}", wanted, key)]
+    trial = softening()
+    if trial.stands:
+        return []
+    measured = f"{trial.displaced_area:.3g} m2 displaced ({trial.status}) as it softens, {_at(peak.spacing, scene)}"
+    what = "left unshaken the slope fails as its soil softens: the result is not that of an earthquake alone"
+    return [finding("fails-softened", what, measured, "to stand", key)]
 
 
 def _of_residual(trial: Trial, scene: Scene) -> Finding:
@@ -188,8 +239,12 @@ def at_spacing(scene: Scene, spacing: float) -> Scene:
     return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
 
 
-def quick_scene(scene: Scene) -> Scene:
-    """A scene at the fine one of ``quick_spacings``, at which a study tests whether its slopes stand."""
+def standing_scene(scene: Scene) -> Scene:
+    """A scene at the spacing at which a study tests whether its slopes stand: its own where a test takes at most ``OWN_SECONDS``, or else
+    the fine one of ``quick_spacings``."""
+    with suppress(ValueError):  # too coarse for a test
+        if cost(static_scene(scene, DEFAULT_RULE)).seconds <= OWN_SECONDS:
+            return scene
     return at_spacing(scene, quick_spacings(scene)[1])
 
 
@@ -205,7 +260,7 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
     found = Slopes({}, {}, {})
     for name, scene in scenes.items():
         try:
-            static = static_scene(quick_scene(scene), DEFAULT_RULE)
+            static = static_scene(standing_scene(scene), DEFAULT_RULE)
         except ValueError as error:
             found.untested.setdefault(finding("stability-unknown", "the stability of the slope", f"not tested: {error}"), []).append(name)
             continue
@@ -262,10 +317,13 @@ def study_stability(
             peaks[peak_key] = _at_peak(static)
             spent += one
         peak = peaks[peak_key]
-        told = [_of_peak(peak.trial)]
+        scene = scenes[names[0]]
+        told = [_of_peak(peak, scene)]
         if peak.trial.stands:
-            told += [*_of_softening(peak, scenes[names[0]]), _of_residual(_at_residual(static), static)]
-            spent += one
+            told += _of_mobilised(peak)
+            told += _of_softening(peak, scene, lambda at=scene: _softening(standing_scene(at)))  # type: ignore[misc]
+            told.append(_of_residual(_at_residual(static), static))
+            spent += one * (1 + (peak.begun and not peak.too_much))
         for each in told:
             if each not in found:
                 say(f"{names[0]}: {each.line()}")

@@ -29,6 +29,8 @@ OWN = "own"
 """The fidelity of a study that names none: the scene as it is."""
 INPUT_FIGURES = ("fig1", "fig2", "fig3")
 """Figures of what goes in, which need one run: geometry, motion, initial particles."""
+MOBILISED = "mobilised"
+"""The figure of one run at the end of its gravity stage."""
 PROFILES = "profiles"
 """The figure of some runs at their end."""
 FEW_PROFILES = 4
@@ -192,7 +194,7 @@ class Study(Section):
 
         The figures of all runs (``sph.figures.STUDY_FIGURES``) are not among them.
         """
-        return dict.fromkeys(INPUT_FIGURES, list(self.runs)[:1]) | {PROFILES: self.profile_runs}
+        return dict.fromkeys((*INPUT_FIGURES, MOBILISED), list(self.runs)[:1]) | {PROFILES: self.profile_runs}
 
     @property
     def profile_runs(self) -> list[str]:

@@ -263,7 +263,7 @@ def test_the_stability_of_a_slope_is_that_of_limit_analysis() -> None:
         each.code: each
         for each in stability(scene(**STEEP, **{"soil.cohesion": 25.0, "soil.friction_angle": 20.0, "numerics.spacing": 0.5}))
     }
-    assert list(told) == ["stands-unshaken", "fails-at-residual", "factor-of-safety", "yield-acceleration"]
+    assert list(told) == ["stands-unshaken", "mobilised-strength", "fails-at-residual", "factor-of-safety", "yield-acceleration"]
     # Soil that does not dilate is some per cent weaker than limit analysis says.
     assert float(told["factor-of-safety"].measured.split(" ± ")[0]) == pytest.approx(
         limit_factor(45.0, 10.0, 1964.0 * GRAVITY, 25e3, 20.0, 5.0), rel=0.08

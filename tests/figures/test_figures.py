@@ -25,6 +25,7 @@ from sph.figures import (
     figure_arrangement,
     figure_geometry,
     figure_map,
+    figure_mobilised,
     figure_motion,
     figure_profiles,
     figure_study,
@@ -176,6 +177,8 @@ def test_plot_of_a_trajectory_colours_by_each_field(slid: xr.Dataset, field: str
     is_soil = slid["kind"].values == SOIL
     np.testing.assert_allclose(shown, FIELDS[field].of(slid, frame)[is_soil])
     expected = {"initial_height": 34.5, "displacement": 1.5, "speed": 0.75, "beta": 1.0, "pressure": 1.0}
+    angle = np.radians(20.0)
+    expected["mobilised"] = 1.5 / (150.0 * np.cos(angle) + 1.5 * np.sin(angle))
     assert float(np.max(np.asarray(shown))) == pytest.approx(expected[field])
     assert "t = 6 s" in texts(figure) and "complete" in texts(figure)
 
@@ -395,6 +398,7 @@ def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
         "geometry": figure_geometry(run, "draft"),
         "motion": figure_motion(run, "draft"),
         "arrangement": figure_arrangement(run, "draft"),
+        "mobilised": figure_mobilised(run, "draft"),
         "profiles": figure_profiles({"amplitude 4.0 m/s², cohesion of soft clay 30 kPa": run, "two": run}, "draft"),
         "run": plot_trajectory(run),
         "scene": figure_scene(checked.scene, checked.particles, checked.probes),

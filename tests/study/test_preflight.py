@@ -36,10 +36,10 @@ from sph.study.preflight import (
     QUICK_TOLERANCE,
     Peak,
     Row,
-    quick_scene,
     quick_spacings,
     read_preflight,
     stability,
+    standing_scene,
     study_findings,
     study_stability,
     write_preflight,
@@ -168,11 +168,12 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
     rows = study_stability(scenes, said.append, ["factor-of-safety"])
     assert [(row.finding.code, row.runs, row.worst_run) for row in rows] == [
         ("stands-unshaken", 4, "0.3-1.0"),
+        ("mobilised-strength", 4, "0.3-1.0"),
         ("fails-at-residual", 2, "0.3-1.0"),
         ("stands-at-residual", 2, "0.9-1.0"),
         ("factor-of-safety", 4, "0.3-1.0"),
     ]
-    assert len(said) == 4, "a slope, two residual strengths, a search"
+    assert len(said) == 5, "a slope and the strength it uses, two residual strengths, a search"
     (found,) = searched
     assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(QUICK_RATIO)
     assert all(search.upper - search.lower <= wide * search.value for search in found.searches)
@@ -209,7 +210,7 @@ def test_each_slope_is_searched() -> None:
 
 @pytest.mark.long
 def test_slopes_that_are_not_searched_are_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(quick_scene(scene()), DEFAULT_RULE)).seconds)
+    monkeypatch.setattr("sph.study.preflight.LONGEST", 0.5 * cost(static_scene(standing_scene(scene()), DEFAULT_RULE)).seconds)
     scenes = {f"{ratio}": scene(**{"coupling.S_R": ratio, "soil.cohesion": 25.0 if ratio < 0.5 else 40.0}) for ratio in (0.3, 0.9)}
     rows = study_stability(scenes, lambda line: None, [])
     assert ("stability-unknown", "0.9") in {(row.finding.code, row.worst_run) for row in rows}
@@ -224,7 +225,7 @@ def test_an_unshaken_failure_has_one_definition() -> None:
     for cohesion in (40.0, 25.0, 12.0, 1.0):
         slope = scene(**{"soil.cohesion": cohesion, "duration": 3.5, "numerics.spacing": 0.9, "numerics.time_step": 5e-4})
         found = {row.finding.code for row in study_stability({"one": slope}, lambda line: None, [])}
-        ended = run(quick_scene(slope)).status
+        ended = run(standing_scene(slope)).status
         assert (ended == Status.FAILED_UNSHAKEN) == bool(found & {"fails-unshaken", "softens-unshaken"}), (cohesion, found, ended)
 
 
@@ -244,6 +245,7 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
     assert {"rigid-box", "no-dilation", "no-process-zone", "soil-not-replaced"} <= set(told)
     assert told["rigid-box"].measured == "base no-slip, sides free-slip"
     assert [(label, text.split(" (")[0]) for label, text in choices(own)] == [
+        ("stress at the start", "gravity brought on in elastic soil, K0 = 0.429 = nu /"),
         ("failure begins", "at once where the stress reaches the strength"),
         ("solid state of failed soil", "elastic-plastic, never beyond the peak strength"),
         ("dilation angle", "0 degree"),
@@ -265,6 +267,60 @@ def test_a_slope_that_fails_unshaken_is_an_error_and_is_not_searched() -> None:
     weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0})
     (row,) = study_stability({"weak": weak}, lambda line: None)
     assert (row.finding.code, row.finding.severity) == ("fails-unshaken", "error")
+    assert row.finding.measured.endswith("at a spacing of 1 m"), "that of the runs, which costs little"
+
+
+def test_a_slope_is_tested_at_the_spacing_of_its_runs_where_that_costs_little(monkeypatch: pytest.MonkeyPatch) -> None:
+    slope = scene(**{"numerics.spacing": 0.5})
+    assert standing_scene(slope) == slope
+    monkeypatch.setattr("sph.study.preflight.OWN_SECONDS", 0.5 * cost(static_scene(slope, DEFAULT_RULE)).seconds)
+    assert standing_scene(slope).numerics.spacing == quick_spacings(slope)[1] > 0.5
+    weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0, "numerics.spacing": 0.5})
+    (row,) = study_stability({"weak": weak}, lambda line: None)
+    assert row.finding.measured.endswith("where the runs have 0.5 m")
+
+
+def test_the_strength_that_each_layer_uses_is_told_and_a_warning_where_none_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    stands = Trial(1.0, True, 0.0, 0.0, "complete", 0.0)
+    used = {"soil": 0.5, "clay": 0.991}
+    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 1.0, mobilised=used))
+    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
+    found = [row.finding for row in study_stability({"one": scene()}, lambda line: None, []) if row.finding.code == "mobilised-strength"]
+    assert [(each.subject, each.severity) for each in found] == [("clay", "warning"), ("soil", "note")]
+    assert found[0].measured == "99 % of its peak strength" and found[0].key.startswith("layers.clay.soil.K0")
+    assert not found[1].wanted and not found[1].key
+
+
+def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What stands at its peak strength is tested again with its loss of strength, where soil has begun to fail and can lose any."""
+    stands, falls = (Trial(1.0, stood, area, 0.0, "complete", 0.0) for stood, area in ((True, 0.0), (False, 7.0)))
+    tested: list[Scene] = []
+
+    def softening(scene: Scene) -> Trial:
+        tested.append(scene)
+        return falls
+
+    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.study.preflight._softening", softening)
+
+    def told(begun: bool, **settings: Any) -> list[Finding]:
+        monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 1.0, begun=begun))
+        rows = study_stability({"one": scene(**settings)}, lambda line: None, [])
+        return [row.finding for row in rows if row.finding.code == "fails-softened"]
+
+    (found,) = told(True)
+    assert found.severity == "error" and found.measured.startswith("7 m2 displaced") and found.wanted == "to stand"
+    assert told(False) == [] and told(True, **{"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}) == []
+    assert len(tested) == 1
+
+
+def test_a_static_test_may_lose_strength_as_the_scene_does() -> None:
+    slope = scene(layers={"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 6.0}, "gamma": 3.0}})
+    kept, lost = (static_scene(slope, DEFAULT_RULE, softens=softens) for softens in (False, True))
+    assert (kept.coupling.gamma, kept.layers["clay"].gamma) == (0.0, None)
+    assert (lost.coupling, lost.layers["clay"].gamma) == (slope.coupling, 3.0)
+    same = {"coupling", "layers"}
+    assert kept.model_dump(exclude=same) == lost.model_dump(exclude=same)
 
 
 def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -276,7 +332,7 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
     def unsearched(*arguments: Any, **options: Any) -> None:
         raise ValueError("no search in this test")
 
-    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 0.0, False))
+    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 0.4))
     monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
     monkeypatch.setattr("sph.study.preflight.extrapolated", unsearched)
     said: list[str] = []
@@ -343,6 +399,22 @@ def test_no_two_findings_of_a_scene_are_taken_for_one(name: str) -> None:
 
 
 # ---------------------------------------------------------------- soil that fails before the shaking
+
+
+def test_soil_that_fails_between_the_gravity_stage_and_the_shaking_has_failed_unshaken() -> None:
+    t_f = np.array([3.0, 3.4, 4.9, 5.0, 6.0, np.nan, 0.0])
+    late = scene(**{"motion.start": 5.0, "motion.decay_start": 5.5, "motion.end": 6.0})
+    assert late.unshaken(t_f).tolist() == [True, True, True, False, False, False, False]
+    assert scene().unshaken(t_f).tolist() == [True] + 6 * [False]
+    assert scene(motion={"kind": "none"}).unshaken(t_f).tolist() == [True] + 6 * [False]
+
+
+def test_the_status_names_the_layers_that_fail_unshaken() -> None:
+    seam = {"seam": {"region": {"kind": "depth", "top": 4.0, "bottom": 7.0}, "soil": {"cohesion": 1.0, "friction_angle": 5.0}}}
+    found = run(scene(layers=seam, duration=3.1, **{"soil.cohesion": 60.0}))
+    assert found.status == Status.FAILED_UNSHAKEN
+    whole, part = map(float, re.findall(r"([\d.]+)% of", found.trajectory.attrs["status_reason"]))
+    assert "% of seam)" in found.trajectory.attrs["status_reason"] and part > whole > 0.0
 
 
 @pytest.mark.parametrize(

@@ -1,34 +1,35 @@
-# Purpose: what goes into a study (Figs. 1-3), its results against its dimensions and some profiles.
+# Purpose: what goes into a study (Figs. 1-3), the strength used before the shaking, its results against its dimensions and some profiles.
 # Inputs:  the runs each figure shows (config: figures.runs), study.csv; the drawing code.
-# Outputs: figures/fig1 to fig3, study, profiles, PNG and PDF
+# Outputs: figures/fig1 to fig3, mobilised, study, profiles, PNG and PDF
 
 
 rule figure:
-    """Draw a figure of what goes in: geometry, motion, initial particles."""
+    """Draw a figure of one run: geometry, motion, initial particles, strength used before the shaking."""
     input:
         runs=lambda wildcards: expand(
             RUN,
             folder=RESULTS,
-            run=PLAN.study.figure_files[f"fig{wildcards.number}"],
+            run=PLAN.study.figure_files[wildcards.figure],
         ),
     output:
         png=report(
-            f"{RESULTS}/figures/fig{{number}}.png",
+            f"{RESULTS}/figures/{{figure}}.png",
             caption="../report/figure.rst",
             category="Figures",
-            labels={"shows": "Figure {number}"},
+            labels={"shows": "{figure}"},
         ),
-        pdf=f"{RESULTS}/figures/fig{{number}}.pdf",
+        pdf=f"{RESULTS}/figures/{{figure}}.pdf",
     log:
-        f"{RESULTS}/logs/fig{{number}}.log",
+        f"{RESULTS}/logs/{{figure}}.log",
     wildcard_constraints:
-        number="[1-3]",
+        figure="fig[1-3]|mobilised",
     params:
         sources=SOLVER + DRAWING,
-        figure=lambda wildcards: f"fig{wildcards.number}",
+        figure=lambda wildcards: wildcards.figure,
+        caption=lambda wildcards: caption_of(RUN_FIGURES[wildcards.figure]),
         scenes=lambda wildcards: [
             planned(PLAN.run_scene(run))
-            for run in PLAN.study.figure_files[f"fig{wildcards.number}"]
+            for run in PLAN.study.figure_files[wildcards.figure]
         ],
         titles=[],
         fidelity=PLAN.study.fidelity,

@@ -1,0 +1,80 @@
+"""Mobilised strength: the share of its peak strength that soil uses, above all when the gravity stage ends and the shaking has not begun.
+
+Of a particle it is the radius of the Mohr circle of its effective stress in the section over that of the circle at yield with the same
+centre (Mohr-Coulomb, plane strain),
+
+    r / r_y,   r^2 = ((sigma_xx - sigma_yy) / 2)^2 + sigma_xy^2,   r_y = c cos(phi) + p sin(phi),   p = -(sigma_xx + sigma_yy) / 2,
+
+1 at yield.  Single particles scatter, so that of a layer it is the sum of r over the sum of r_y in a disc a half of the slope's height
+wide, there where this is largest: in thin seams a stretch of that length, whatever the spacing and the size of the box.  Discs lie around
+particles of the layer no further than the slope's height before the toe and behind the crest, and clear of walls on which soil hangs.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy  # type: ignore[import-untyped]
+import xarray as xr
+
+from sph.scene.geometry import SLOPES
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL, peak_strength, place_particles
+from sph.storage.trajectory import scene_of
+
+DISC = 0.5
+"""Diameter of the disc over the slope's height."""
+FULL = 0.25
+"""Least number of the layer's particles in a disc, over the largest: fewer, at the layer's ends, are single particles."""
+MOST_DISCS = 4000
+"""Most discs of a layer, around particles evenly through it."""
+
+
+def circles(trajectory: xr.Dataset, frame: int) -> tuple[np.ndarray, np.ndarray]:
+    """Radius of the Mohr circle of each particle (n,) in a frame, and that at yield, Pa."""
+    scene = scene_of(trajectory)
+    cohesion, angle = peak_strength(scene, place_particles(scene))
+    xx, yy, xy = (trajectory[f"stress_{axes}"].values[frame].astype(float) for axes in ("xx", "yy", "xy"))
+    at_yield = cohesion * np.cos(angle) - 0.5 * (xx + yy) * np.sin(angle)
+    return np.hypot(0.5 * (xx - yy), xy), np.maximum(at_yield, 0.0)
+
+
+def mobilised(trajectory: xr.Dataset, frame: int) -> np.ndarray:
+    """Share (n,) of its peak strength that each particle uses in a frame; 1 where it has none, as at the ground without cohesion."""
+    radius, at_yield = circles(trajectory, frame)
+    return np.where(at_yield > 0.0, radius / np.where(at_yield > 0.0, at_yield, 1.0), 1.0)
+
+
+def mobilised_by_layer(trajectory: xr.Dataset, frame: int) -> dict[str, float]:
+    """Share of its peak strength that each layer near the slope uses in a frame, by name; ``soil`` is the scene's own."""
+    scene = scene_of(trajectory)
+    radius, at_yield = circles(trajectory, frame)
+    places = np.column_stack([trajectory[axis].values[frame].astype(float) for axis in ("x", "y")])
+    layers, near = place_particles(scene).layer, _near(trajectory, scene)
+    found = {}
+    for number, name in enumerate(("soil", *scene.layers)):
+        there = (trajectory["kind"].values == SOIL) & (layers == number) & np.isfinite(places).all(axis=1)
+        centres = places[there & near]
+        if not len(centres):
+            continue
+        tree = scipy.spatial.cKDTree(places[there])
+        discs = tree.query_ball_point(centres[:: -(-len(centres) // MOST_DISCS)], 0.5 * DISC * _height(scene))
+        used, there_is, count = (np.array([of[there][disc].sum() for disc in discs]) for of in (radius, at_yield, np.ones_like(radius)))
+        full = (count >= FULL * count.max()) & (there_is > 0.0)
+        found[name] = float((used[full] / there_is[full]).max()) if full.any() else 1.0
+    return found
+
+
+def _height(scene: Scene) -> float:
+    geometry = scene.geometry
+    return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
+
+
+def _near(trajectory: xr.Dataset, scene: Scene) -> np.ndarray:
+    """Which particles (n,) lie near the slope, and clear of sides that hold soil; all of a shape without a slope."""
+    geometry, x = scene.geometry, trajectory["x0"].values
+    if not isinstance(geometry, SLOPES):
+        return np.ones(x.size, bool)
+    near = (geometry.toe[0] - _height(scene) <= x) & (x <= geometry.crest[0] + _height(scene))
+    if scene.walls.kinds.sides.grips:
+        near &= np.minimum(x, geometry.width - x) > 2.0 * scene.numerics.smoothing_length + 0.5 * DISC * _height(scene)
+    return near
