@@ -21,10 +21,10 @@ from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
-from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated, two_spacings
+from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
-from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
+from sph.stability.standing import coarsest_spacing, divided_strength, dividing, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
 from sph.study.finding import Finding, Severity, finding
@@ -44,6 +44,8 @@ MOST_SCENES = 200
 """Most scenes of a study that are looked at, evenly through it."""
 QUICK_TRIALS = (9, 6)
 """Static tests of a search to ``QUICK_TOLERANCE``, at the coarse and at the fine spacing (measured: 5 to 11 and 3 to 6)."""
+QUICK_SENSITIVITY = 6
+"""Static tests at the coarse spacing by which the sensitivity of the yield acceleration is found, to the same tolerance."""
 PREFLIGHT: tuple[Variable, ...] = (
     text_column("severity", f"how much it matters: {', '.join(Severity)}"),
     text_column("code", "what kind of finding it is"),
@@ -80,7 +82,7 @@ def stability(scene: Scene) -> list[Finding]:
     or is too coarse for the tests.
     """
     static = static_scene(scene, DEFAULT_RULE)
-    peak = _at_peak(static)
+    peak = _at_peak(scene)
     if not peak.trial.stands:
         return [_of_peak(peak.trial)]
 
@@ -108,12 +110,13 @@ class Peak(NamedTuple):
     """that area is one with which a run has the status ``failed_unshaken``"""
 
 
-def _at_peak(static: Scene) -> Peak:
-    tested = divided_strength(static, 1.0)
-    result = run(tested)
-    failed = tested.gravity.failed(result.trajectory["t_f"].values[result.trajectory["kind"].values == SOIL])
-    count = int(np.count_nonzero(failed))
-    return Peak(judged(result, tested, DEFAULT_RULE, 1.0), count * tested.numerics.spacing**2, tested.fails_unshaken(count))
+def _at_peak(scene: Scene) -> Peak:
+    """Whether it stands does not depend on the stiffness; which soil yields under gravity does, where soils differ in it."""
+    trial = stand(divided_strength(static_scene(scene, DEFAULT_RULE), 1.0), DEFAULT_RULE, 1.0)
+    settled = divided_strength(static_scene(scene, DEFAULT_RULE, own_stiffness=True), 1.0)
+    trajectory = run(settled, "gravity").trajectory
+    count = int(np.count_nonzero(settled.gravity.failed(trajectory["t_f"].values[trajectory["kind"].values == SOIL])))
+    return Peak(trial, count * settled.numerics.spacing**2, settled.fails_unshaken(count))
 
 
 def _at_residual(static: Scene) -> Trial:
@@ -183,11 +186,6 @@ def quick_spacings(scene: Scene) -> tuple[float, float]:
     return dividing(coarse, slope_height(scene)), dividing(fine, slope_height(scene))
 
 
-def at_spacing(scene: Scene, spacing: float) -> Scene:
-    """A scene at another spacing, m."""
-    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
-
-
 def quick_scene(scene: Scene) -> Scene:
     """A scene at the fine one of ``quick_spacings``, at which a study tests whether its slopes stand."""
     return at_spacing(scene, quick_spacings(scene)[1])
@@ -198,20 +196,22 @@ class Slopes(NamedTuple):
 
     runs: dict[tuple[str, str], list[str]]  # by the test at peak and at residual strength
     statics: dict[str, Scene]  # by run
+    quick: dict[str, Scene]  # the scene at the spacing of these, by run
     untested: dict[Finding, list[str]]  # why runs have none
 
 
 def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
-    found = Slopes({}, {}, {})
+    found = Slopes({}, {}, {}, {})
     for name, scene in scenes.items():
         try:
-            static = static_scene(quick_scene(scene), DEFAULT_RULE)
+            quick = quick_scene(scene)
+            static = static_scene(quick, DEFAULT_RULE)
         except ValueError as error:
             found.untested.setdefault(finding("stability-unknown", "the stability of the slope", f"not tested: {error}"), []).append(name)
             continue
-        found.statics[name] = static
+        found.statics[name], found.quick[name] = static, quick
         residual = weakened(static, static.coupling.S_R)
-        at_peak = divided_strength(static, 1.0)
+        at_peak = divided_strength(static_scene(quick, DEFAULT_RULE, own_stiffness=True), 1.0)
         same: dict[str, Any] = {"name": True, "title": True, "probes": True, "coupling": {"S_R"}}
         found.runs.setdefault((at_peak.model_dump_json(exclude=same), residual.model_dump_json(exclude=same)), []).append(name)
     return found
@@ -219,15 +219,16 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
 
 def preflight_seconds(scenes: Mapping[str, Scene]) -> float:
     """Computing time on the reference machine of ``study_stability``, s; where all slopes stand."""
-    runs, statics, _ = _slopes(scenes)
+    runs, statics, _, _ = _slopes(scenes)
     spent, slopes = 0.0, dict[str, float]()
     for (peak_key, _), names in runs.items():
         if spent <= LONGEST:
             spent += cost(statics[names[0]]).seconds * (1 + (peak_key not in slopes))
-            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], QUICK_TRIALS))
+            coarse, fine = QUICK_TRIALS
+            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (2 * coarse + QUICK_SENSITIVITY, 2 * fine)))
     for number, one in enumerate(slopes.values()):
         if number == 0 or spent <= LONGEST:
-            spent += len(QUESTIONS) * one
+            spent += one
     return spent
 
 
@@ -247,7 +248,7 @@ def study_stability(
     Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``; then the
     limits of the first slope are searched, and of the others until all has taken that long.
     """
-    runs, statics, found = _slopes(scenes)
+    runs, statics, quick, found = _slopes(scenes)
     peaks: dict[str, Peak] = {}
     slopes: dict[str, list[str]] = {}
     spent, left = 0.0, list[str]()
@@ -259,7 +260,7 @@ def study_stability(
         one = cost(static).seconds
         slopes.setdefault(peak_key, []).extend(names)
         if peak_key not in peaks:
-            peaks[peak_key] = _at_peak(static)
+            peaks[peak_key] = _at_peak(quick[names[0]])
             spent += one
         peak = peaks[peak_key]
         told = [_of_peak(peak.trial)]
@@ -287,7 +288,8 @@ def study_stability(
             label, find, _ = QUESTIONS[code]
             try:
                 search = extrapolated(find, scene, QUICK_TOLERANCE, asked=quick_spacings(scene))
-                limit, trials = _of_limit(code, search), tuple(len(each.trials) for each in search.searches)
+                fine = len(search.searches[1].trials)
+                limit, trials = _of_limit(code, search), (search.runs - fine, fine)
             except ValueError as error:
                 limit, trials = finding("stability-unknown", label, f"not found: {error}"), QUICK_TRIALS
             spent += search_seconds(scene, trials)

@@ -114,7 +114,8 @@ def test_the_static_test_softens_nothing_and_shakes_nothing() -> None:
     rule = FailureRule(observation=7.0)
     calm, loaded = static_scene(shaken, rule), static_scene(shaken, rule, 2.0)
     assert calm.coupling.gamma == 0 and calm.motion.kind == "none" and calm.damping is None
-    assert calm.soil == shaken.soil and calm.gravity == shaken.gravity and calm.walls == shaken.walls
+    assert calm.soil.model_copy(update={"youngs_modulus": shaken.soil.youngs_modulus}) == shaken.soil
+    assert calm.gravity == shaken.gravity and calm.walls == shaken.walls
     assert 0 <= calm.duration - (2.0 + 7.0 * math.sqrt(HEIGHT / GRAVITY)) < 0.25
     assert loaded.motion.acceleration(np.array([2.0, 2.5, 9.0])).tolist() == [0.0, 1.0, 2.0]
     assert loaded.duration == pytest.approx(calm.duration + 1.0)
@@ -165,7 +166,7 @@ def test_factor_of_safety_on_a_frictional_floor() -> None:
 
 @pytest.mark.long
 def test_a_run_that_diverges_has_failed() -> None:
-    trial = stand(static_scene(layer({"soil.youngs_modulus": 1.0}), FailureRule()), FailureRule(), 1.0)
+    trial = stand(static_scene(layer({"soil.youngs_modulus": 1.0}), FailureRule(), own_stiffness=True), FailureRule(), 1.0)
     assert trial.status == "diverged" and not trial.stands
 
 
@@ -287,8 +288,7 @@ def test_factor_of_safety_of_a_vertical_cut() -> None:
         (factor_of_safety, {"gravity.inclination": 20.0, "soil.cohesion": 0.0}, "layer: fails even at a factor of 0.0585"),
         (critical_strength_ratio, {"gravity.inclination": 20.0, "soil.cohesion": 30.0}, "layer: fails with S_R 1"),
         (critical_strength_ratio, {}, "layer: stands even with S_R 0.039"),
-        # Stiff soil: that of the layer shears elastically by the rule's displacement at 3 g.
-        (yield_acceleration, {"soil.cohesion": 1e5, "soil.youngs_modulus": 1e7}, "layer: stands even at 5.77 g"),
+        (yield_acceleration, {"soil.cohesion": 1e5}, "layer: stands even at 5.77 g"),
     ],
 )
 def test_a_slope_without_a_limit_is_refused(find: Any, overrides: dict[str, Any], wanted: str) -> None:
@@ -319,7 +319,7 @@ def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
     )
     for line, spacing in ((coarse, 1.0), (fine, 0.5)):
         assert line.startswith(f"factor of safety at {spacing:g} m: ") and f"{(trials['spacing'] == spacing).sum()} runs" in line
-    # Between so wide brackets F rises a little from 1 m to 0.5 m, and the critical strength ratio falls: neither is extrapolated.
+    # Between so wide brackets F rises a little from 1 m to 0.5 m and is not extrapolated; what S_R does is chance.
     assert re.match(r"factor of safety: [\d.]+, that at a spacing of 0.5 m, since .* from 1 m .*; remaining error about 0\.", answered)
     assert "0.1 H" in sentence and "5 sqrt(H/g)" in sentence
     assert list(trials.columns) == ["spacing", *Trial._fields]
@@ -327,7 +327,8 @@ def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
     found = json.loads(call(tmp_path, "fos", *tilted, "--reduce", "S_R", "--json").stdout)
     coarse, fine = found["spacings"]
     assert found["quantity"] == "critical strength ratio" and (coarse["spacing"], fine["spacing"]) == (1.0, 0.5)
-    assert found["value"] == fine["value"] < coarse["value"] and found["error"] > coarse["value"] - fine["value"]
+    step = fine["value"] - coarse["value"]
+    assert found["value"] == pytest.approx(fine["value"] + max(step, 0.0)) and found["error"] > 0.5 * step
     assert fine["lower"] < fine["value"] < fine["upper"]
     assert [each["code"] for each in found["findings"] if each["severity"] != "note"] == [
         line.rpartition("[")[2][:-1] for line in result.stderr.splitlines() if "]" in line
