@@ -114,7 +114,8 @@ def _at_peak(scene: Scene) -> Peak:
     """Whether it stands does not depend on the stiffness; which soil yields under gravity does, where soils differ in it."""
     trial = stand(divided_strength(static_scene(scene, DEFAULT_RULE), 1.0), DEFAULT_RULE, 1.0)
     settled = divided_strength(static_scene(scene, DEFAULT_RULE, own_stiffness=True), 1.0)
-    trajectory = run(settled, "gravity").trajectory
+    shortly_after = settled.gravity.duration + settled.outputs.frame_interval  # failure counts from the end of the stage on
+    trajectory = run(settled.model_copy(update={"duration": shortly_after})).trajectory
     count = int(np.count_nonzero(settled.gravity.failed(trajectory["t_f"].values[trajectory["kind"].values == SOIL])))
     return Peak(trial, count * settled.numerics.spacing**2, settled.fails_unshaken(count))
 

@@ -18,6 +18,7 @@ from sph.command.cli import REFUSED, app
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
+from sph.stability.extrapolation import extrapolated
 from sph.stability.limit_analysis import infinite_slope_factor
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Trial, search
@@ -259,6 +260,19 @@ def test_critical_strength_ratio_of_an_infinite_slope() -> None:
 def test_yield_acceleration_of_level_ground() -> None:
     """c = rho a H, 0.5 g here; tolerance as above."""
     assert yield_acceleration(layer(), tolerance=0.02).value == pytest.approx(0.5 * GRAVITY, rel=0.085)
+
+
+@pytest.mark.long
+def test_the_sensitivity_of_a_yield_acceleration() -> None:
+    """On an incline a_y = c / (rho H) - g sin(theta), so that da/d ln c = c / (rho H), three times a_y here.
+
+    Tolerance, stated before the first run: 8.5 % as above, and brackets of 2 % of a_y beside a difference of a third of it: 15 %.
+    """
+    inclined = layer({"gravity.inclination": 20.0, "numerics.spacing": 0.5})
+    found = extrapolated(yield_acceleration, inclined, 0.02)
+    exact = COHESION * GRAVITY / (UNIT_WEIGHT * HEIGHT)
+    assert found.sensitivity == pytest.approx(exact, rel=0.15)
+    assert found.error > FailureRule().displacement * 0.85 * exact > 2.0 * FailureRule().displacement * found.value
 
 
 def test_a_slope_that_fails_by_itself_has_no_yield_acceleration() -> None:
