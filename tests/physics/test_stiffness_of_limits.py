@@ -172,7 +172,7 @@ def test_the_commands_find_one_limit_over_three_decades(name: str, slope: str, t
 @pytest.mark.long
 @pytest.mark.parametrize("modulus", [3e3, 3e4, 3e6, 3e7])
 def test_soft_and_stiff_soil_have_the_published_factor(modulus: float) -> None:
-    """V9's slope (Griffiths and Lane 1999), within 2 % as there; the stiff one is also within the time of the soft one."""
+    """V9's slope (Griffiths and Lane 1999), within 2 % as there."""
     found = extrapolated(
         factor_of_safety,
         make_scene(merge(dict(read_scene("config/scenes/validation/v09_griffiths_lane.yaml")), {"soil": {"youngs_modulus": modulus}})),
