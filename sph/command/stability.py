@@ -117,20 +117,24 @@ def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
 def remaining(question: Question, found: Extrapolated) -> list[str]:
     """The extrapolated value and the error that remains."""
     step = "half the step" if found.step_taken else "the whole step"
-    return [
+    told = [
         f"{question.name}: {question.text(found.value)}, {found.how}; remaining error about {question.text(found.error)} "
         f"({step} of the extrapolation, the brackets, and the displacement that the rule allows)"
     ]
+    if question.find is yield_acceleration:
+        told.append(f"1 % of strength is {question.text(0.01 * found.sensitivity)} of {question.name}")
+    return told
 
 
 def record(question: Question, found: Search | Extrapolated, searches: Mapping[float, Search], rule: FailureRule) -> dict[str, Any]:
-    """The answer for machines; numbers that are not finite are null.  The error is null for a single spacing."""
+    """The answer for machines; numbers that are not finite are null.  Error and sensitivity are null for a single spacing."""
     return {
         "quantity": question.name,
         "unit": question.unit,
         "value": found.value,
         "error": found.error if isinstance(found, Extrapolated) else None,
-        "runs": sum(len(search.trials) for search in searches.values()),
+        "sensitivity": found.sensitivity if isinstance(found, Extrapolated) else None,
+        "runs": found.runs if isinstance(found, Extrapolated) else len(found.trials),
         "rule": rule.model_dump() | {"text": rule.sentence()},
         "spacings": [
             {

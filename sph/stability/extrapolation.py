@@ -9,17 +9,20 @@ spacing 0 is
 Where that step leads to the unsafe side, the placing of the particles decides, for instance in thin layers; it is then not taken.
 
 The remaining error is an estimate, not a bound: half of that step, for an order of convergence that is not 1, or all of it where it is
-not taken; half of the brackets' widths as the extrapolation magnifies them; and the rule's displacement over H, since a slope that slides
-by delta comes to rest flatter by about delta / H, so that a limit by displacement is too high by as much.
+not taken; half of the brackets' widths as the extrapolation magnifies them; and what the rule allows: a slope that slides by delta comes
+to rest flatter by about delta / H, so that a limit by displacement is too high by as much, of the strength.  A limit of the load may be
+far more sensitive: an error of x in F is one of x / |d ln F / da| in a yield acceleration.  That is found by a second search at the coarse
+spacing, with a strength greater by a tenth.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.stability.safety import DEFAULT_RULE
+from sph.stability.safety import DEFAULT_RULE, yield_acceleration
 from sph.stability.search import TOLERANCE, Search, Trial
 from sph.stability.standing import FailureRule, coarsest_spacing, dividing, slope_height
 
@@ -27,6 +30,8 @@ RATIO = 2.0
 """Coarse spacing over the scene's own, unless the rule needs a finer one."""
 SMALLEST_RATIO = 1.3
 """Of two spacings; closer ones magnify the brackets too much."""
+STRONGER = 1.1
+"""Strength of the search by which the sensitivity of a yield acceleration is found, over that of the soil."""
 
 
 class Extrapolated(NamedTuple):
@@ -41,6 +46,10 @@ class Extrapolated(NamedTuple):
     """estimate of what remains, in the value's unit"""
     step_taken: bool
     """False where the value is that at the fine spacing"""
+    sensitivity: float
+    """change of the value with the logarithm of the strength, in the value's unit: an error of 1 % of F is a hundredth of it"""
+    runs: int
+    """static tests of all searches"""
 
     @property
     def how(self) -> str:
@@ -64,6 +73,11 @@ def to_zero(coarse: Search, fine: Search, ratio: float) -> tuple[float, float, b
     value, error = (value, 0.5 * abs(step)) if taken else (fine.value, abs(step))
     brackets = 0.5 * (ratio * (fine.upper - fine.lower) + (coarse.upper - coarse.lower)) / (ratio - 1.0)
     return value, error + brackets, taken
+
+
+def at_spacing(scene: Scene, spacing: float) -> Scene:
+    """A scene at another spacing, m."""
+    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
 
 
 def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None = None) -> tuple[float, float]:
@@ -102,14 +116,18 @@ def extrapolated(
     searches: list[Search] = []
     spacings = two_spacings(scene, rule, asked)
     for spacing in spacings:
-        at = scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
         near = searches[0].value if searches else None
 
         def tell(trial: Trial, spacing: float = spacing) -> None:
             if report is not None:
                 report(spacing, trial)
 
-        searches.append(find(at, tolerance, rule, tell, near=near))
+        searches.append(find(at_spacing(scene, spacing), tolerance, rule, tell, near=near))
     coarse, fine = searches
     value, error, taken = to_zero(coarse, fine, spacings[0] / spacings[1])
-    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + rule.displacement * abs(value), taken)
+    sensitivity, runs = abs(value), len(coarse.trials) + len(fine.trials)
+    if find is yield_acceleration:
+        stronger = yield_acceleration(at_spacing(scene, spacings[0]), tolerance, rule, near=coarse.value, stronger=STRONGER)
+        sensitivity = (stronger.value - coarse.value) / math.log(STRONGER)
+        runs += len(stronger.trials)
+    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + rule.displacement * sensitivity, taken, sensitivity, runs)

@@ -86,15 +86,18 @@ def yield_acceleration(
     report: Report | None = None,
     known: Known | None = None,
     near: float | None = None,
+    stronger: float = 1.0,
 ) -> Search:
     """The constant horizontal acceleration of the box, towards the toe, at which the slope fails (pseudo-static), m/s2.
 
     The tolerance is relative, and below 0.1 g relative to that.  A slope that fails without the load has yield
-    acceleration 0.  ValueError where the slope stands at every acceleration tried, and for a run that diverged as above.
+    acceleration 0.  With ``stronger``, cohesion and tan(phi) are first multiplied by that.  ValueError where the slope stands at every
+    acceleration tried, and for a run that diverged as above.
     """
 
     def test(acceleration: float) -> Trial:
-        return stand(static_scene(scene, rule, acceleration), rule, acceleration)
+        static = static_scene(scene, rule, acceleration)
+        return stand(static if stronger == 1.0 else divided_strength(static, 1.0 / stronger), rule, acceleration)
 
     found = search(test, *around(ACCELERATIONS, near, 0), tolerance, smallest=ACCELERATIONS[1], report=report, known=known)
     _check_verdict(scene, rule, found)

@@ -9,7 +9,9 @@ under gravity.  It is a run of the scene's own soil, box and spacing with
   lost its balance only creeps, and seems to stand; the gravity stage keeps its own damping, which fades before observation;
 * h of at most 1.3 spacings, since particles with wider kernels rearrange by more than the displacement at which sliding begins;
 * artificial viscosity of 0.3: with 0.1 noise in the stress takes up strength, and nothing moves fast that it could hold up;
-* the longest time step that is stable (``numerics.adaptive_step``).
+* the longest time step that is stable (``numerics.adaptive_step``);
+* one shear modulus for all soil, by which it moves elastically by a tenth of what the rule allows.  A limit does not depend on the
+  stiffness (Griffiths and Lane 1999 take a nominal one), and soft soil that only bends has not failed.
 """
 
 from __future__ import annotations
@@ -48,6 +50,8 @@ REARRANGEMENT = 0.1
 """Distance over the spacing within which particles of a standing slope move (measured: 0.03 at most well below the limit of V17)."""
 FEWEST_ROWS = 10
 """Rows of particles over the height of a slope that a static test needs."""
+ELASTIC_SHARE = 0.1
+"""Elastic movement of the ground in a static test over the rule's displacement."""
 
 
 class FailureRule(Section):
@@ -82,12 +86,22 @@ def coarsest_spacing(scene: Scene, rule: FailureRule) -> float:
     return slope_height(scene) * min(rule.displacement / REARRANGEMENT, 1.0 / FEWEST_ROWS)
 
 
-def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, softens: bool = False) -> Scene:
+def stiffness(scene: Scene, rule: FailureRule, acceleration: float = 0.0) -> float:
+    """Shear modulus G of a static test, Pa.
+
+    A column as deep as the soil, D, moves sideways by rho a D^2 / 2G at its top under a, here g and the acceleration (m/s2) together:
+    ``ELASTIC_SHARE`` of the displacement by which the rule fails the slope.
+    """
+    depth, density = max(scene.geometry.surface[1]), max(soil.density for soil in scene.soils)
+    load = density * (scene.gravity.acceleration + abs(acceleration))
+    return 0.5 * load * depth**2 / (ELASTIC_SHARE * rule.displacement * slope_height(scene))
+
+
+def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, softens: bool = False, own_stiffness: bool = False) -> Scene:
     """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe.
 
-    With ``softens`` the soil loses its strength as in the scene.
-
-    Absorbing walls hold no load that stays; a no-slip base and free-slip sides stand in their place.
+    Its soil has the shear modulus of ``stiffness`` and its own Poisson's ratio, or its ``own_stiffness``, for what is said of the gravity
+    stage of runs; with ``softens`` it loses its strength as in the scene.  Absorbing walls hold no load that stays; a no-slip base and free-slip sides stand in their place.
     """
     if scene.gravity.acceleration == 0:
         raise ValueError("gravity.acceleration: 0 m/s2: without gravity every slope stands")
@@ -126,6 +140,11 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
     }
     if "absorbing" in (scene.walls.base, scene.walls.sides):  # holds no load that stays: a rigid base and sides on rollers instead
         changes |= {"walls.base": RESOLVED["walls"]["base"], "walls.sides": RESOLVED["walls"]["sides"], "walls.bedrock": None}
+    if not own_stiffness:
+        modulus = 2e-3 * stiffness(scene, rule, acceleration)  # 2 G, kPa
+        changes["soil.youngs_modulus"] = modulus * (1.0 + scene.soil.poisson_ratio)
+        for name, layer in scene.layers.items():
+            changes[f"layers.{name}.soil.youngs_modulus"] = modulus * (1.0 + layer.soil.poisson_ratio)
     if scene.numerics.smoothing_length > SMOOTHING_RATIO * spacing:
         changes |= {"numerics.smoothing_ratio": SMOOTHING_RATIO, "numerics.smoothing_length_is": "half_support"}
     return make_scene(merge(scene.model_dump() | {"motion": {}}, dotted(changes)), scene.name)

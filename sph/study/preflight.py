@@ -24,7 +24,7 @@ from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
-from sph.stability.extrapolation import RATIO, Extrapolated, extrapolated, two_spacings
+from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
@@ -51,6 +51,8 @@ USED_UP = 0.95
 """Share of its peak strength from which on hardly any is left to the shaking."""
 QUICK_TRIALS = (9, 6)
 """Static tests of a search to ``QUICK_TOLERANCE``, at the coarse and at the fine spacing (measured: 5 to 11 and 3 to 6)."""
+QUICK_SENSITIVITY = 6
+"""Static tests at the coarse spacing by which the sensitivity of the yield acceleration is found, to the same tolerance."""
 PREFLIGHT: tuple[Variable, ...] = (
     text_column("severity", f"how much it matters: {', '.join(Severity)}"),
     text_column("code", "what kind of finding it is"),
@@ -87,7 +89,7 @@ def stability(scene: Scene) -> list[Finding]:
     or is too coarse for the tests.
     """
     static = static_scene(scene, DEFAULT_RULE)
-    peak = _at_peak(static)
+    peak = _at_peak(scene)
     if not peak.trial.stands:
         return [_of_peak(peak, scene)]
 
@@ -121,15 +123,19 @@ class Peak(NamedTuple):
     """share of its peak strength that each layer uses at the end of the gravity stage"""
 
 
-def _at_peak(static: Scene) -> Peak:
-    tested = divided_strength(static, 1.0)
+def _at_peak(scene: Scene) -> Peak:
+    """Whether it stands does not depend on the stiffness; which soil yields under gravity does, where soils differ in it."""
+    tested = divided_strength(static_scene(scene, DEFAULT_RULE), 1.0)
     result = run(tested)
-    trajectory, spacing = result.trajectory, tested.numerics.spacing
-    t_f = trajectory["t_f"].values[trajectory["kind"].values == SOIL]
-    count = int(np.count_nonzero(tested.gravity.failed(t_f)))
     trial = judged(result, tested, DEFAULT_RULE, 1.0)
+    settled = divided_strength(static_scene(scene, DEFAULT_RULE, own_stiffness=True), 1.0)
+    shortly_after = settled.gravity.duration + settled.outputs.frame_interval  # failure counts from the end of the stage on
+    trajectory = run(settled.model_copy(update={"duration": shortly_after})).trajectory
+    count = int(np.count_nonzero(settled.gravity.failed(trajectory["t_f"].values[trajectory["kind"].values == SOIL])))
+    begun = any(np.isfinite(t["t_f"].values[t["kind"].values == SOIL]).any() for t in (result.trajectory, trajectory))
     used = mobilised_by_layer(trajectory, gravity_frame(trajectory)) if trial.stands else {}
-    return Peak(trial, spacing, count * spacing**2, tested.fails_unshaken(count), bool(np.isfinite(t_f).any()), used)
+    spacing = tested.numerics.spacing
+    return Peak(trial, spacing, count * spacing**2, settled.fails_unshaken(count), begun, used)
 
 
 def _at_residual(static: Scene) -> Trial:
@@ -137,7 +143,13 @@ def _at_residual(static: Scene) -> Trial:
 
 
 def _softening(scene: Scene) -> Trial:
-    return stand(static_scene(scene, DEFAULT_RULE, softens=True), DEFAULT_RULE, 1.0)
+    """The test with the scene's loss of strength; with its own stiffness, which decides over what length slip develops, unless the soil is
+    so soft that its elastic movement alone counts as failure."""
+
+    def trial(softens: bool, own_stiffness: bool) -> Trial:
+        return stand(static_scene(scene, DEFAULT_RULE, softens=softens, own_stiffness=own_stiffness), DEFAULT_RULE, 1.0)
+
+    return trial(softens=True, own_stiffness=trial(softens=False, own_stiffness=True).stands)
 
 
 def _at(spacing: float, scene: Scene) -> str:
@@ -234,11 +246,6 @@ def quick_spacings(scene: Scene) -> tuple[float, float]:
     return dividing(coarse, slope_height(scene)), dividing(fine, slope_height(scene))
 
 
-def at_spacing(scene: Scene, spacing: float) -> Scene:
-    """A scene at another spacing, m."""
-    return scene.model_copy(update={"numerics": scene.numerics.model_copy(update={"spacing": spacing})})
-
-
 def standing_scene(scene: Scene) -> Scene:
     """A scene at the spacing at which a study tests whether its slopes stand: its own where a test takes at most ``OWN_SECONDS``, or else
     the fine one of ``quick_spacings``."""
@@ -253,20 +260,22 @@ class Slopes(NamedTuple):
 
     runs: dict[tuple[str, str], list[str]]  # by the test at peak and at residual strength
     statics: dict[str, Scene]  # by run
+    quick: dict[str, Scene]  # the scene at the spacing of these, by run
     untested: dict[Finding, list[str]]  # why runs have none
 
 
 def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
-    found = Slopes({}, {}, {})
+    found = Slopes({}, {}, {}, {})
     for name, scene in scenes.items():
         try:
-            static = static_scene(standing_scene(scene), DEFAULT_RULE)
+            quick = standing_scene(scene)
+            static = static_scene(quick, DEFAULT_RULE)
         except ValueError as error:
             found.untested.setdefault(finding("stability-unknown", "the stability of the slope", f"not tested: {error}"), []).append(name)
             continue
-        found.statics[name] = static
+        found.statics[name], found.quick[name] = static, quick
         residual = weakened(static, static.coupling.S_R)
-        at_peak = divided_strength(static, 1.0)
+        at_peak = divided_strength(static_scene(quick, DEFAULT_RULE, own_stiffness=True), 1.0)
         same: dict[str, Any] = {"name": True, "title": True, "probes": True, "coupling": {"S_R"}}
         found.runs.setdefault((at_peak.model_dump_json(exclude=same), residual.model_dump_json(exclude=same)), []).append(name)
     return found
@@ -274,15 +283,16 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
 
 def preflight_seconds(scenes: Mapping[str, Scene]) -> float:
     """Computing time on the reference machine of ``study_stability``, s; where all slopes stand."""
-    runs, statics, _ = _slopes(scenes)
+    runs, statics, _, _ = _slopes(scenes)
     spent, slopes = 0.0, dict[str, float]()
     for (peak_key, _), names in runs.items():
         if spent <= LONGEST:
             spent += cost(statics[names[0]]).seconds * (1 + (peak_key not in slopes))
-            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], QUICK_TRIALS))
+            coarse, fine = QUICK_TRIALS
+            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (2 * coarse + QUICK_SENSITIVITY, 2 * fine)))
     for number, one in enumerate(slopes.values()):
         if number == 0 or spent <= LONGEST:
-            spent += len(QUESTIONS) * one
+            spent += one
     return spent
 
 
@@ -302,7 +312,7 @@ def study_stability(
     Each slope is tested once at its peak strength, and at every residual strength of its runs, until that has taken ``LONGEST``; then the
     limits of the first slope are searched, and of the others until all has taken that long.
     """
-    runs, statics, found = _slopes(scenes)
+    runs, statics, quick, found = _slopes(scenes)
     peaks: dict[str, Peak] = {}
     slopes: dict[str, list[str]] = {}
     spent, left = 0.0, list[str]()
@@ -314,7 +324,7 @@ def study_stability(
         one = cost(static).seconds
         slopes.setdefault(peak_key, []).extend(names)
         if peak_key not in peaks:
-            peaks[peak_key] = _at_peak(static)
+            peaks[peak_key] = _at_peak(quick[names[0]])
             spent += one
         peak = peaks[peak_key]
         scene = scenes[names[0]]
@@ -345,7 +355,8 @@ def study_stability(
             label, find, _ = QUESTIONS[code]
             try:
                 search = extrapolated(find, scene, QUICK_TOLERANCE, asked=quick_spacings(scene))
-                limit, trials = _of_limit(code, search), tuple(len(each.trials) for each in search.searches)
+                fine = len(search.searches[1].trials)
+                limit, trials = _of_limit(code, search), (search.runs - fine, fine)
             except ValueError as error:
                 limit, trials = finding("stability-unknown", label, f"not found: {error}"), QUICK_TRIALS
             spent += search_seconds(scene, trials)

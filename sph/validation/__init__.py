@@ -6,7 +6,7 @@
 * ``solids``: V4 plate, V5 rings, V12 block on an incline
 * ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column
 * ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V16 drawdown and a chart, V17 and V18 both
-  against limit analysis, V19 infinite slopes, V21 with water
+  against limit analysis, V19 infinite slopes, V21 with water, V22 critical seismic coefficients
 * ``wet_column``: V20 columns with water
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy
@@ -43,7 +43,16 @@ from sph.validation.flows import (
     measure_slump,
 )
 from sph.validation.level import Draw, Measure
-from sph.validation.slopes import draw_drawdown, draw_limits, draw_search, measure_drawdown, measure_limits, measure_search
+from sph.validation.slopes import (
+    draw_drawdown,
+    draw_limits,
+    draw_search,
+    draw_seismic,
+    measure_drawdown,
+    measure_limits,
+    measure_search,
+    measure_seismic,
+)
 from sph.validation.solids import draw_incline, draw_plate, draw_rings, measure_incline, measure_plate, measure_rings
 from sph.validation.wet_column import draw_wet_columns, measure_wet_columns
 
@@ -69,6 +78,7 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V19": (measure_limits, draw_limits),
     "V20": (measure_wet_columns, draw_wet_columns),
     "V21": (measure_limits, draw_limits),
+    "V22": (measure_seismic, draw_seismic),
 }
 """What is measured and drawn for every case."""
 PROBES = {"V2": 2, "V3": 1, "V4": 1}

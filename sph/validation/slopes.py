@@ -1,4 +1,4 @@
-"""V9, V10, V16 to V19 and V21: slopes that just stand."""
+"""V9, V10, V16 to V19, V21 and V22: slopes that just stand."""
 
 from __future__ import annotations
 
@@ -18,8 +18,10 @@ from sph.stability.standing import slope_height
 from sph.storage import trajectory
 from sph.validation.level import Found, Level, Result
 
-PUBLISHED_FACTOR = 1.385
-"""Factor of safety of V9: Griffiths and Lane's and Bishop and Morgenstern's lie at 1.37 to 1.40."""
+PUBLISHED_FACTORS = {"run": 1.385, "acads_1a": 1.00}
+"""Factors of safety of V9: Griffiths and Lane's and Bishop and Morgenstern's lie at 1.37 to 1.40; that of ACADS 1(a)."""
+SEISMIC_BOUNDS = {"dry": (0.423, 0.454), "wet": (0.126, 0.145)}
+"""Rigorous bounds of the critical seismic coefficient of V22 (Loukidis, Bandini and Salgado 2003), by the first word of its runs."""
 CHART_FACTOR = 1.35
 """Factor of safety of V16's 4:1 slope by the charts of Bishop and Morgenstern (1960), m = 1.97 and n = 1.78 as GEO-SLOPE reads them."""
 LIMITS = {"factor_of_safety": limit_factor, "critical_strength_ratio": limit_strength_ratio}
@@ -33,30 +35,66 @@ def read_search(path: Path | str) -> Result:
 
 
 def measure_search(level: Level) -> dict[str, Found]:
-    """Middle of the bracket."""
-    return {"factor_of_safety": Found("factor of safety", "1", float(level["run"].data.attrs["value"]), PUBLISHED_FACTOR)}
+    """Middle of the bracket of each slope."""
+
+    def found(run: str, text: str) -> Found:
+        return Found(text, "1", float(level[run].data.attrs["value"]), PUBLISHED_FACTORS[run])
+
+    return {"factor_of_safety": found("run", "factor of safety"), "acads_1a": found("acads_1a", "factor of safety, ACADS 1(a)")}
+
+
+def measure_seismic(level: Level) -> dict[str, Found]:
+    """Critical seismic coefficient of the slopes with associated flow, beside the middle of its bounds."""
+    return {name: _seismic(name, result) for name, result in level.items() if not name.endswith("no_dilation")}
+
+
+def _seismic(name: str, result: Result) -> Found:
+    water, bounds = name.split("_")[0], SEISMIC_BOUNDS[name.split("_")[0]]
+    text = f"k, {water}, E = {result.scene.soil.youngs_modulus / 1e3:g} MPa, ψ = {result.scene.soil.dilation_angle:g}°"
+    return Found(text, "1", float(result.data.attrs["value"]) / GRAVITY, sum(bounds) / 2.0)
+
+
+@styled
+def draw_seismic(levels: Mapping[str, Level]) -> Figure:
+    """Critical seismic coefficients against the spacing over H, extrapolated to 0, between their bounds; hollow without dilation."""
+    figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+    runs = [{name: _seismic(name, result) for name, result in level.items()} for level in levels.values()]
+    for ax, (water, (low, high)) in zip(figure.subplots(1, 2), SEISMIC_BOUNDS.items(), strict=True):
+        ax.axhspan(low, high, color="0.85", linewidth=0.0)
+        shown = [name for name in runs[-1] if name.startswith(water)]
+        for marker, colour, name in zip("os^", curve_colours(len(shown)), shown, strict=True):
+            sizes = [level[name].scene.numerics.spacing / slope_height(level[name].scene) for level in levels.values()]
+            values = [each[name].computed for each in runs]
+            zero = extrapolate(values[-2], values[-1], sizes[-2] / sizes[-1]) if len(values) > 1 else values[-1]
+            face = "white" if name.endswith("no_dilation") else colour
+            label = runs[-1][name].text.removeprefix(f"k, {water}, ")
+            ax.plot(
+                [*sizes, 0.0], [*values, zero], color=colour, marker=marker, markerfacecolor=face, markersize=4, linewidth=0.7, label=label
+            )
+        ax.set(title=water, xlabel="spacing over H", ylabel="critical seismic coefficient", xlim=(0.0, None))
+        ax.legend(fontsize="xx-small")
+    return figure
 
 
 @styled
 def draw_search(levels: Mapping[str, Level]) -> Figure:
-    """Area of displaced soil over the square of the slope's height in every trial of the search; hollow where the slope stands.
+    """Area of displaced soil over the square of the slope's height in every trial of the searches; hollow where the slope stands.
 
-    The line is the reference.
+    The lines are the references.
     """
     figure = Figure(figsize=(0.65 * WIDTH, 2.9), layout="constrained")
     ax = figure.subplots()
     for marker, colour, (label, level) in zip("os^", curve_colours(len(levels)), levels.items(), strict=False):
-        result = level["run"]
-        data = result.data.sortby("value")
-        height = result.scene.geometry.slope_height  # type: ignore[union-attr]
-        share = data["displaced_area"].values / height**2
-        stands = data["stands"].values.astype(bool)
-        ax.plot(data["value"], share, color=colour, linewidth=0.7)
-        ax.plot(data["value"].values[~stands], share[~stands], linestyle="", marker=marker, markersize=4, color=colour, label=label)
-        ax.plot(
-            data["value"].values[stands], share[stands], linestyle="", marker=marker, markersize=4, color=colour, markerfacecolor="white"
-        )
-    ax.axvline(PUBLISHED_FACTOR, color="black", linewidth=0.7)
+        for run, result in level.items():
+            data = result.data.sortby("value")
+            share = data["displaced_area"].values / slope_height(result.scene) ** 2
+            stands = data["stands"].values.astype(bool)
+            ax.plot(data["value"], share, color=colour, linewidth=0.7)
+            for verdict, face, told in ((~stands, colour, label if run == "run" else None), (stands, "white", None)):
+                values = data["value"].values[verdict]
+                ax.plot(values, share[verdict], linestyle="", marker=marker, markersize=4, color=colour, markerfacecolor=face, label=told)
+    for factor in PUBLISHED_FACTORS.values():
+        ax.axvline(factor, color="black", linewidth=0.7)
     ax.set(xlabel="factor of safety", ylabel="displaced area over H²", ylim=(0.0, None))
     ax.legend(title="spacing")
     return figure

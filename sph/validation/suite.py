@@ -36,8 +36,8 @@ class Case(Section):
 
     title: str = key("what is tested", min_length=1)
     scene: str = key("scene file, relative to the working folder or the workflow's")
-    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "computation"] = key(
-        "how its result is found: runs of the scene, a search for the strength at which the scene just stands, or functions alone",
+    by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "yield_acceleration", "computation"] = key(
+        "how its result is found: runs of the scene, a search for the strength or the load at which it just stands, or functions alone",
         default="simulation",
     )
     source: str = key("where the reference comes from", min_length=1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.stability.extrapolation import extrapolate, extrapolated, two_spacings
-from sph.stability.safety import ACCELERATIONS, FACTORS, STRENGTH_RATIOS, factor_of_safety
+from sph.stability.safety import ACCELERATIONS, FACTORS, STRENGTH_RATIOS, factor_of_safety, yield_acceleration
 from sph.stability.search import Trial, around
 from sph.stability.standing import FailureRule, static_scene
 
@@ -63,6 +64,29 @@ def test_no_step_is_taken_to_the_unsafe_side(monkeypatch: pytest.MonkeyPatch) ->
     step = found.searches[1].value - found.searches[0].value
     assert found.error == pytest.approx(step + brackets + rule.displacement * found.value)
     assert found.how == "that at a spacing of 0.5 m, since the extrapolation from 1 m leads to the unsafe side"
+
+
+@pytest.mark.parametrize("sensitive", [0.5, 4.0])
+def test_an_error_of_the_strength_is_one_of_the_load_by_its_sensitivity(sensitive: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A slope whose yield acceleration rises by ``sensitive`` times what its strength rises; the rule's 1 % is one of the strength."""
+    soil, limit, tolerance = scene().soil, 2.0, 0.001
+
+    def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:
+        stands = value < limit * (1.0 + sensitive * math.log(scene.soil.cohesion / soil.cohesion))
+        return Trial(value, stands, 0.0 if stands else 1e3, 0.0, "complete", 0.0)
+
+    monkeypatch.setattr("sph.stability.safety.stand", stand)
+    rule = FailureRule()
+    found = extrapolated(yield_acceleration, scene(), tolerance, rule)
+    assert found.sensitivity == pytest.approx(sensitive * limit, rel=0.05)
+    assert rule.displacement * found.sensitivity <= found.error < rule.displacement * found.sensitivity + 4.0 * tolerance * limit
+    assert found.runs > sum(len(each.trials) for each in found.searches)
+
+
+def test_the_sensitivity_of_a_factor_is_the_factor(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sph.stability.safety.stand", lambda scene, rule, value: Trial(value, value < EXACT, 1e3, 0.0, "complete", 0.0))
+    found = extrapolated(factor_of_safety, scene())
+    assert found.sensitivity == found.value and found.runs == sum(len(each.trials) for each in found.searches)
 
 
 def test_the_spacings() -> None:

@@ -17,10 +17,11 @@ from sph.command.cli import REFUSED, app
 from sph.command.cost import coarse, speed_here, study_cost
 from sph.command.status import Kind, jobs, located_plan
 from sph.scene.schema import Scene, make_scene
+from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
 from sph.study.cost import cost
-from sph.study.preflight import QUICK_TRIALS, at_spacing, preflight_seconds, quick_spacings
+from sph.study.preflight import QUICK_SENSITIVITY, QUICK_TRIALS, preflight_seconds, quick_spacings
 
 CONFIG: dict[str, Any] = {
     "study": "small",
@@ -77,7 +78,7 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     scenes = {name: plan.built(**plan.point(name)) for name in plan.study.runs}
     slope = scenes[next(iter(scenes))]
     coarse, fine = (cost(static_scene(at_spacing(slope, spacing), DEFAULT_RULE)).seconds for spacing in quick_spacings(slope))
-    searches = 2 * (QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine)
+    searches = 2 * (QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine) + QUICK_SENSITIVITY * coarse
     assert preflight_seconds(scenes) == pytest.approx((1 + 2) * fine + searches), "one slope, two values of S_R, two searches"
     counted = study_cost(plan, folder, cores=1, speed=1.0)
     monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes: 0.0)

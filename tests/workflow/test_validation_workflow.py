@@ -39,7 +39,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
     (folder / "cases.yaml").write_text(yaml.safe_dump({"cases": cases}, sort_keys=False))
     (folder / "limits.yaml").write_text(yaml.safe_dump(LIMITS, sort_keys=False))
     config = write_config(folder, experiments={"validation": "cases.yaml", "limits": "limits.yaml"})
-    jobs = {"validation": 1, "experiment_run": 7, "validation_case": 3, "validation_table": 1, "validation_book": 1}
+    jobs = {"validation": 1, "experiment_run": 8, "validation_case": 3, "validation_table": 1, "validation_book": 1}
     assert planned_jobs(folder, *config, "--", "validation") == jobs
     assert planned_jobs(folder, *config, "--", "limits") == {"limits": 1, "experiment_run": 2, "limits_table": 1}
     result = snakemake(folder, "--cores", "2", *config, "--", "validation", "limits")
