@@ -69,6 +69,12 @@ class Numerics(Section):
     )
     adaptive_step: AdaptiveStep | None = key("divide the time step where the limit demands it", default=None)
     neighbour_skin: float = key("margin of the neighbour list over the spacing", gt=0, le=2, default=0.3)
+    reference: Literal["current", "initial"] = key(
+        "arrangement in which soil that has not failed is strained: initial (total Lagrangian, turned with the soil) or current, as that "
+        "which has failed is (updated Lagrangian); soft soil under a steady load is at rest in the initial one alone",
+        source="Sec. 2.1",
+        default="current",
+    )
     gradient_tolerance: float = key(
         "kernel gradients are kept until a particle has moved this far, over the spacing; 0 renews them every step",
         ge=0,

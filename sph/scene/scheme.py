@@ -22,6 +22,7 @@ RESOLVED: dict[str, Any] = dotted(
         "numerics.smoothing_ratio": 1.3,
         "numerics.time_step": 2.5e-3,
         "numerics.adaptive_step.courant": 0.8,
+        "numerics.reference": "initial",
         "numerics.gradient_tolerance": 0.02,
         "numerics.artificial_viscosity.alpha": 0.03,
         "numerics.artificial_viscosity.reconstruction": "linear",

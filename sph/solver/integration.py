@@ -25,6 +25,7 @@ from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.initial_arrangement import largest_change, note_intact, start_pairs
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
@@ -109,6 +110,28 @@ def _note_moves(team, row, x, y, x_ref, y_ref, n):  # type: ignore[no-untyped-de
 
 
 @jit
+def _note_changes(team, term, state, pairs, n):  # type: ignore[no-untyped-def]
+    """Largest move of this thread's rows that the pairs see; where that is not the move itself, the latter for the candidates too."""
+    _note_moves(team, PAIRS_MOVE, state.x, state.y, state.x_pairs, state.y_pairs, n)
+    if term is None:
+        return
+    else:
+        begin, end = own_blocks(team)
+        first, last = min(n, begin * BLOCK), min(n, end * BLOCK)
+        team.move[PAIRS_MOVE, team.rank] = largest_change(term, state, pairs, team.move[PAIRS_MOVE, team.rank], first, last)
+        _note_moves(team, CANDIDATES_MOVE, state.x, state.y, state.x_candidates, state.y_candidates, n)
+
+
+@jit
+def _left_candidates(team, term, tolerance):  # type: ignore[no-untyped-def]
+    """Whether a particle whose move the pairs do not see has moved further than the candidates bear (m2)."""
+    if term is None:
+        return False
+    else:
+        return not _moved(team, CANDIDATES_MOVE) <= tolerance
+
+
+@jit
 def _moved(team, row):  # type: ignore[no-untyped-def]
     """Largest move of all threads' rows, m2; NaN if any is."""
     largest = total = 0.0
@@ -150,6 +173,7 @@ def make_lists(state: State, terms: Any) -> tuple[Candidates, Pairs]:
 @entry
 def fill_pairs(state, candidates, pairs, terms):  # type: ignore[no-untyped-def]
     """All pairs at the places at which the state's were made."""
+    start_pairs(terms.initial_arrangement, state, pairs, np.int64(0), state.x.size)
     update_pairs(pairs, candidates, pair_terms(terms), state.x_pairs, state.y_pairs, state.density_pairs, np.int64(0), state.x.size)
 
 
@@ -257,9 +281,10 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 sums[block, GRAVITY] += held
                 sums[block, VISCOUS] += viscous
                 sums[block, WALLS] += taken
-            _note_moves(team, PAIRS_MOVE, state.x, state.y, state.x_pairs, state.y_pairs, n_moving)
+            _note_changes(team, terms.initial_arrangement, state, pairs, n_moving)
             wait(team)
             renew = not _moved(team, PAIRS_MOVE) <= terms.pairs_tolerance**2
+            renew |= _left_candidates(team, terms.initial_arrangement, terms.candidates_tolerance**2)
             if renew:
                 _note_moves(team, CANDIDATES_MOVE, state.x, state.y, state.x_candidates, state.y_candidates, n_moving)
                 wait(team)
@@ -268,6 +293,8 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 if not move <= terms.candidates_tolerance**2:
                     break
         if renew:
+            note_intact(terms.initial_arrangement, state, pairs, first_row, last_row)
+            wait(team)
             renew_pairs(state, candidates, pairs, terms, first_row, last_row)
             wait(team)
         strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)

@@ -27,6 +27,7 @@ from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.threads import BLOCK
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, invert
+from sph.solver.physics.initial_arrangement import InitialArrangement, keep_whether_all, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
 
@@ -62,6 +63,9 @@ class Pairs(NamedTuple):
     wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m4; without such walls empty
     contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step; likewise
     distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
+    stretch: np.ndarray  # (n, 4) half of the deformation gradient of intact particles, NaN for others; see
+    # sph.solver.physics.initial_arrangement, empty without that term as is the next
+    changing: np.ndarray  # (n,) uint8: has a neighbour that is not as at the start
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
 
@@ -137,6 +141,7 @@ class PairTerms(NamedTuple):
     residual_viscosity: ResidualViscosity | None = None
     no_slip: NoSlip | None = None
     contact: Contact | None = None
+    initial_arrangement: InitialArrangement | None = None
 
 
 @jit
@@ -152,6 +157,7 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
         terms.residual_viscosity,
         terms.no_slip,
         terms.contact,
+        terms.initial_arrangement,
     )
 
 
@@ -173,6 +179,8 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
         np.zeros((0 if terms.no_slip is None else n, 2)),
         np.zeros((0 if terms.contact is None else n, 3)),
         np.empty(0 if terms.residual_viscosity is None else size, zero.dtype),
+        np.zeros((0 if terms.initial_arrangement is None else n, 4)),
+        np.ones(0 if terms.initial_arrangement is None else n, np.uint8),
         np.empty(0 if terms.artificial_stress is None else size, zero.dtype),
     )
 
@@ -208,16 +216,17 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         y_i = y[i]
         row = np.uint64(candidates.start[i])
         size = np.uint64(candidates.start[i + np.uint64(1)]) - row
-        close_candidates = wall_candidates = np.uint64(0)
+        close_candidates = wall_candidates = as_at_start = np.uint64(0)
         for k in range(size):
             j = candidates.neighbour[row + k]
-            dx = wrap(period, x_i - x[j])
-            dy = y_i - y[j]
+            near = wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2
+            dx, dy, kept = offset(terms.initial_arrangement, period, pairs, x, y, i, j)
             r_square = dx * dx + dy * dy
             row_dx[k] = dx
             row_dy[k] = dy
             row_square[k] = r_square
-            close_candidates += np.uint64(r_square < close_square)
+            close_candidates += np.uint64(near < close_square)
+            as_at_start += np.uint64(kept)
             wall_candidates += np.uint64(in_wall(terms.no_slip, j))
         # Without branches: written always, kept where the count goes on.
         count = close = np.uint64(0)
@@ -229,8 +238,10 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             count += np.uint64((row_square[k] < reach_square) & _paired(terms.no_slip, i, j))
         if close_candidates > np.uint64(0):
             for k in range(size):
-                pairs.close[begin + close] = candidates.neighbour[row + k]
-                close += np.uint64(row_square[k] < close_square)
+                j = candidates.neighbour[row + k]
+                pairs.close[begin + close] = j
+                close += np.uint64(wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2 < close_square)
+        keep_whether_all(terms.initial_arrangement, pairs, i, as_at_start, size)
         for k in range(count):
             dx = row_dx[k]
             dy = row_dy[k]
@@ -258,6 +269,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         sum_x, sum_y, m_xx, m_xy, m_yy = add_walls(
             terms.no_slip,
             terms.contact,
+            terms.initial_arrangement,
             wall_candidates > np.uint64(0),
             pairs,
             candidates,

@@ -37,6 +37,8 @@ RESTART_DIMS = {
     "reaction_x": ("moving_boundary",),
     "reaction_y": ("moving_boundary",),
     "free_field": ("direction", "quantity", "node"),
+    "stretch": ("component", "particle"),
+    "stretch_pairs": ("component", "particle"),
 }
 """Dimensions of the state's arrays in a restart; the others go over the particles."""
 FREE_KEYS = ("name", "title", "duration")

@@ -60,6 +60,10 @@ class State(NamedTuple):
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
     density_pairs: np.ndarray  # and densities
+    intact: np.ndarray  # uint8: not failed when the pairs were made, and not of a wall on which soil slides; for this and the next two see
+    # sph.solver.physics.initial_arrangement, empty without that term
+    stretch: np.ndarray  # (4, n) deformation gradient less the identity: xx, xy, yx, yy
+    stretch_pairs: np.ndarray  # (4, n) that when the pairs were made
     x_candidates: np.ndarray  # positions at which the candidates were made
     y_candidates: np.ndarray
     mode_x: np.ndarray  # shape of the stiffest mode, see sph.solver.time_step
@@ -86,6 +90,8 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
         "density_pairs": np.full(n, density),
+        "intact": _intact(particles, fluid)[: n if scene.numerics.reference == "initial" else 0],
+        **{name: np.zeros((4, n if scene.numerics.reference == "initial" else 0)) for name in ("stretch", "stretch_pairs")},
         "x_candidates": particles.x.copy(),
         "y_candidates": particles.y.copy(),
         "mode_x": generator.normal(size=n),
@@ -102,6 +108,13 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         along_x, state.vy[soil] = scene.initial_velocity.at(*geometry.in_survey(particles.x[soil], particles.y[soil]))
         state.vx[soil] = geometry.direction * along_x
     return state
+
+
+def _intact(particles: Particles, fluid: bool) -> np.ndarray:
+    """Particles (n,) whose pairs are those of the start: soil, and walls but those of contact, which soil may leave."""
+    number = np.arange(particles.x.size)
+    keeps = (number < particles.first_contact) | (number >= particles.first_slip)
+    return (keeps & (not fluid)).astype(np.uint8)
 
 
 def _held(particles: Particles, scene: Scene) -> np.ndarray:

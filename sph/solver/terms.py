@@ -27,6 +27,7 @@ from sph.solver.physics import (
     dilation,
     failed_solid,
     gradient_correction,
+    initial_arrangement,
     material,
     pore_pressure,
     prescribed_motion,
@@ -37,7 +38,7 @@ from sph.solver.physics import (
     slip,
 )
 from sph.solver.physics.artificial_stress import add_artificial_stress
-from sph.solver.physics.kernels import KERNELS, Kernel, central_value, make_kernel
+from sph.solver.physics.kernels import KERNELS, Kernel, central_value, kernel_of
 from sph.solver.physics.material import FLUID_LAWS, STRENGTH_LOSSES, Material, loss_of, make_material
 from sph.solver.physics.short_range_repulsion import add_repulsion
 
@@ -63,6 +64,7 @@ TERMS: tuple[Term, ...] = (
     dilation.TERM,
     slip.TERM,
     failed_solid.TERM,
+    initial_arrangement.TERM,
 )
 
 
@@ -97,7 +99,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
     """``Terms`` of a scene whose time step is divided by ``substeps``; all floats, so that one scene compiles one variant."""
     soil, numerics = scene.soil, scene.numerics
     dt, dx = numerics.time_step / substeps, numerics.spacing
-    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
+    kernel = kernel_of(scene)
     tilt = math.radians(scene.gravity.inclination)
     skin = numerics.neighbour_skin * dx
     pairs_tolerance = numerics.gradient_tolerance * dx

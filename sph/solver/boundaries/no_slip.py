@@ -19,10 +19,10 @@ from typing import NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.boundaries.contact import contact_part, keep_contact, let_go
-from sph.solver.boundaries.periodic import wrap
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
+from sph.solver.physics.initial_arrangement import offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 
 
@@ -63,7 +63,7 @@ def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
 
 
 @jit
-def add_walls(term, contact, beside, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
+def add_walls(term, contact, arrangement, beside, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
     """Keep b_i in ``pairs.wall`` (n, 2), kg/m4; returns the sums of gradients and the moments of particle i with the walls' part.
 
     ``beside`` says whether it has candidates in them.
@@ -76,12 +76,12 @@ def add_walls(term, contact, beside, pairs, candidates, period, kernel, cell_mas
         if beside and not in_wall(term, i):
             for k in rows(candidates.start[i], candidates.start[i + 1]):
                 j = candidates.neighbour[k]
-                dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
+                dx, dy, _ = offset(arrangement, period, pairs, x, y, i, j)
                 r_square = dx * dx + dy * dy
                 if in_wall(term, j) and r_square < reach * reach:
                     slope = value_and_slope(kernel, math.sqrt(r_square))[1]
                     gx, gy = 2.0 * cell_mass * slope * dx, 2.0 * cell_mass * slope * dy
-                    across, up = _from_image(term, x[i], y[i], x[j], y[j])
+                    across, up = _from_image(term, x[j] + dx, y[j] + dy, x[j], y[j])
                     b_x += gx
                     b_y += gy
                     contact_x, contact_y = contact_part(contact, j, gx, gy, contact_x, contact_y)

@@ -25,6 +25,7 @@ from sph.solver.physics.elasticity import deviator_square, elastic_increment, pr
 from sph.solver.physics.failed_solid import yields
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
+from sph.solver.physics.initial_arrangement import deform
 from sph.solver.physics.material import material_of
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
@@ -141,6 +142,7 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         trace = l_xx + l_yy
         d_xy = 0.5 * (l_xy + l_yx)
         angle = 0.5 * (l_xy - l_yx) * dt
+        deform(terms.initial_arrangement, state, i, l_xx * dt, l_xy * dt, l_yx * dt, l_yy * dt)
         rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, d_xy)
         new_density = max(density * (1.0 - trace * dt), terms.least_density)
         state.density[i] = new_density

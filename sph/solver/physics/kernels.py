@@ -19,6 +19,8 @@ class CubicSpline(NamedTuple):
     """smoothing length, m"""
     constant: float = 10.0 / (7.0 * math.pi)
     """W(0) h^2"""
+    gradient_scale: float = 1.0
+    """by which the kernel's gradient is multiplied"""
 
 
 class WendlandC2(NamedTuple):
@@ -28,6 +30,8 @@ class WendlandC2(NamedTuple):
     """smoothing length, m"""
     constant: float = 7.0 / (4.0 * math.pi)
     """W(0) h^2"""
+    gradient_scale: float = 1.0
+    """by which the kernel's gradient is multiplied"""
 
 
 Kernel = CubicSpline | WendlandC2
@@ -58,7 +62,7 @@ def _cubic_spline(kernel, r):  # type: ignore[no-untyped-def]
     near = 1.0 - q if q < 1.0 else 0.0
     scale = 10.0 / (28.0 * math.pi * h * h)
     slope = (12.0 * near * near - 3.0 * far * far) / q if q > 0.0 else -12.0
-    return scale * (far * far * far - 4.0 * near * near * near), scale / (h * h) * slope
+    return scale * (far * far * far - 4.0 * near * near * near), kernel.gradient_scale * scale / (h * h) * slope
 
 
 @value_and_slope.of(WendlandC2)
@@ -68,7 +72,7 @@ def _wendland_c2(kernel, r):  # type: ignore[no-untyped-def]
     rest = 1.0 - 0.5 * q if q < 2.0 else 0.0
     scale = kernel.constant / (h * h)
     cube = rest * rest * rest
-    return scale * cube * rest * (1.0 + 2.0 * q), -5.0 * scale / (h * h) * cube
+    return scale * cube * rest * (1.0 + 2.0 * q), -5.0 * kernel.gradient_scale * scale / (h * h) * cube
 
 
 @entry
@@ -93,11 +97,27 @@ class Lattice(NamedTuple):
 
 def lattice_of(scene: Scene) -> Lattice:
     """The initial lattice of a scene."""
-    numerics = scene.numerics
-    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
-    reach = int(np.ceil(2 * numerics.smoothing_length / numerics.spacing))
-    offsets = np.arange(-reach, reach + 1) * numerics.spacing
+    return _lattice(kernel_of(scene), scene.numerics.spacing)
+
+
+def _lattice(kernel: Kernel, spacing: float) -> Lattice:
+    reach = int(np.ceil(2.0 * kernel.h / spacing))
+    offsets = np.arange(-reach, reach + 1) * spacing
     x, y = (a.ravel() for a in np.meshgrid(offsets, offsets))
     r = np.hypot(x, y)
     x, r = x[r > 0], r[r > 0]
-    return Lattice(x, numerics.spacing**2, np.array([evaluate(kernel, distance)[1] for distance in r]))
+    return Lattice(x, spacing**2, np.array([evaluate(kernel, distance)[1] for distance in r]))
+
+
+def kernel_of(scene: Scene) -> Kernel:
+    """Kernel of a scene.
+
+    Where unfailed soil is strained in its initial arrangement, gradients are scaled so that they are exact there: sums over a lattice are
+    not the integrals that the kernel is normalised for (at h = 1.3 spacings they give 1 % too much strain, and 1 % too fast waves).
+    """
+    numerics = scene.numerics
+    kernel = make_kernel(numerics.kernel, numerics.smoothing_length)
+    if numerics.reference == "current":
+        return kernel
+    x, volume, factor = _lattice(kernel, numerics.spacing)
+    return kernel._replace(gradient_scale=float(-1.0 / (volume * (factor * x * x).sum())))

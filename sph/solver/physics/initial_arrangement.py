@@ -1,0 +1,161 @@
+"""Strain of soil that has not failed, taken from where its particles were placed (total Lagrangian).
+
+Kernel gradients between particles as they lie follow every motion of theirs, also those that the gradients do not see as strain.
+Rows of particles then creep past each other without resistance, and gradients that are renewed only now and then feed such motion with
+energy: an elastic column of soft soil under a steady load goes on moving.  So two particles that have not failed, and were neighbours at
+the start, keep the vector between them as it was, deformed as the soil around them is,
+
+    r_ij = (F_i + F_j) / 2 . (x_i - x_j) at the start,   dF/dt = L F,
+
+with the velocity gradient L of Eq. 6.  Of such motion F knows nothing.  From the moment at which a particle fails its pairs are those of
+the particles as they lie (updated Lagrangian); so are pairs with walls of contact, pairs of soil that meets other soil, and those that
+lie elsewhere than their deformation puts them (``FAR_OFF``).  Gradients are scaled so that a uniform strain is exact inside the lattice
+(``sph.solver.physics.kernels.kernel_of``).
+
+Total Lagrangian particles have no tensile instability and no such modes: Belytschko, Guo, Liu and Xiao (2000), Int. J. Numer. Meth.
+Engng. 48, 1359-1400; Bonet and Kulasegaram (2001), ibid. 52, 1203-1220.
+
+Pairs that are as they were need no renewal.  They are renewed when a particle that has others has moved by the gradient tolerance, or
+when soil has deformed so much that this moves soil ``ARM`` spacings away by as much.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.solver.boundaries.periodic import wrap
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.kernels import Kernel
+from sph.solver.state import FAILED
+
+FAR_OFF = 0.2
+"""Distance between where a neighbour lies and where the deformation puts it, over its distance at the start, from which on it counts as it
+lies."""
+SLID = 0.5
+"""Distance in spacings by which soil may have slid along a smooth wall whose particles still mirror it as at the start."""
+ARM = 10.0
+"""Arm of the deformation that asks for new pairs, in spacings."""
+
+
+@by_reference
+class InitialArrangement(NamedTuple):
+    """Coefficients of the term."""
+
+    x: np.ndarray
+    """(particles,) where they were placed, m"""
+    y: np.ndarray
+    reach_square: float
+    """square of the distance within which particles were neighbours, m2"""
+    arm_square: float
+    """m2"""
+    first_slip: int
+    """first particle of walls along which soil slides freely"""
+    slide_square: float
+    """square of the distance by which it may have slid, m2"""
+
+
+@jit
+def offset(term, period, pairs, x, y, i, j):  # type: ignore[no-untyped-def]
+    """Vector from particle j to i (m) that the pair has, and whether it is that of the start."""
+    dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
+    if term is None:
+        return dx, dy, False
+    else:
+        first_x, first_y = wrap(period, term.x[i] - term.x[j]), term.y[i] - term.y[j]
+        f = pairs.stretch
+        new_x = (f[i, 0] + f[j, 0]) * first_x + (f[i, 1] + f[j, 1]) * first_y
+        new_y = (f[i, 2] + f[j, 2]) * first_x + (f[i, 3] + f[j, 3]) * first_y
+        first_square, off_square = first_x * first_x + first_y * first_y, (new_x - dx) ** 2 + (new_y - dy) ** 2
+        # The vector of those that are not intact is NaN, and so is how far off it is.
+        allowed = term.slide_square if max(i, j) >= term.first_slip else FAR_OFF**2 * first_square
+        kept = (first_square < term.reach_square) & (off_square <= allowed)
+        return new_x if kept else dx, new_y if kept else dy, kept
+
+
+@jit
+def keep_whether_all(term, pairs, i, kept, count):  # type: ignore[no-untyped-def]
+    """Keep whether all of ``count`` neighbours of particle i, of which ``kept`` are, are those of the start."""
+    if term is None:
+        return
+    else:
+        pairs.changing[i] = kept < count
+
+
+@jit
+def start_pairs(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    """Set the deformation with which the pairs of particles first to last are made, from what was last noted of it."""
+    if term is None:
+        return
+    else:
+        for i in range(first, last):
+            half = 0.5 if state.intact[i] else math.nan
+            for k in range(4):
+                pairs.stretch[i, k] = half * (state.stretch_pairs[k, i] + (1.0 if k == 0 or k == 3 else 0.0))
+
+
+@jit
+def note_intact(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    """Note which of particles first to last are intact now, and how they are deformed."""
+    if term is None:
+        return
+    else:
+        for i in range(first, last):
+            state.intact[i] = state.intact[i] & (state.phase[i] != FAILED)
+            for k in range(4):
+                state.stretch_pairs[k, i] = state.stretch[k, i]
+        start_pairs(term, state, pairs, first, last)
+
+
+@jit
+def deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
+    """Deform particle i by the increment of a displacement gradient."""
+    if term is None:
+        return
+    else:
+        f = state.stretch
+        f_xx, f_xy, f_yx, f_yy = 1.0 + f[0, i], f[1, i], f[2, i], 1.0 + f[3, i]
+        f[0, i] += xx * f_xx + xy * f_yx
+        f[1, i] += xx * f_xy + xy * f_yy
+        f[2, i] += yx * f_xx + yy * f_yx
+        f[3, i] += yx * f_xy + yy * f_yy
+
+
+@jit
+def largest_change(term, state, pairs, largest, first, last):  # type: ignore[no-untyped-def]
+    """Largest squared move (m2) of particles first to last that their pairs would see; without the term ``largest``, of all of them.
+
+    NaN if any is NaN or infinite.
+    """
+    if term is None:
+        return largest
+    else:
+        seen = 0.0
+        for i in range(first, last):
+            square = (state.x[i] - state.x_pairs[i]) ** 2 + (state.y[i] - state.y_pairs[i]) ** 2
+            moves = 1.0 if (pairs.changing[i] > 0) | (state.phase[i] == FAILED) else 0.0
+            strain = 0.0
+            for k in range(4):
+                strain += (state.stretch[k, i] - state.stretch_pairs[k, i]) ** 2
+            seen = max(seen, moves * square, (term.arm_square * strain) if state.intact[i] else 0.0)
+        return seen + 0.0 * largest
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> InitialArrangement:
+    return InitialArrangement(
+        particles.x.copy(),
+        particles.y.copy(),
+        4.0 * kernel.h * kernel.h,
+        (ARM * scene.numerics.spacing) ** 2,
+        particles.first_slip,
+        (SLID * scene.numerics.spacing) ** 2,
+    )
+
+
+TERM = Term("initial_arrangement", "numerics.reference: initial", lambda scene: scene.numerics.reference == "initial", _make)
