@@ -134,7 +134,7 @@ class PairTerms(NamedTuple):
 
     kernel: Kernel
     close_range: float
-    cell_mass: float
+    gradient_mass: float
     gradient_correction: GradientCorrection | None = None
     periodic: Periodic | None = None
     artificial_stress: ArtificialStress | None = None
@@ -150,7 +150,7 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
     return PairTerms(
         terms.kernel,
         terms.close_range,
-        terms.cell_mass,
+        terms.gradient_mass,
         terms.gradient_correction,
         terms.periodic,
         terms.artificial_stress,
@@ -247,7 +247,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             dy = row_dy[k]
             r = math.sqrt(dx * dx + dy * dy)
             value, slope = value_and_slope(kernel, r)
-            factor = terms.cell_mass * slope
+            factor = terms.gradient_mass * slope
             keep_nearness(terms.artificial_stress, pairs.nearness, begin + k, value)
             keep_distance(terms.residual_viscosity, pairs.distance, begin + k, r)
             norm = -factor * r
@@ -275,7 +275,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             candidates,
             period,
             kernel,
-            terms.cell_mass,
+            terms.gradient_mass,
             x,
             y,
             i,

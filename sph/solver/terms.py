@@ -86,6 +86,7 @@ class Always(NamedTuple):
     reference_density: float
     least_density: float  # of a particle without neighbours, m W(0): scattered soil is not thinner
     cell_mass: float  # of the scene's own soil in the room of a particle, kg for a metre of thickness
+    gradient_mass: float  # that times the scale of the kernel's gradient
     soil: Material
     kernel: Kernel
 
@@ -120,6 +121,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
         reference_density=float(soil.density),
         least_density=float(soil.density * dx * dx * central_value(kernel)),
         cell_mass=float(soil.density * dx * dx),
+        gradient_mass=float(soil.density * dx * dx) * kernel.gradient_scale,
         soil=make_material(soil, scene.coupling, dt),
         kernel=kernel,
     )

@@ -101,7 +101,8 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
     """The static test of a scene under a constant horizontal acceleration of the box (m/s2); positive drives the soil to the toe.
 
     Its soil has the shear modulus of ``stiffness`` and its own Poisson's ratio, or its ``own_stiffness``, for what is said of the gravity
-    stage of runs; with ``softens`` it loses its strength as in the scene.  Absorbing walls hold no load that stays; a no-slip base and free-slip sides stand in their place.
+    stage of runs; with ``softens`` it loses its strength as in the scene.  Absorbing walls hold no load that stays; a no-slip base and
+    free-slip sides stand in their place.
     """
     if scene.gravity.acceleration == 0:
         raise ValueError("gravity.acceleration: 0 m/s2: without gravity every slope stands")

@@ -20,7 +20,7 @@ class CubicSpline(NamedTuple):
     constant: float = 10.0 / (7.0 * math.pi)
     """W(0) h^2"""
     gradient_scale: float = 1.0
-    """by which the kernel's gradient is multiplied"""
+    """by which sums of gradients are multiplied; ``value_and_slope`` leaves it out"""
 
 
 class WendlandC2(NamedTuple):
@@ -31,7 +31,7 @@ class WendlandC2(NamedTuple):
     constant: float = 7.0 / (4.0 * math.pi)
     """W(0) h^2"""
     gradient_scale: float = 1.0
-    """by which the kernel's gradient is multiplied"""
+    """by which sums of gradients are multiplied; ``value_and_slope`` leaves it out"""
 
 
 Kernel = CubicSpline | WendlandC2
@@ -62,7 +62,7 @@ def _cubic_spline(kernel, r):  # type: ignore[no-untyped-def]
     near = 1.0 - q if q < 1.0 else 0.0
     scale = 10.0 / (28.0 * math.pi * h * h)
     slope = (12.0 * near * near - 3.0 * far * far) / q if q > 0.0 else -12.0
-    return scale * (far * far * far - 4.0 * near * near * near), kernel.gradient_scale * scale / (h * h) * slope
+    return scale * (far * far * far - 4.0 * near * near * near), scale / (h * h) * slope
 
 
 @value_and_slope.of(WendlandC2)
@@ -72,13 +72,14 @@ def _wendland_c2(kernel, r):  # type: ignore[no-untyped-def]
     rest = 1.0 - 0.5 * q if q < 2.0 else 0.0
     scale = kernel.constant / (h * h)
     cube = rest * rest * rest
-    return scale * cube * rest * (1.0 + 2.0 * q), -5.0 * kernel.gradient_scale * scale / (h * h) * cube
+    return scale * cube * rest * (1.0 + 2.0 * q), -5.0 * scale / (h * h) * cube
 
 
 @entry
 def evaluate(kernel, r):  # type: ignore[no-untyped-def]
-    """Value W(r) (1/m2) and derivative over distance W'(r)/r (1/m4) at distance r (m)."""
-    return value_and_slope(kernel, r)
+    """Value W(r) (1/m2) and derivative over distance W'(r)/r (1/m4), scaled as sums of it are, at distance r (m)."""
+    value, slope = value_and_slope(kernel, r)
+    return value, kernel.gradient_scale * slope
 
 
 @jit
