@@ -44,6 +44,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
             )
             for number, (name, its) in enumerate(scene.layers.items(), 1)
         ),
+        *((f"seam {name}", text) for name, text in seam_rows(scene, particles)),
         *uncertain_rows(scene, particles),
         *water_rows(scene),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),

@@ -29,6 +29,7 @@ from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, invert
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
+from sph.solver.physics.seams import Seams, turn_gradients
 
 SMALLEST_NORM = 1e-30
 """kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -137,6 +138,7 @@ class PairTerms(NamedTuple):
     residual_viscosity: ResidualViscosity | None = None
     no_slip: NoSlip | None = None
     contact: Contact | None = None
+    seams: Seams | None = None
 
 
 @jit
@@ -152,6 +154,7 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
         terms.residual_viscosity,
         terms.no_slip,
         terms.contact,
+        terms.seams,
     )
 
 
@@ -243,6 +246,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             pairs.gx[begin + k] = factor * dx
             pairs.gy[begin + k] = factor * dy
             pairs.inverse_norm[begin + k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+        turn_gradients(terms.seams, pairs, i, begin, count)
         sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
         for k in range(count):
             dx = row_dx[k]

@@ -57,6 +57,9 @@ class State(NamedTuple):
     friction_y: np.ndarray  # that of the side walls
     plastic_strain: np.ndarray  # gathered by the solid state at yield, see sph.solver.physics.slip; without that term empty
     mean_plastic_strain: np.ndarray  # its average around the particle
+    seam_strain: np.ndarray  # plastic shear along a seam since the gravity stage, see sph.solver.physics.seams; without seams empty
+    seam_slip: np.ndarray  # displacement across the seam, m
+    seam_normal: np.ndarray  # mean normal stress on it, Pa
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
     density_pairs: np.ndarray  # and densities
@@ -91,6 +94,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "mode_x": generator.normal(size=n),
         "mode_y": generator.normal(size=n),
         **{name: np.zeros(n if scene.coupling.softening else 0) for name in ("plastic_strain", "mean_plastic_strain")},
+        **{name: np.zeros(n if scene.seams else 0) for name in ("seam_strain", "seam_slip", "seam_normal")},
         "reaction_x": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "reaction_y": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "free_field": np.zeros((2, 5, sum(free_field_nodes(scene, particles)))),
