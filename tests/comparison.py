@@ -21,6 +21,18 @@ VARIANTS = {
         "coupling.gamma": 0.0,
         "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 7.5},
     },
+    "seam": {
+        "coupling.solid_after_failure": "elastic_plastic",
+        "seams": {
+            "clay": {
+                "points": [[30.0, 2.0], [105.0, 24.0]],
+                "cohesion": 40.0,
+                "friction_angle": 14.0,
+                "residual_cohesion": 5.0,
+                "slip_at_residual": 0.5,
+            }
+        },
+    },
 }
 """Overrides by name."""
 

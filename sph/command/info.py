@@ -11,6 +11,7 @@ from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import cost, needs
 from sph.study.findings import choices, findings, strengths, uncertain_rows, water_rows
+from sph.study.layer_findings import seam_rows
 from sph.study.motion_findings import peak_accelerations
 
 

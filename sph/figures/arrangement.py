@@ -92,19 +92,14 @@ def draw_layers(ax: Axes, scene: Scene) -> None:
 
 
 def draw_seams(ax: Axes, scene: Scene) -> None:
-    """The seams as they are drawn, with their names."""
+    """The seams within the soil, with their names."""
     for name, seam in scene.seams.items():
-        line = np.column_stack(scene.geometry.in_box(*np.array(seam.points).T))
-        middle = np.column_stack(scene.geometry.in_box(*seam.middles(200)))
-        inside = middle[(middle[:, 1] < scene.geometry.ground(middle[:, 0])) & (middle >= 0.0).all(1) & (middle[:, 0] < scene.geometry.width)]
-        x, y = surface_line(scene)
-        soil = Polygon([*zip(x, y, strict=True), (scene.geometry.width, 0.0), (0.0, 0.0)], transform=ax.transData, visible=False)
-        ax.add_patch(soil)
-        ax.plot(*line.T, color=SEAM_COLOUR, linewidth=1.2, zorder=3, clip_path=soil, scalex=False, scaley=False)
-        place = tuple(inside[len(inside) // 2])
-        ax.annotate(
-            plain(name).replace("_", " "), place, (0, 4), textcoords="offset points", ha="center", color=SEAM_COLOUR, size="small", bbox=HALO
-        )
+        x, y = (np.array(places) for places in scene.geometry.in_box(*seam.middles(200)))
+        inside = (x > 0.0) & (x < scene.geometry.width) & (y > 0.0) & (y < scene.geometry.ground(x))
+        ax.plot(np.where(inside, x, np.nan), y, color=SEAM_COLOUR, linewidth=1.2, zorder=3)
+        middle = np.flatnonzero(inside)[np.count_nonzero(inside) // 2]
+        look: dict[str, Any] = {"color": SEAM_COLOUR, "size": "small", "bbox": HALO, "ha": "center"}
+        ax.annotate(plain(name).replace("_", " "), (x[middle], y[middle]), (0, 4), textcoords="offset points", **look)
 
 
 def _outline(region: DepthRegion | ElevationRegion | PolygonRegion, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:

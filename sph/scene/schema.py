@@ -468,7 +468,7 @@ class Scene(Section):
         """Length of a seam below the ground and above the base, m, to a two-hundredth of each part of its line."""
         x, y = self.geometry.in_box(*seam.middles(200))
         lengths = np.repeat(np.hypot(*np.diff(np.array(seam.points), axis=0).T) / 200, 200)
-        inside = (0.0 < x) & (x < self.geometry.width) & (0.0 < y) & (y < self.geometry.ground(x))
+        inside = (x > 0.0) & (x < self.geometry.width) & (y > 0.0) & (y < self.geometry.ground(x))
         return float(lengths[inside].sum())
 
     def fails_unshaken(self, failed: int) -> bool:

@@ -62,6 +62,7 @@ class Pairs(NamedTuple):
     close_end: np.ndarray  # (n,) uint32
     wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m4; without such walls empty
     contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step; likewise
+    grip: np.ndarray  # (n,) sum of |g| across a seam, kg/m4: how much of its other side a particle meets; without seams empty
     distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
@@ -175,6 +176,7 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
         np.zeros(n, np.uint32),
         np.zeros((0 if terms.no_slip is None else n, 2)),
         np.zeros((0 if terms.contact is None else n, 3)),
+        np.zeros(0 if terms.seams is None else n),
         np.empty(0 if terms.residual_viscosity is None else size, zero.dtype),
         np.empty(0 if terms.artificial_stress is None else size, zero.dtype),
     )

@@ -146,7 +146,7 @@ class Simulation:
     @property
     def list_terms(self) -> Any:
         """The terms that the lists of neighbours depend on."""
-        return only(self.terms, "gradient_correction", "periodic", "artificial_stress", "residual_viscosity", "no_slip", "contact")
+        return only(self.terms, "gradient_correction", "periodic", "artificial_stress", "residual_viscosity", "no_slip", "contact", "seams")
 
     def elastic_energy(self) -> float:
         """Energy stored in the blended stress, J/m."""

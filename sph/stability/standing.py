@@ -176,7 +176,8 @@ def weakened(scene: Scene, strength_ratio: float) -> Scene:
 def _with_strength(
     scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float, float]], of_seam: Callable[[Seam], tuple[float, float]]
 ) -> Scene:
-    """A scene with other cohesion (kPa), friction and dilation angle (degree): functions of each soil and the S_R of its layer, of each seam.
+    """A scene with other cohesion (kPa), friction and dilation angle (degree), by a function of each soil and the S_R of its layer, and of
+    each seam, which has no dilation angle.
     """
 
     def changed(soil: Soil, own: float | None = None) -> Soil:

@@ -72,7 +72,9 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
         if seam.slip_at_residual is not None:
             cohesion, friction = seam.residual
             angle = math.degrees(math.atan(friction))
-            words += f"; residual c = {1e-3 * cohesion:.4g} kPa, phi = {angle:.4g} degree (after {1e3 * seam.slip_at_residual:g} mm of slip)"
+            words += (
+                f"; residual c = {1e-3 * cohesion:.4g} kPa, phi = {angle:.4g} degree (after {1e3 * seam.slip_at_residual:g} mm of slip)"
+            )
         found.append((f"seam {name}", words if seam.slip_at_residual is not None else f"{words}, not lost"))
     return found
 

@@ -86,5 +86,8 @@ def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, 
 def test_the_clock_brings_such_a_slope_down() -> None:
     # What the test above is about: with strength that is lost by time the same slope collapses.
     data = slope(0)
-    clock = {"coupling": {"S_R": data["coupling"]["S_R"], "gamma": 100.0}, "numerics": {"spacing": data["geometry"]["slope_height"] / ROWS[0]}}
+    clock = {
+        "coupling": {"S_R": data["coupling"]["S_R"], "gamma": 100.0},
+        "numerics": {"spacing": data["geometry"]["slope_height"] / ROWS[0]},
+    }
     assert measure(run(make_scene(data | clock)).trajectory)["displacement_magnitude"] > 1.0

@@ -93,7 +93,24 @@ def _update_fluid(fluid, law, seams, shear_modulus, state, i, p, l_xx, l_yy, d_x
 
 @jit
 def _update_solid(  # type: ignore[no-untyped-def]
-    solid, after_failure, dilation, slip, seams, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, time, reached, k
+    solid,
+    after_failure,
+    dilation,
+    slip,
+    seams,
+    shear_modulus,
+    bulk_modulus,
+    state,
+    i,
+    p,
+    rate_d,
+    rate_q,
+    rate_z,
+    angle,
+    dt,
+    time,
+    reached,
+    k,
 ):
     if solid is None:
         return 0.0, 0.0, 0.0, 0.0
@@ -149,7 +166,9 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
         beta = _update_beta(fluid, soil.loss, terms.slip, state, i)
-        p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, terms.seams, soil.shear_modulus, state, i, p, l_xx, l_yy, d_xy, angle, dt, time)
+        p_f, d_f, q_f, z_f = _update_fluid(
+            fluid, soil.fluid_law, terms.seams, soil.shear_modulus, state, i, p, l_xx, l_yy, d_xy, angle, dt, time
+        )
         p_s, d_s, q_s, z_s = _update_solid(
             solid,
             terms.elastic_after_failure,

@@ -5,13 +5,15 @@ instead a discontinuity between the particles on its two sides, that is those wi
 
 * **Kinematics.**  The gradient of a pair across the seam is turned normal to it, g_ij -> n (n . g_ij), in the loop over strains and in that
   over forces alike.  Sliding along the seam is then shear along it and nothing else: the steps of a lattice that does not follow the line
-  do not interlock.  Pairs across it have no short-range repulsion.
+  do not interlock.  Pairs across it have neither artificial viscosity nor short-range repulsion.
 * **Strength.**  The shear stress of these particles along the seam is at most tau = c + sigma_n tan(phi), with the effective normal stress
-  sigma_n as it is on average around the particle on its side; in tension beyond c / tan(phi) the seam opens.  On all other planes the soil
-  has its own strength, so that a seam is not squeezed out.
+  sigma_n around the particle on its side; in tension beyond c / tan(phi) the seam opens.  The average goes by w_ij and by the gradients
+  across the seam as they are, so that it is that of the force: single particles are pressed unevenly, and those that the other side has
+  left not at all.  On all other planes the soil has its own strength, so that a seam is not squeezed out.
 * **Slip.**  What exceeds the strength is plastic shear, (tau_trial - tau) / G.  A jump of 1 m across the line gives shear strains b(d) =
-  integral of W along a line at the distance d.  So the slip is sum_j w_ij gamma_j / sum_j w_ij b(d_j), a displacement, without a width.
-  It counts from the end of the gravity stage.  c and tan(phi) fall with it linearly from the peak's to the residual ones.
+  integral of W along a line at the distance d.  So the slip is sum_j w_ij gamma_j / sum_j w_ij b(d_j), a displacement, without a width;
+  w = (1 - (s / 2h)^2)^2 at the distance s along the seam, on one side of it.  It counts from the end of the gravity stage.  c and tan(phi)
+  fall with it linearly from the peak's to the residual ones.
 * Neither the spin of the slip nor its rate enters the rest: stress does not turn with it, and stiffness damping does not act on it.
 
 Sides and directions are those of the start.  Ubiquitous joints: Goodman, Taylor and Brekke (1968); strength on a given plane of soil that
@@ -70,8 +72,6 @@ class Seams(NamedTuple):
     """(neighbours,) slip over plastic shear, w / sum w b, m"""
     weight: np.ndarray
     """(neighbours,) w"""
-    grip: np.ndarray
-    """(rows,) sum of the gradients across the seam as they are now, kg/m4: how much of the other side a particle meets"""
     normal: np.ndarray
     """(rows,) effective normal stress on the seam in this step, compression positive, Pa"""
     armed_from: float
@@ -130,7 +130,7 @@ def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
 
 
 @jit
-def average_seams(term, state, first, last):  # type: ignore[no-untyped-def]
+def average_seams(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
     """Slip and mean normal stress of the particles first to last that lie at seams."""
     if term is None:
         return
@@ -141,9 +141,10 @@ def average_seams(term, state, first, last):  # type: ignore[no-untyped-def]
                 slip = normal = grip = 0.0
                 for m in range(term.first[k], term.first[k + 1]):
                     j = term.near[m]
+                    met = term.weight[m] * pairs.grip[term.particle[j]]
                     slip += term.to_slip[m] * state.seam_strain[term.particle[j]]
-                    normal += term.weight[m] * term.grip[j] * term.normal[j]
-                    grip += term.weight[m] * term.grip[j]
+                    normal += met * term.normal[j]
+                    grip += met
                 state.seam_slip[i] = slip
                 state.seam_normal[i] = normal / grip if grip > 0.0 else 0.0
 
@@ -176,7 +177,7 @@ def turn_gradients(term, pairs, i, begin, count):  # type: ignore[no-untyped-def
                     pairs.gy[k] = ny
                     pairs.inverse_norm[k] = 0.0  # no artificial viscosity
                     grip += math.sqrt(nx * nx + ny * ny)
-            term.grip[term.row[i]] = grip
+            pairs.grip[i] = grip
 
 
 def line_integral(kernel: Kernel, distance: np.ndarray) -> np.ndarray:
@@ -246,7 +247,6 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seam
         np.concatenate(near).astype(np.int32),
         np.concatenate(to_slip),
         np.concatenate(weights),
-        np.zeros(found.size),
         np.zeros(found.size),
         float(scene.gravity.duration - 0.5 * dt),
     )
