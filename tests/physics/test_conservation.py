@@ -123,9 +123,8 @@ SCHEMES: dict[str, dict[str, Any]] = {
     },
     "seam": {
         "walls": {"base": "no_slip", "sides": "free_slip"},
-        "numerics": {"smoothing_ratio": 1.3},
         "coupling": {"solid_after_failure": "elastic_plastic"},
-        "seams": {"clay": {"points": [[30.0, 2.0], [105.0, 24.0]], "cohesion": 20.0, "friction_angle": 12.0}},
+        "seams": {"clay": {"points": [[30.0, 2.0], [105.0, 24.0]], "cohesion": 60.0, "friction_angle": 18.0}},
     },
 }
 """The walls and terms with which the budget is tested."""

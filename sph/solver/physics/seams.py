@@ -49,13 +49,15 @@ class Seams(NamedTuple):
     side: np.ndarray
     """(particles,) int32: number of the seam from 1 on, negative on its right; 0 away from seams"""
     row: np.ndarray
-    """(particles,) int32: where a particle of a seam stands in the arrays below, or -1"""
+    """(particles,) int32: where a particle of a seam stands in the arrays below, or -1; walls come after the soil"""
     particle: np.ndarray
     """(rows,) int32: the other way round"""
+    count: int
+    """rows of soil"""
     cosine: np.ndarray
-    """(rows,) of twice the angle of the seam"""
+    """(rows and those of walls,) of twice the angle of the seam"""
     sine: np.ndarray
-    """(rows,) likewise"""
+    """(rows and those of walls,) likewise"""
     cohesion: np.ndarray
     """(rows, 2) at the peak, and lost in all, Pa"""
     friction: np.ndarray
@@ -85,7 +87,7 @@ def slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ign
         return d, q
     else:
         k = term.row[i]
-        if k < 0:
+        if k < 0 or k >= term.count:
             return d, q
         c, s = term.cosine[k], term.sine[k]
         along, shear = d * c + q * s, q * c - d * s
@@ -112,7 +114,7 @@ def keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
         return
     else:
         k = term.row[i]
-        if k >= 0:
+        if k >= 0 and k < term.count:
             term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
 
 
@@ -123,7 +125,7 @@ def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
         return d, q
     else:
         k = term.row[i]
-        if k < 0:
+        if k < 0 or k >= term.count:
             return d, q
         along = d * term.cosine[k] + q * term.sine[k]
         return along * term.cosine[k], along * term.sine[k]
@@ -193,15 +195,16 @@ def line_integral(kernel: Kernel, distance: np.ndarray) -> np.ndarray:
 def seam_sides(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Side of a seam (n,) on which particles lie, see ``Seams.side``, with their distance (n,) from it, m, and its angle (n,), rad.
 
-    Soil within the kernel's support of the nearest seam, which is infinitely far beyond its ends.
+    Those within the kernel's support of the nearest seam, which is infinitely far beyond its ends.  Walls go on as the soil beside them.
     """
-    soil, geometry = slice(0, particles.n_soil), scene.geometry
+    geometry, half = scene.geometry, 0.5 * scene.numerics.spacing
     side, distance, angle = np.zeros(particles.x.size, np.int32), np.full(particles.x.size, np.inf), np.zeros(particles.x.size)
-    places = shifted(particles.x[soil], particles.y[soil], scene.numerics.spacing, scene.numerics.lattice_shift)
+    beside = np.clip(particles.x, half, geometry.width - half), np.maximum(particles.y, half)
+    places = shifted(*beside, scene.numerics.spacing, scene.numerics.lattice_shift)
     x, y = geometry.in_survey(*places)
     for number, seam in enumerate(scene.seams.values(), 1):
         offset, direction = seam.offset(x, y)
-        nearer = np.flatnonzero((np.abs(offset) < 2.0 * scene.numerics.smoothing_length) & (np.abs(offset) < distance[soil]))
+        nearer = np.flatnonzero((np.abs(offset) < 2.0 * scene.numerics.smoothing_length) & (np.abs(offset) < distance))
         side[nearer] = np.where(offset[nearer] >= 0.0, number, -number)
         distance[nearer] = np.abs(offset[nearer])
         angle[nearer] = geometry.direction * direction[nearer]
@@ -213,6 +216,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seam
     found = np.flatnonzero(side)
     row = np.full(particles.x.size, -1, np.int32)
     row[found] = np.arange(found.size)
+    every, found = found, found[found < particles.n_soil]
     jump, reach = line_integral(kernel, distance[found]), 2.0 * kernel.h
     x, y = particles.x[found], particles.y[found]
     first, near, to_slip, weights = [0], [np.zeros(0, int)], [np.zeros(0)], [np.zeros(0)]
@@ -237,8 +241,9 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seam
         side,
         row,
         found.astype(np.int32),
-        np.cos(2.0 * angle[found]),
-        np.sin(2.0 * angle[found]),
+        found.size,
+        np.cos(2.0 * angle[every]),
+        np.sin(2.0 * angle[every]),
         np.column_stack([peak[:, 0], (peak - residual)[:, 0]]),
         np.column_stack([peak[:, 1], (peak - residual)[:, 1]]),
         slips[:, 0].copy(),
