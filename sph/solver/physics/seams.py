@@ -52,7 +52,7 @@ class Seams(NamedTuple):
     """(particles,) int32: where a particle of a seam stands in the arrays below, or -1; walls come after the soil"""
     particle: np.ndarray
     """(rows,) int32: the other way round"""
-    count: int
+    soil_rows: int
     """rows of soil"""
     cosine: np.ndarray
     """(rows and those of walls,) of twice the angle of the seam"""
@@ -87,7 +87,7 @@ def slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ign
         return d, q
     else:
         k = term.row[i]
-        if k < 0 or k >= term.count:
+        if k < 0 or k >= term.soil_rows:
             return d, q
         c, s = term.cosine[k], term.sine[k]
         along, shear = d * c + q * s, q * c - d * s
@@ -114,7 +114,7 @@ def keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
         return
     else:
         k = term.row[i]
-        if k >= 0 and k < term.count:
+        if k >= 0 and k < term.soil_rows:
             term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
 
 
@@ -125,7 +125,7 @@ def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
         return d, q
     else:
         k = term.row[i]
-        if k < 0 or k >= term.count:
+        if k < 0 or k >= term.soil_rows:
             return d, q
         along = d * term.cosine[k] + q * term.sine[k]
         return along * term.cosine[k], along * term.sine[k]
