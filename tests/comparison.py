@@ -22,6 +22,18 @@ VARIANTS = {
         "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 7.5},
     },
     "at rest": {"soil.K0": 0.8, "gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
+    "seam": {
+        "coupling.solid_after_failure": "elastic_plastic",
+        "seams": {
+            "clay": {
+                "points": [[30.0, 2.0], [105.0, 24.0]],
+                "cohesion": 40.0,
+                "friction_angle": 14.0,
+                "residual_cohesion": 5.0,
+                "slip_at_residual": 0.5,
+            }
+        },
+    },
 }
 """Overrides by name."""
 

@@ -10,7 +10,7 @@ from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.study.cost import cost
 from sph.study.finding import Finding
 from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
-from sph.study.layer_findings import Layer, layers_of
+from sph.study.layer_findings import Layer, layers_of, seam_rows
 from sph.study.motion_findings import peak_accelerations
 
 if TYPE_CHECKING:
@@ -52,6 +52,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
     for name, particle in found.probes.items():
         x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
         lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))
+    lines += [(f"seam {name}", text) for name, text in seam_rows(scene, particles)]
     frequency = highest_frequency(scene)
     shaking = f"{scene.motion.kind}, 95 % of its energy below {frequency:.3g} Hz" if frequency else f"{scene.motion.kind}, no waves"
     return [

@@ -11,6 +11,7 @@ from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import cost, needs
 from sph.study.findings import choices, findings, strengths, uncertain_rows, water_rows
+from sph.study.layer_findings import seam_rows
 from sph.study.motion_findings import peak_accelerations
 
 
@@ -44,6 +45,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
             )
             for number, (name, its) in enumerate(scene.layers.items(), 1)
         ),
+        *((f"seam {name}", text) for name, text in seam_rows(scene, particles)),
         *uncertain_rows(scene, particles),
         *water_rows(scene),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),

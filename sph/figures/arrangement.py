@@ -25,6 +25,7 @@ from sph.scene.schema import Scene
 from sph.storage.trajectory import scene_of
 
 SOIL_COLOUR = "#d9c9a8"
+SEAM_COLOUR = "#8c2d04"
 LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
@@ -51,6 +52,7 @@ def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     draw_box(ax, scene)
     draw_layers(ax, scene)
     draw_ground(ax, scene)
+    draw_seams(ax, scene)
     draw_water(ax, scene)
     survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
     mark_places(ax, scene, probe_places(trajectory, 0), height=not dimensioned)
@@ -87,6 +89,17 @@ def draw_layers(ax: Axes, scene: Scene) -> None:
     regions += [_outline(layer.region, scene.geometry, x, y) for layer in scene.layers.values()]
     for outline, colour in zip(regions, layer_colours(scene), strict=True):
         ax.add_patch(Polygon(outline, facecolor=colour, edgecolor="0.3", linewidth=0.5, clip_path=ground))
+
+
+def draw_seams(ax: Axes, scene: Scene) -> None:
+    """The seams within the soil, with their names."""
+    for name, seam in scene.seams.items():
+        x, y = (np.array(places) for places in scene.geometry.in_box(*seam.middles(200)))
+        inside = (x > 0.0) & (x < scene.geometry.width) & (y > 0.0) & (y < scene.geometry.ground(x))
+        ax.plot(np.where(inside, x, np.nan), y, color=SEAM_COLOUR, linewidth=1.2, zorder=3)
+        middle = np.flatnonzero(inside)[np.count_nonzero(inside) // 2]
+        look: dict[str, Any] = {"color": SEAM_COLOUR, "size": "small", "bbox": HALO, "ha": "center"}
+        ax.annotate(plain(name).replace("_", " "), (x[middle], y[middle]), (0, 4), textcoords="offset points", **look)
 
 
 def _outline(region: DepthRegion | ElevationRegion | PolygonRegion, geometry: Shape, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 
-from sph.figures.arrangement import LEGEND_LINE, draw_box, draw_ground, draw_water, layer_colours, layer_legend, mark_places
+from sph.figures.arrangement import LEGEND_LINE, draw_box, draw_ground, draw_seams, draw_water, layer_colours, layer_legend, mark_places
 from sph.figures.profile import draw_circles, survey_axes
 from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
 from sph.scene.schema import Scene
@@ -43,6 +43,7 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) 
     colours = layer_colours(scene)
     _draw_soil(ax, scene, particles, layer, ListedColormap(colours), BoundaryNorm(np.arange(len(colours) + 1) - 0.5, len(colours)))
     draw_ground(ax, scene)
+    draw_seams(ax, scene)
     draw_water(ax, scene)
     mark_places(ax, scene, {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()})
     survey_axes(ax, scene, (-reach, width + reach, -below, top))

@@ -31,6 +31,7 @@ KEYS = (
     "walls.",
     "motion.",
     "damping.",
+    "seams.",
     SOFTENING,
     "numerics.spacing",
     "numerics.smoothing_ratio",

@@ -29,6 +29,7 @@ from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Moti
 from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
 from sph.scene.scheme import filled, missing
+from sph.scene.seams import Seam
 from sph.scene.soil import Coupling, Soil
 from sph.scene.uncertain import Uncertain, Variable, drawn, told
 from sph.scene.walls import Walls
@@ -129,6 +130,9 @@ class Scene(Section):
     layers: dict[OwnName, Layer] = key(
         "regions of other soil, by name; of two that overlap the later one counts", default={}, max_length=100
     )
+    seams: dict[OwnName, Seam] = key(
+        "weak planes, thinner than the particles, by name: there without a gap at any spacing", default={}, max_length=100
+    )
     water: Water | None = key("water in the pores; null: none", default=None)
     uncertain: Uncertain | None = key("keys of this scene that are drawn at random; null: none", default=None)
     coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
@@ -215,6 +219,7 @@ class Scene(Section):
         self._check_coupling()
         self._check_walls()
         self._check_water()
+        self._check_seams()
         self._check_varying()
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
@@ -410,6 +415,18 @@ class Scene(Section):
                 "is known for by_place only; lower the water to the ground or write pressure: by_place"
             )
 
+    def _check_seams(self) -> None:
+        """Refuse seams where they would have no effect, and terms that take pairs across them for pairs in one body."""
+        if not self.seams:
+            return
+        if self.numerics.gradient_correction is not None:
+            raise ValueError("numerics.gradient_correction: takes the soil on both sides of a seam for one body; set it to null with seams")
+        if self.prescribed_velocity_gradient is not None:
+            raise ValueError("prescribed_velocity_gradient: moves the soil as one body, which seams cut; leave one of them out")
+        for name, seam in self.seams.items():
+            if self.length_in_soil(seam) == 0.0:
+                raise ValueError(f"seams.{name}.points: the line lies outside the ground of the model; draw it through the soil")
+
     def _check_varying(self) -> None:
         """Refuse strength that varies in space where the scene has no room for it."""
         for variable in self.varying:
@@ -469,6 +486,13 @@ class Scene(Section):
         if isinstance(self.motion, NoMotion):
             return failed
         return failed | ((t_f > self.gravity.duration) & (t_f < self.motion.start - 0.5 * self.numerics.time_step))
+
+    def length_in_soil(self, seam: Seam) -> float:
+        """Length of a seam below the ground and above the base, m, to a two-hundredth of each part of its line."""
+        x, y = self.geometry.in_box(*seam.middles(200))
+        lengths = np.repeat(np.hypot(*np.diff(np.array(seam.points), axis=0).T) / 200, 200)
+        inside = (x > 0.0) & (x < self.geometry.width) & (y > 0.0) & (y < self.geometry.ground(x))
+        return float(lengths[inside].sum())
 
     def fails_unshaken(self, failed: int) -> bool:
         """Whether so many soil particles, failed under gravity alone, are a slope that has failed: more than ``FAILED_AREA`` H^2."""

@@ -30,6 +30,7 @@ from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.physics.residual_viscosity import keep_strain_rate
+from sph.solver.physics.seams import average_seams
 from sph.solver.physics.seepage import with_seepage
 from sph.solver.physics.slip import average_plastic_strain
 from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS, State
@@ -349,6 +350,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                     sums[block, WALLS] += terms.dt * (rubbed + taken)
                     sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
         average_plastic_strain(terms.slip, state, first_row, min(last_row, n_soil))
+        average_seams(terms.seams, state, pairs, first_row, min(last_row, n_soil))
         wait(team)
         if team.rank == 0:
             failed += _add_up(sums, state.work)

@@ -30,6 +30,7 @@ from sph.solver.physics.gradient_correction import GradientCorrection, invert
 from sph.solver.physics.initial_arrangement import InitialArrangement, keep_whether_all, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
+from sph.solver.physics.seams import Seams, turn_gradients
 
 SMALLEST_NORM = 1e-30
 """kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -62,6 +63,7 @@ class Pairs(NamedTuple):
     close_end: np.ndarray  # (n,) uint32
     wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m4; without such walls empty
     contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step; likewise
+    grip: np.ndarray  # (n,) sum of |g| across a seam, kg/m4: how much of its other side a particle meets; without seams empty
     distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
     stretch: np.ndarray  # (n, 4) half of the deformation gradient of intact particles, NaN for others; see
     # sph.solver.physics.initial_arrangement, empty without that term as is the next
@@ -142,6 +144,7 @@ class PairTerms(NamedTuple):
     no_slip: NoSlip | None = None
     contact: Contact | None = None
     initial_arrangement: InitialArrangement | None = None
+    seams: Seams | None = None
 
 
 @jit
@@ -158,6 +161,7 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
         terms.no_slip,
         terms.contact,
         terms.initial_arrangement,
+        terms.seams,
     )
 
 
@@ -178,6 +182,7 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
         np.zeros(n, np.uint32),
         np.zeros((0 if terms.no_slip is None else n, 2)),
         np.zeros((0 if terms.contact is None else n, 3)),
+        np.zeros(0 if terms.seams is None else n),
         np.empty(0 if terms.residual_viscosity is None else size, zero.dtype),
         np.zeros((0 if terms.initial_arrangement is None else n, 4)),
         np.ones(0 if terms.initial_arrangement is None else n, np.uint8),
@@ -254,6 +259,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             pairs.gx[begin + k] = factor * dx
             pairs.gy[begin + k] = factor * dy
             pairs.inverse_norm[begin + k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+        turn_gradients(terms.seams, pairs, i, begin, count)
         sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
         for k in range(count):
             dx = row_dx[k]

@@ -155,6 +155,7 @@ class Simulation:
             "no_slip",
             "contact",
             "initial_arrangement",
+            "seams",
         )
 
     def elastic_energy(self) -> float:

@@ -10,6 +10,7 @@ from sph.scene.schema import Scene
 from sph.solver.boundaries.absorbing import free_field_nodes
 from sph.solver.compiled.records import by_reference
 from sph.solver.particles import Particles
+from sph.solver.physics.seams import seam_sides
 
 UNARMED, ARMED, FAILED, HELD, YIELDED = range(5)
 """Phases of a particle: the failure criterion does not count yet, counts, was met; it will count once the particle has come off the
@@ -57,6 +58,9 @@ class State(NamedTuple):
     friction_y: np.ndarray  # that of the side walls
     plastic_strain: np.ndarray  # gathered by the solid state at yield, see sph.solver.physics.slip; without that term empty
     mean_plastic_strain: np.ndarray  # its average around the particle
+    seam_strain: np.ndarray  # plastic shear along a seam since the gravity stage, see sph.solver.physics.seams; without seams empty
+    seam_slip: np.ndarray  # displacement across the seam, m
+    seam_normal: np.ndarray  # mean normal stress on it, Pa
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
     density_pairs: np.ndarray  # and densities
@@ -90,13 +94,14 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
         "density_pairs": np.full(n, density),
-        "intact": _intact(particles, fluid)[: n if scene.numerics.reference == "initial" else 0],
+        "intact": np.zeros(0 if scene.numerics.reference == "current" else n, np.uint8) if fluid else _intact(scene, particles),
         **{name: np.zeros((4, n if scene.numerics.reference == "initial" else 0)) for name in ("stretch", "stretch_pairs")},
         "x_candidates": particles.x.copy(),
         "y_candidates": particles.y.copy(),
         "mode_x": generator.normal(size=n),
         "mode_y": generator.normal(size=n),
         **{name: np.zeros(n if scene.coupling.softening else 0) for name in ("plastic_strain", "mean_plastic_strain")},
+        **{name: np.zeros(n if scene.seams else 0) for name in ("seam_strain", "seam_slip", "seam_normal")},
         "reaction_x": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "reaction_y": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "free_field": np.zeros((2, 5, sum(free_field_nodes(scene, particles)))),
@@ -110,11 +115,13 @@ def initial_state(particles: Particles, scene: Scene) -> State:
     return state
 
 
-def _intact(particles: Particles, fluid: bool) -> np.ndarray:
-    """Particles (n,) whose pairs are those of the start: soil, and walls but those of contact, which soil may leave."""
+def _intact(scene: Scene, particles: Particles) -> np.ndarray:
+    """Particles (n,) whose pairs are those of the start: soil away from seams, and walls but those of contact, which soil may leave."""
+    if scene.numerics.reference == "current":
+        return np.zeros(0, np.uint8)
     number = np.arange(particles.x.size)
     keeps = (number < particles.first_contact) | (number >= particles.first_slip)
-    return (keeps & (not fluid)).astype(np.uint8)
+    return (keeps & (seam_sides(scene, particles)[0] == 0)).astype(np.uint8)
 
 
 def _held(particles: Particles, scene: Scene) -> np.ndarray:

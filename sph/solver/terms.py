@@ -33,6 +33,7 @@ from sph.solver.physics import (
     prescribed_motion,
     rayleigh_damping,
     residual_viscosity,
+    seams,
     seepage,
     short_range_repulsion,
     slip,
@@ -63,6 +64,7 @@ TERMS: tuple[Term, ...] = (
     residual_viscosity.TERM,
     dilation.TERM,
     slip.TERM,
+    seams.TERM,
     failed_solid.TERM,
     initial_arrangement.TERM,
 )
@@ -137,7 +139,7 @@ def only(terms: Any, *names: str) -> Any:
 def add_forces(terms, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
     """Add the accelerations of optional forces to particles first to last; returns the energy that they store, J/m."""
     add_artificial_stress(terms.artificial_stress, terms.layers, state, pairs, first, last)
-    energy = add_repulsion(terms.short_range_repulsion, terms.periodic, state, pairs, mass, terms.n_moving, first, last)
+    energy = add_repulsion(terms.short_range_repulsion, terms.periodic, terms.seams, state, pairs, mass, terms.n_moving, first, last)
     return energy + push_from_faces(terms.wall_faces, terms.wall_friction, state, mass, first, min(last, terms.n_soil))
 
 

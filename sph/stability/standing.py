@@ -3,7 +3,7 @@
 The test is the classical one of strength reduction (Griffiths and Lane 1999): elastic, perfectly plastic soil with non-associated flow
 under gravity.  It is a run of the scene's own soil, box and spacing with
 
-* ``gamma: 0`` and no ``slip_at_residual``, in layers too: the solid state keeps its Mohr-Coulomb strength and nothing softens;
+* ``gamma: 0`` and no ``slip_at_residual``, in layers and seams too: the solid state keeps its Mohr-Coulomb strength and nothing softens;
 * no ground motion, or a constant acceleration after the gravity stage: the pseudo-static load;
 * no Rayleigh damping: its stiffness part would be a viscosity of beta_R G (0.6 MPa s in the paper's soil), by which a slope that has
   lost its balance only creeps, and seems to stand; the gravity stage keeps its own damping, which fades before observation;
@@ -28,10 +28,11 @@ from sph.scene.gravity import FAILED_AREA
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import RESOLVED
+from sph.scene.seams import Seam
 from sph.scene.soil import Soil
 from sph.scene.walls import WallFriction
 from sph.solver.initial_stress import greatest_stress
-from sph.solver.particles import place_particles
+from sph.solver.particles import QUANTITIES, place_particles
 from sph.solver.run import Result, run
 from sph.stability.search import Trial
 from sph.storage.trajectory import Status
@@ -48,6 +49,8 @@ VISCOSITY = 0.3
 """Coefficient of artificial viscosity of a static test."""
 REARRANGEMENT = 0.1
 """Distance over the spacing within which particles of a standing slope move (measured: 0.03 at most well below the limit of V17)."""
+SEAM_LOSS = ("slip_at_residual", "residual_cohesion", "residual_friction_angle")
+"""Keys by which a seam loses strength."""
 FEWEST_ROWS = 10
 """Rows of particles over the height of a slope that a static test needs."""
 ELASTIC_SHARE = 0.1
@@ -158,6 +161,7 @@ def _without_loss(scene: Scene) -> dict[str, Any]:
         "coupling.solid_after_failure": "elastic_plastic",
         **({"coupling.softening.slip_at_residual": None} if scene.coupling.softening else {}),
         **{f"layers.{name}.{rate}": None for name in scene.layers for rate in ("gamma", "slip_at_residual")},
+        **{f"seams.{name}.{lost}": None for name in scene.seams for lost in SEAM_LOSS},
         "coupling.initial_state": "solid",
         "coupling.fluid": {"law": "elastic_viscoplastic"},
     }
@@ -173,7 +177,11 @@ def divided_strength(scene: Scene, factor: float) -> Scene:
     def divided(angle: float) -> float:
         return math.degrees(math.atan(math.tan(math.radians(angle)) / factor))
 
-    made = _with_strength(scene, lambda soil, _: (soil.cohesion / factor, divided(soil.friction_angle), divided(soil.dilation_angle)))
+    made = _with_strength(
+        scene,
+        lambda soil, _: (soil.cohesion / factor, divided(soil.friction_angle), divided(soil.dilation_angle)),
+        lambda seam: (seam.cohesion / factor, divided(seam.friction_angle)),
+    )
     if scene.walls.friction is None:
         return made
     interface = WallFriction.model_construct(**{name: value / factor for name, value in scene.walls.friction})
@@ -183,8 +191,8 @@ def divided_strength(scene: Scene, factor: float) -> Scene:
 def weakened(scene: Scene, strength_ratio: float) -> Scene:
     """A scene with the fluid state's strength throughout: cohesion, phi and psi multiplied by the paper's S_R (Eqs. 14 and 15).
 
-    A layer with an S_R of its own, and soil with residual strengths, keep those; psi falls as phi does.  The interface to the walls
-    does not soften, and keeps its strength.
+    A layer with an S_R of its own, and soil with residual strengths, keep those; psi falls as phi does.  Seams keep their strength as it
+    is here, and the interface to the walls, which does not soften, its own.
     """
 
     def strength(soil: Soil, own: float | None) -> tuple[float, float, float]:
@@ -192,11 +200,14 @@ def weakened(scene: Scene, strength_ratio: float) -> Scene:
         cohesion, angle = soil.residual(ratio)
         return cohesion, angle, soil.dilation_angle * (angle / soil.friction_angle if soil.friction_angle > 0 else 0.0)
 
-    return _with_strength(scene, strength)
+    return _with_strength(scene, strength, lambda seam: (seam.cohesion, seam.friction_angle))
 
 
-def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float, float]]) -> Scene:
-    """A scene with other cohesion (kPa), friction and dilation angle (degree): a function of each soil and the S_R of its layer.
+def _with_strength(
+    scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float, float]], of_seam: Callable[[Seam], tuple[float, float]]
+) -> Scene:
+    """A scene with other cohesion (kPa), friction and dilation angle (degree), by a function of each soil and the S_R of its layer, and of
+    each seam, which has no dilation angle.
 
     A K0 that the other strength does not hold is taken to the nearer limit.
     """
@@ -206,7 +217,8 @@ def _with_strength(scene: Scene, strength: Callable[[Soil, float | None], tuple[
         return soil.model_copy(update=new | {"residual_cohesion": None, "residual_friction_angle": None})
 
     layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
-    made = scene.model_copy(update={"soil": changed(scene.soil), "layers": layers})
+    seams = {name: seam.model_copy(update=dict(zip(QUANTITIES, of_seam(seam), strict=True))) for name, seam in scene.seams.items()}
+    made = scene.model_copy(update={"soil": changed(scene.soil), "layers": layers, "seams": seams})
     return made if all(soil.K0 is None for soil in made.soils) else _held(made)
 
 

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from sph.scene.geometry import Slope
@@ -60,7 +62,7 @@ PLACEHOLDER = "(the soil is not replaced yet)"
 
 
 def strengths(scene: Scene) -> list[tuple[str, str]]:
-    """Name and strength of the scene's own soil and of every layer: at the peak and what failed soil keeps, with S_R and gamma."""
+    """Name and strength of the scene's own soil, every layer and every seam: at the peak and what is left, with S_R and gamma or slip."""
     found = []
     for name, soil, layer in (("soil", scene.soil, None), *((name, its.soil, its) for name, its in scene.layers.items())):
         ratio = scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R
@@ -73,6 +75,15 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
         peak, residual = (f"c = {cohesion:.4g} kPa, phi = {angle:.4g} degree" for cohesion, angle in told)
         written = None not in (soil.residual_cohesion, soil.residual_friction_angle)
         found.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {ratio:g}'] * (not written) + lost)})"))
+    for name, seam in scene.seams.items():
+        words = f"peak c = {seam.cohesion:.4g} kPa, phi = {seam.friction_angle:.4g} degree"
+        if seam.slip_at_residual is not None:
+            cohesion, friction = seam.residual
+            angle = math.degrees(math.atan(friction))
+            words += (
+                f"; residual c = {1e-3 * cohesion:.4g} kPa, phi = {angle:.4g} degree (after {1e3 * seam.slip_at_residual:g} mm of slip)"
+            )
+        found.append((f"seam {name}", words if seam.slip_at_residual is not None else f"{words}, not lost"))
     return found
 
 

@@ -13,6 +13,7 @@ from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.particles import Particles, place_particles
+from sph.solver.physics.seams import seam_sides
 from sph.study.finding import Finding, finding, off_by
 
 FEWEST_IN_LAYER = 4
@@ -83,11 +84,23 @@ def broken(scene: Scene, particles: Particles) -> list[Finding]:
                 f"{name} is not continuous in the particles" if filled.any() else f"{name} has no particle",
                 f"{measured} of {dx:.3g} m" if there.any() else "it lies outside the ground, or under later layers",
                 f"a particle in every column, for which it has to be {dx:.3g} m thick at least",
-                f"numerics.spacing, smaller, or layers.{name}.region, thicker",
+                f"numerics.spacing, smaller, or layers.{name}.region, thicker, or write it as a seam (seams.{name}) instead",
                 subject=name,
                 off_by=off_by(min(columns, thickness / dx * crossed), crossed) if crossed else 1.0,
             )
         )
+    return found
+
+
+def seam_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
+    """Name of each seam and, in words, how long it is in the soil, how many rows of particles it is made of, and its drawn thickness."""
+    side, _, _ = seam_sides(scene, particles)
+    found = []
+    for number, (name, seam) in enumerate(scene.seams.items(), 1):
+        length, on_it = scene.length_in_soil(seam), int(np.count_nonzero(np.abs(side[: particles.n_soil]) == number))
+        rows = on_it * scene.numerics.spacing / length
+        drawn = "no thickness drawn" if seam.thickness is None else f"drawn {seam.thickness:g} m thick, which does not count"
+        found.append((name, f"{length:.3g} m in the soil, {rows:.2g} rows of particles ({on_it:,}) slide along it; {drawn}"))
     return found
 
 

@@ -39,7 +39,7 @@ from sph.figures.study import BOUNDED
 from sph.figures.style import LINE_STYLES, curve_colours, note_text, write_note
 from sph.measures.fields import FIELDS, displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.scene.schema import load_scene
+from sph.scene.schema import load_scene, make_scene
 from sph.solver.particles import SOIL, place_particles
 from sph.storage.trajectory import Status, scene_of
 from sph.study.dimensions import Dimension
@@ -437,6 +437,17 @@ def test_a_slope_that_falls_to_the_right_is_drawn_so() -> None:
     circle, bar = circles(figure)[1], figure.axes[-1]
     assert axes(figure).xaxis_inverted() and bar.get_ylabel() == "initial elevation (m)"
     assert circle.norm.vmin == 430.0 and circle.get_array().max() == pytest.approx(464.5)
+
+
+def test_a_seam_is_drawn_where_it_is_in_the_soil_with_its_name() -> None:
+    seam = {"points": [[0.0, 2.0], [10.0, 7.0]], "cohesion": 5.0, "friction_angle": 10.0}
+    scene = make_scene({"scheme": "paper", "name": "block", "numerics": {"spacing": 0.5}, "seams": {"weak_clay": seam}} | BLOCK)
+    figure = figure_scene(scene, place_particles(scene), {})
+    (line,) = [line for line in axes(figure).lines if line.get_linewidth() == 1.2]
+    shown = np.isfinite(line.get_xdata())
+    np.testing.assert_allclose(line.get_ydata()[shown], 2.0 + 0.5 * line.get_xdata()[shown])
+    assert line.get_xdata()[shown].max() == pytest.approx(6.0, abs=0.1), "the ground lies at 5 m"
+    assert "weak clay" in {text.get_text() for text in axes(figure).texts}
 
 
 def test_curves_survive_print() -> None:

@@ -121,6 +121,11 @@ SCHEMES: dict[str, dict[str, Any]] = {
         "numerics": {"artificial_viscosity": {"reconstruction": "linear"}},
         "coupling": {"solid_after_failure": "elastic_plastic", "softening": {"slip_at_peak": 1e-4, "width": 7.5}},
     },
+    "seam": {
+        "walls": {"base": "no_slip", "sides": "free_slip"},
+        "coupling": {"solid_after_failure": "elastic_plastic"},
+        "seams": {"clay": {"points": [[30.0, 2.0], [105.0, 24.0]], "cohesion": 60.0, "friction_angle": 18.0}},
+    },
 }
 """The walls and terms with which the budget is tested."""
 

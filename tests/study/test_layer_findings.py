@@ -16,9 +16,10 @@ from sph.command.cli import app
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import place_particles
+from sph.solver.physics.seams import seam_sides
 from sph.study.finding import Finding
 from sph.study.findings import findings
-from sph.study.layer_findings import broken_at, sections
+from sph.study.layer_findings import broken_at, seam_rows, sections
 
 SLOPE: dict[str, Any] = {
     "scheme": "paper",
@@ -60,7 +61,7 @@ def told(region: dict[str, Any], **settings: Any) -> list[Finding]:
 def test_a_seam_thinner_than_the_spacing_is_broken_wherever_the_lattice_lies(region: dict[str, Any]) -> None:
     (one,) = told(region)
     assert (one.code, one.severity) == ("layer-broken", "error") and "clay" in one.what
-    assert "layers.clay.region" in one.key and "numerics.spacing" in one.key and "at a spacing of 1 m" in one.measured
+    assert all(key in one.key for key in ("layers.clay.region", "seams.clay", "numerics.spacing")) and "at a spacing of 1 m" in one.measured
 
 
 @pytest.mark.parametrize(
@@ -98,6 +99,23 @@ def test_a_seam_that_pinches_out_in_its_middle_is_told() -> None:
 def test_the_remedies_help() -> None:
     assert told(dipping(12.0, 0.4), **{"numerics.spacing": 0.1}) == []
     assert "layer-broken" not in {each.code for each in told(dipping(12.0, 1.5))}
+
+
+@pytest.mark.parametrize("spacing", [2.0, 1.0, 0.5])
+def test_a_seam_is_there_without_a_gap_at_any_spacing(spacing: float) -> None:
+    """It dips under the slope; every column has its rows there, as many normal to the line as the kernel reaches."""
+    rise = 60.0 * math.tan(math.radians(12.0))
+    seam = {"points": [[160, 435.3], [220, 435.3 + rise]], "thickness": 0.4, "cohesion": 0.5, "friction_angle": 5.0}
+    one = make_scene(merge(SLOPE, {"seams": {"clay": seam}, "numerics": {"spacing": spacing, "time_step": 1e-4}}))
+    particles = place_particles(one)
+    side, _, _ = seam_sides(one, particles)
+    columns = np.round(particles.x[side != 0] / spacing - 0.5).astype(int)
+    upright = np.bincount(columns, minlength=one.lattice[0])[round(65.0 / spacing) : round(115.0 / spacing)] * math.cos(math.radians(12.0))
+    assert upright.min() > 4.0 and upright.max() < 6.5
+    assert set(np.sign(side)) == {-1, 0, 1}
+    ((name, told),) = seam_rows(one, particles)
+    assert name == "clay" and "5." in told and "drawn 0.4 m thick, which does not count" in told
+    assert "layer-broken" not in {each.code for each in findings(one)}
 
 
 def test_a_section_has_the_area_of_its_region_but_for_later_layers() -> None:

@@ -29,6 +29,7 @@ from sph.solver.physics.initial_arrangement import deform
 from sph.solver.physics.material import material_of
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
+from sph.solver.physics.seams import keep_normal_stress, slide, without_slip
 from sph.solver.physics.slip import gather_plastic_strain, has_slipped, mean_strain
 from sph.solver.physics.strength_loss import remaining_weight
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
@@ -77,12 +78,13 @@ def _update_beta(fluid, loss, slip, state, i):  # type: ignore[no-untyped-def]
 
 
 @jit
-def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
+def _update_fluid(fluid, law, seams, shear_modulus, state, i, p, l_xx, l_yy, d_xy, angle, dt, time):  # type: ignore[no-untyped-def]
     if fluid is None:
         return 0.0, 0.0, 0.0, 0.0
     else:
         p = limit_tension(fluid, p)
         d, q, z = fluid_deviator(law, fluid, p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i], l_xx, l_yy, d_xy, angle, dt)
+        d, q = slide(seams, state, i, p, d, q, z, 1.0 - state.beta[i], shear_modulus, time)
         failed = state.phase[i] == FAILED
         state.fluid_d[i] = d if failed else 0.0
         state.fluid_q[i] = q if failed else 0.0
@@ -92,7 +94,24 @@ def _update_fluid(fluid, law, state, i, p, l_xx, l_yy, d_xy, angle, dt):  # type
 
 @jit
 def _update_solid(  # type: ignore[no-untyped-def]
-    solid, after_failure, dilation, slip, shear_modulus, bulk_modulus, state, i, p, rate_d, rate_q, rate_z, angle, dt, reached, k
+    solid,
+    after_failure,
+    dilation,
+    slip,
+    seams,
+    shear_modulus,
+    bulk_modulus,
+    state,
+    i,
+    p,
+    rate_d,
+    rate_q,
+    rate_z,
+    angle,
+    dt,
+    time,
+    reached,
+    k,
 ):
     if solid is None:
         return 0.0, 0.0, 0.0, 0.0
@@ -106,9 +125,10 @@ def _update_solid(  # type: ignore[no-untyped-def]
         p_solid = dilate(dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus) if bounded else p
         factor = return_factor(solid, p_solid, d, q, z) if bounded else 1.0
         gather_plastic_strain(slip, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
-        state.solid_d[i] = d * factor
-        state.solid_q[i] = q * factor
         state.solid_z[i] = z * factor
+        state.solid_d[i], state.solid_q[i] = slide(
+            seams, state, i, p_solid, d * factor, q * factor, state.solid_z[i], state.beta[i], shear_modulus, time
+        )
         reached[k] = 1.0 if factor < 1.0 or p_limited > p else 0.0
         return p_solid, state.solid_d[i], state.solid_q[i], state.solid_z[i]
 
@@ -148,12 +168,15 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
         beta = _update_beta(fluid, soil.loss, terms.slip, state, i)
-        p_f, d_f, q_f, z_f = _update_fluid(fluid, soil.fluid_law, state, i, p, l_xx, l_yy, d_xy, angle, dt)
+        p_f, d_f, q_f, z_f = _update_fluid(
+            fluid, soil.fluid_law, terms.seams, soil.shear_modulus, state, i, p, l_xx, l_yy, d_xy, angle, dt, time
+        )
         p_s, d_s, q_s, z_s = _update_solid(
             solid,
             terms.elastic_after_failure,
             terms.dilation,
             terms.slip,
+            terms.seams,
             soil.shear_modulus,
             bulk,
             state,
@@ -164,12 +187,15 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
             rate_z,
             angle,
             dt,
+            time,
             reached,
             i - np.uint64(first),
         )
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
+        keep_normal_stress(terms.seams, i, blend(beta, p_s, p_f), d, q, z)
         water = carried_pressure(terms.pore_pressure, soil, i, beta, p, time)
         mean = -blend(beta, p_s, p_f) - 0.5 * z - water
+        rate_d, rate_q = without_slip(terms.seams, i, rate_d, rate_q)
         damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rate_z, trace)
         s = 1.0 / (new_density * new_density)
         internal += half * power(terms.gradient_correction, state, gradient, i)

@@ -15,6 +15,7 @@ from sph.solver.compiled.jit import jit, rows
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.seams import across
 
 
 class ShortRangeRepulsion(NamedTuple):
@@ -27,7 +28,7 @@ class ShortRangeRepulsion(NamedTuple):
 
 
 @jit
-def add_repulsion(term, period, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
+def add_repulsion(term, period, seams, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
     """Add the repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
 
     What moves shares a spring's energy with what moves, and has that with what stands still.
@@ -42,7 +43,7 @@ def add_repulsion(term, period, state, pairs, mass, n_moving, first, last):  # t
                 dx = wrap(period, state.x[i] - state.x[j])
                 dy = state.y[i] - state.y[j]
                 r = math.sqrt(dx * dx + dy * dy)
-                if 0.0 < r < term.range:
+                if 0.0 < r < term.range and not across(seams, i, j):
                     overlap = term.range - r
                     force = term.stiffness * overlap / r
                     energy += (0.25 if j < n_moving else 0.5) * term.stiffness * overlap * overlap

@@ -1,0 +1,260 @@
+"""Seams: soil slips along a given line with the strength of a shear box, whatever the spacing.
+
+A layer of weak soil that is thinner than the kernel's reach shears the stronger soil beside it, and borrows its strength.  A seam is
+instead a discontinuity between the particles on its two sides, that is those within the kernel's support of its line.
+
+* **Kinematics.**  The gradient of a pair across the seam is turned normal to it, g_ij -> n (n . g_ij), in the loop over strains and in that
+  over forces alike.  Sliding along the seam is then shear along it and nothing else: the steps of a lattice that does not follow the line
+  do not interlock.  Pairs across it have neither artificial viscosity nor short-range repulsion.
+* **Strength.**  The shear stress of these particles along the seam is at most tau = c + sigma_n tan(phi), with the effective normal stress
+  sigma_n around the particle on its side; in tension beyond c / tan(phi) the seam opens.  The average goes by w_ij and by the gradients
+  across the seam as they are, so that it is that of the force: single particles are pressed unevenly, and those that the other side has
+  left not at all.  On all other planes the soil has its own strength, so that a seam is not squeezed out.
+* **Slip.**  What exceeds the strength is plastic shear, (tau_trial - tau) / G.  A jump of 1 m across the line gives shear strains b(d) =
+  integral of W along a line at the distance d.  So the slip is sum_j w_ij gamma_j / sum_j w_ij b(d_j), a displacement, without a width;
+  w = (1 - (s / 2h)^2)^2 at the distance s along the seam, on one side of it.  It counts from the end of the gravity stage.  c and tan(phi)
+  fall with it linearly from the peak's to the residual ones.
+* Neither the spin of the slip nor its rate enters the rest: stress does not turn with it, and stiffness damping does not act on it.
+
+Sides and directions are those of the start.  Ubiquitous joints: Goodman, Taylor and Brekke (1968); strength on a given plane of soil that
+does not dilate: Davis (1968), by whom an isotropic band with the same c and phi has c cos(phi) + sigma_n sin(phi).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.places import shifted
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
+from sph.solver.optional import Term
+from sph.solver.particles import Particles
+from sph.solver.physics.elasticity import rotate
+from sph.solver.physics.kernels import Kernel, evaluate
+
+OPENING = 0.99
+"""Part of the tension that a seam bears, c / tan(phi), at which it opens."""
+PARTS = 200
+"""Parts in which the kernel is summed along a line."""
+
+
+@by_reference
+class Seams(NamedTuple):
+    """Coefficients of the term."""
+
+    side: np.ndarray
+    """(particles,) int32: number of the seam from 1 on, negative on its right; 0 away from seams"""
+    row: np.ndarray
+    """(particles,) int32: where a particle of a seam stands in the arrays below, or -1; walls come after the soil"""
+    particle: np.ndarray
+    """(rows,) int32: the other way round"""
+    soil_rows: int
+    """rows of soil"""
+    cosine: np.ndarray
+    """(rows and those of walls,) of twice the angle of the seam"""
+    sine: np.ndarray
+    """(rows and those of walls,) likewise"""
+    cohesion: np.ndarray
+    """(rows, 2) at the peak, and lost in all, Pa"""
+    friction: np.ndarray
+    """(rows, 2) tan(phi), likewise"""
+    slip_at_peak: np.ndarray
+    """(rows,) m"""
+    span: np.ndarray
+    """(rows,) slip from there to the residual strength, m; infinite where nothing is lost"""
+    first: np.ndarray
+    """(rows + 1,) int32: where the neighbours of a row begin in the arrays below"""
+    near: np.ndarray
+    """(neighbours,) int32: rows on the same side within the kernel's support"""
+    to_slip: np.ndarray
+    """(neighbours,) slip over plastic shear, w / sum w b, m"""
+    weight: np.ndarray
+    """(neighbours,) w"""
+    normal: np.ndarray
+    """(rows,) effective normal stress on the seam in this step, compression positive, Pa"""
+    armed_from: float
+    """from when on slip counts, s"""
+
+
+@jit
+def slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
+    """Deviator (d, q) of a state of particle i, with its weight, whose stress on the seam is at most the seam's strength."""
+    if term is None:
+        return d, q
+    else:
+        k = term.row[i]
+        if k < 0 or k >= term.soil_rows:
+            return d, q
+        c, s = term.cosine[k], term.sine[k]
+        along, shear = d * c + q * s, q * c - d * s
+        own = p + 0.5 * z + along
+        normal = state.seam_normal[i] if state.seam_normal[i] != 0.0 else own  # 0 before the first step only
+        lost = min(max((state.seam_slip[i] - term.slip_at_peak[k]) / term.span[k], 0.0), 1.0)
+        cohesion = term.cohesion[k, 0] - lost * term.cohesion[k, 1]
+        friction = term.friction[k, 0] - lost * term.friction[k, 1]
+        limit = max(cohesion + normal * friction, 0.0)
+        held = min(max(shear, -limit), limit)
+        if time >= term.armed_from:
+            state.seam_strain[i] += weight * abs(shear - held) / shear_modulus
+        along, held = rotate(along, held, 0.5 * (held - shear) / shear_modulus)  # back by the spin of the slip
+        held = min(max(held, -limit), limit)
+        opens = friction > 0.0 and normal * friction <= -OPENING * cohesion
+        along += max(-cohesion / friction - (p + 0.5 * z + along), 0.0) if opens else 0.0
+        return along * c - held * s, along * s + held * c
+
+
+@jit
+def keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
+    """Keep the effective normal stress of particle i on its seam."""
+    if term is None:
+        return
+    else:
+        k = term.row[i]
+        if k >= 0 and k < term.soil_rows:
+            term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
+
+
+@jit
+def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
+    """Rates (d, q) of the deviator of particle i without that of shear along its seam."""
+    if term is None:
+        return d, q
+    else:
+        k = term.row[i]
+        if k < 0 or k >= term.soil_rows:
+            return d, q
+        along = d * term.cosine[k] + q * term.sine[k]
+        return along * term.cosine[k], along * term.sine[k]
+
+
+@jit
+def average_seams(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    """Slip and mean normal stress of the particles first to last that lie at seams."""
+    if term is None:
+        return
+    else:
+        for i in range(first, last):
+            k = term.row[i]
+            if k >= 0:
+                slip = normal = grip = 0.0
+                for m in range(term.first[k], term.first[k + 1]):
+                    j = term.near[m]
+                    met = term.weight[m] * pairs.grip[term.particle[j]]
+                    slip += term.to_slip[m] * state.seam_strain[term.particle[j]]
+                    normal += met * term.normal[j]
+                    grip += met
+                state.seam_slip[i] = slip
+                state.seam_normal[i] = normal / grip if grip > 0.0 else 0.0
+
+
+@jit
+def across(term, i, j):  # type: ignore[no-untyped-def]
+    """Whether particles i and j lie on the two sides of a seam."""
+    if term is None:
+        return False
+    else:
+        return term.side[i] != 0 and term.side[i] == -term.side[j]
+
+
+@jit
+def turn_gradients(term, pairs, i, begin, count):  # type: ignore[no-untyped-def]
+    """Turn the gradients of particle i's pairs across a seam, among the ``count`` from ``begin`` on, normal to it."""
+    if term is None:
+        return
+    else:
+        if term.side[i] != 0:
+            grip = 0.0
+            for k in range(begin, begin + count):
+                j = pairs.neighbour[k]
+                if across(term, i, j):
+                    a, b = term.row[i], term.row[j]
+                    c, s = 0.5 * (term.cosine[a] + term.cosine[b]), 0.5 * (term.sine[a] + term.sine[b])  # the same for both directions
+                    gx, gy = np.float64(pairs.gx[k]), np.float64(pairs.gy[k])
+                    nx, ny = 0.5 * ((1.0 - c) * gx - s * gy), 0.5 * ((1.0 + c) * gy - s * gx)
+                    pairs.gx[k] = nx
+                    pairs.gy[k] = ny
+                    pairs.inverse_norm[k] = 0.0  # no artificial viscosity
+                    grip += math.sqrt(nx * nx + ny * ny)
+            pairs.grip[i] = grip
+
+
+def line_integral(kernel: Kernel, distance: np.ndarray) -> np.ndarray:
+    """Integral (n,) of W along a line at distances (n,) from it (m), 1/m; over both sides of the line it sums to 1."""
+    reach = 2.0 * kernel.h
+    along = (np.arange(PARTS) + 0.5) / PARTS * reach
+    places = np.linspace(0.0, reach, PARTS + 1)
+    values = [2.0 * reach / PARTS * sum(evaluate(kernel, math.hypot(place, part))[0] for part in along) for place in places]
+    found: np.ndarray = np.interp(distance, places, values, right=0.0)
+    return found
+
+
+def seam_sides(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Side of a seam (n,) on which particles lie, see ``Seams.side``, with their distance (n,) from it, m, and its angle (n,), rad.
+
+    Those within the kernel's support of the nearest seam, which is infinitely far beyond its ends.  Walls go on as the soil beside them.
+    """
+    geometry, half = scene.geometry, 0.5 * scene.numerics.spacing
+    side, distance, angle = np.zeros(particles.x.size, np.int32), np.full(particles.x.size, np.inf), np.zeros(particles.x.size)
+    beside = np.clip(particles.x, half, geometry.width - half), np.maximum(particles.y, half)
+    places = shifted(*beside, scene.numerics.spacing, scene.numerics.lattice_shift)
+    x, y = geometry.in_survey(*places)
+    for number, seam in enumerate(scene.seams.values(), 1):
+        offset, direction = seam.offset(x, y)
+        nearer = np.flatnonzero((np.abs(offset) < 2.0 * scene.numerics.smoothing_length) & (np.abs(offset) < distance))
+        side[nearer] = np.where(offset[nearer] >= 0.0, number, -number)
+        distance[nearer] = np.abs(offset[nearer])
+        angle[nearer] = geometry.direction * direction[nearer]
+    return side, distance, angle
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seams:
+    side, distance, angle = seam_sides(scene, particles)
+    found = np.flatnonzero(side)
+    row = np.full(particles.x.size, -1, np.int32)
+    row[found] = np.arange(found.size)
+    every, found = found, found[found < particles.n_soil]
+    jump, reach = line_integral(kernel, distance[found]), 2.0 * kernel.h
+    x, y = particles.x[found], particles.y[found]
+    first, near, to_slip, weights = [0], [np.zeros(0, int)], [np.zeros(0)], [np.zeros(0)]
+    for i, own in zip(range(found.size), side[found], strict=True):
+        apart = (x - x[i]) ** 2 + (y - y[i]) ** 2 - (distance[found] - distance[found][i]) ** 2  # squared, along the seam
+        there = np.flatnonzero((side[found] == own) & (apart < reach**2))
+        weight = (1.0 - np.maximum(apart[there], 0.0) / reach**2) ** 2
+        first.append(first[-1] + there.size)
+        near.append(there)
+        to_slip.append(weight / (weight @ jump[there]))
+        weights.append(weight)
+    seams = list(scene.seams.values())
+    peak, residual, slips = (
+        np.array(values)[np.abs(side[found]) - 1].reshape(found.size, 2)
+        for values in (
+            [seam.peak for seam in seams],
+            [seam.residual for seam in seams],
+            [(seam.slip_at_peak, math.inf if seam.slip_at_residual is None else seam.slip_at_residual) for seam in seams],
+        )
+    )
+    return Seams(
+        side,
+        row,
+        found.astype(np.int32),
+        found.size,
+        np.cos(2.0 * angle[every]),
+        np.sin(2.0 * angle[every]),
+        np.column_stack([peak[:, 0], (peak - residual)[:, 0]]),
+        np.column_stack([peak[:, 1], (peak - residual)[:, 1]]),
+        slips[:, 0].copy(),
+        slips[:, 1] - slips[:, 0],
+        np.array(first, np.int32),
+        np.concatenate(near).astype(np.int32),
+        np.concatenate(to_slip),
+        np.concatenate(weights),
+        np.zeros(found.size),
+        float(scene.gravity.duration - 0.5 * dt),
+    )
+
+
+TERM = Term("seams", "seams: weak planes in the soil", lambda scene: bool(scene.seams), _make)
