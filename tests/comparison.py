@@ -21,6 +21,7 @@ VARIANTS = {
         "coupling.gamma": 0.0,
         "coupling.softening": {"slip_at_peak": 1e-4, "slip_at_residual": 0.01, "width": 7.5},
     },
+    "initial arrangement": {"numerics.reference": "initial", "soil.youngs_modulus": 5e4},
     "at rest": {"soil.K0": 0.8, "gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
     "seam": {
         "coupling.solid_after_failure": "elastic_plastic",

@@ -25,7 +25,7 @@ from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.neighbours import Candidates, Pairs, allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
-from sph.solver.physics.initial_arrangement import largest_change, note_intact, start_pairs
+from sph.solver.physics.initial_arrangement import LOOK_EVERY, largest_changes, note_intact, start_pairs
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import drive
 from sph.solver.physics.rayleigh_damping import mass_damping
@@ -111,16 +111,16 @@ def _note_moves(team, row, x, y, x_ref, y_ref, n):  # type: ignore[no-untyped-de
 
 
 @jit
-def _note_changes(team, term, state, pairs, n):  # type: ignore[no-untyped-def]
-    """Largest move of this thread's rows that the pairs see; where that is not the move itself, the latter for the candidates too."""
-    _note_moves(team, PAIRS_MOVE, state.x, state.y, state.x_pairs, state.y_pairs, n)
+def _note_changes(team, term, state, pairs, step, n):  # type: ignore[no-untyped-def]
+    """Largest move of this thread's rows that the pairs see; where that is not the move itself, also that which the candidates see."""
     if term is None:
-        return
+        _note_moves(team, PAIRS_MOVE, state.x, state.y, state.x_pairs, state.y_pairs, n)
     else:
         begin, end = own_blocks(team)
         first, last = min(n, begin * BLOCK), min(n, end * BLOCK)
-        team.move[PAIRS_MOVE, team.rank] = largest_change(term, state, pairs, team.move[PAIRS_MOVE, team.rank], first, last)
-        _note_moves(team, CANDIDATES_MOVE, state.x, state.y, state.x_candidates, state.y_candidates, n)
+        seen, far = largest_changes(term, state, pairs, step % LOOK_EVERY == 0, first, last)
+        team.move[PAIRS_MOVE, team.rank] = seen
+        team.move[CANDIDATES_MOVE, team.rank] = far
 
 
 @jit
@@ -282,7 +282,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 sums[block, GRAVITY] += held
                 sums[block, VISCOUS] += viscous
                 sums[block, WALLS] += taken
-            _note_changes(team, terms.initial_arrangement, state, pairs, n_moving)
+            _note_changes(team, terms.initial_arrangement, state, pairs, s, n_moving)
             wait(team)
             renew = not _moved(team, PAIRS_MOVE) <= terms.pairs_tolerance**2
             renew |= _left_candidates(team, terms.initial_arrangement, terms.candidates_tolerance**2)

@@ -42,6 +42,8 @@ SLID = 0.5
 """Distance in spacings by which soil may have slid along a smooth wall whose particles still mirror it as at the start."""
 ARM = 10.0
 """Arm of the deformation that asks for new pairs, in spacings."""
+LOOK_EVERY = 4
+"""Steps from one look at the deformations to the next."""
 
 
 @by_reference
@@ -128,23 +130,25 @@ def deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
 
 
 @jit
-def largest_change(term, state, pairs, largest, first, last):  # type: ignore[no-untyped-def]
-    """Largest squared move (m2) of particles first to last that their pairs would see; without the term ``largest``, of all of them.
+def largest_changes(term, state, pairs, look, first, last):  # type: ignore[no-untyped-def]
+    """Largest squared moves (m2) of particles first to last that their pairs and that the candidates would see.
 
-    NaN if any is NaN or infinite.
+    They are NaN if any is NaN or infinite.  Deformations are looked at where ``look`` is true.
     """
-    if term is None:
-        return largest
-    else:
-        seen = 0.0
+    seen = far = total = 0.0
+    for i in range(first, last):
+        square = (state.x[i] - state.x_pairs[i]) ** 2 + (state.y[i] - state.y_pairs[i]) ** 2
+        changing = (pairs.changing[i] > 0) | (state.phase[i] == FAILED)
+        seen = max(seen, square if changing else 0.0)
+        far = max(far, (state.x[i] - state.x_candidates[i]) ** 2 + (state.y[i] - state.y_candidates[i]) ** 2)
+        total += square
+    if look:
         for i in range(first, last):
-            square = (state.x[i] - state.x_pairs[i]) ** 2 + (state.y[i] - state.y_pairs[i]) ** 2
-            moves = 1.0 if (pairs.changing[i] > 0) | (state.phase[i] == FAILED) else 0.0
             strain = 0.0
             for k in range(4):
                 strain += (state.stretch[k, i] - state.stretch_pairs[k, i]) ** 2
-            seen = max(seen, moves * square, (term.arm_square * strain) if state.intact[i] else 0.0)
-        return seen + 0.0 * largest
+            seen = max(seen, term.arm_square * strain if state.intact[i] else 0.0)
+    return seen + 0.0 * total, far + 0.0 * total
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> InitialArrangement:
