@@ -128,14 +128,19 @@ def _at_peak(scene: Scene) -> Peak:
     tested = divided_strength(static_scene(scene, DEFAULT_RULE), 1.0)
     result = run(tested)
     trial = judged(result, tested, DEFAULT_RULE, 1.0)
-    settled = divided_strength(static_scene(scene, DEFAULT_RULE, own_stiffness=True), 1.0)
-    shortly_after = settled.gravity.duration + settled.outputs.frame_interval  # failure counts from the end of the stage on
-    trajectory = run(settled.model_copy(update={"duration": shortly_after})).trajectory
+    settled = _settled(scene)
+    trajectory = run(settled).trajectory
     count = int(np.count_nonzero(settled.gravity.failed(trajectory["t_f"].values[trajectory["kind"].values == SOIL])))
     begun = any(np.isfinite(t["t_f"].values[t["kind"].values == SOIL]).any() for t in (result.trajectory, trajectory))
     used = mobilised_by_layer(trajectory, gravity_frame(trajectory)) if trial.stands else {}
     spacing = tested.numerics.spacing
     return Peak(trial, spacing, count * spacing**2, settled.fails_unshaken(count), begun, used)
+
+
+def _settled(scene: Scene) -> Scene:
+    """The test with the soil's own stiffness, until just after the gravity stage, from whose end on failure counts."""
+    static = divided_strength(static_scene(scene, DEFAULT_RULE, own_stiffness=True), 1.0)
+    return static.model_copy(update={"duration": static.gravity.duration + static.outputs.frame_interval})
 
 
 def _at_residual(static: Scene) -> Trial:
@@ -283,11 +288,12 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
 
 def preflight_seconds(scenes: Mapping[str, Scene]) -> float:
     """Computing time on the reference machine of ``study_stability``, s; where all slopes stand."""
-    runs, statics, _, _ = _slopes(scenes)
+    runs, statics, quick, _ = _slopes(scenes)
     spent, slopes = 0.0, dict[str, float]()
     for (peak_key, _), names in runs.items():
         if spent <= LONGEST:
-            spent += cost(statics[names[0]]).seconds * (1 + (peak_key not in slopes))
+            first = peak_key not in slopes
+            spent += cost(statics[names[0]]).seconds * (1 + first) + first * cost(_settled(quick[names[0]])).seconds
             coarse, fine = QUICK_TRIALS
             slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (2 * coarse + QUICK_SENSITIVITY, 2 * fine)))
     for number, one in enumerate(slopes.values()):
@@ -321,11 +327,11 @@ def study_stability(
         if spent > LONGEST:
             left += names
             continue
-        one = cost(static).seconds
+        one, settled = cost(static).seconds, cost(_settled(quick[names[0]])).seconds
         slopes.setdefault(peak_key, []).extend(names)
         if peak_key not in peaks:
             peaks[peak_key] = _at_peak(quick[names[0]])
-            spent += one
+            spent += one + settled
         peak = peaks[peak_key]
         scene = scenes[names[0]]
         told = [_of_peak(peak, scene)]

@@ -21,7 +21,7 @@ from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
 from sph.study.cost import cost
-from sph.study.preflight import QUICK_SENSITIVITY, QUICK_TRIALS, preflight_seconds, quick_spacings
+from sph.study.preflight import QUICK_SENSITIVITY, QUICK_TRIALS, _settled, preflight_seconds, quick_spacings, standing_scene
 
 CONFIG: dict[str, Any] = {
     "study": "small",
@@ -79,7 +79,9 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     slope = scenes[next(iter(scenes))]
     coarse, fine = (cost(static_scene(at_spacing(slope, spacing), DEFAULT_RULE)).seconds for spacing in quick_spacings(slope))
     searches = 2 * (QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine) + QUICK_SENSITIVITY * coarse
-    assert preflight_seconds(scenes) == pytest.approx((1 + 2) * fine + searches), "one slope, two values of S_R, two searches"
+    standing = standing_scene(slope)
+    tests = (1 + 2) * cost(static_scene(standing, DEFAULT_RULE)).seconds + cost(_settled(standing)).seconds
+    assert preflight_seconds(scenes) == pytest.approx(tests + searches), "one slope, two values of S_R, two searches"
     counted = study_cost(plan, folder, cores=1, speed=1.0)
     monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes: 0.0)
     assert counted.left - study_cost(plan, folder, cores=1, speed=1.0).left == pytest.approx(preflight_seconds(scenes))
