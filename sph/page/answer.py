@@ -11,14 +11,14 @@ import pandas as pd
 
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
-from sph.measures.metrics import CLASSES, STABLE
+from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.sides import BACK
 from sph.page.tables import AT_LEAST, MOST_VALUES, NOTHING, Table, metres
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
-from sph.study.after_run import is_bounded
+from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
@@ -220,6 +220,11 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     say(
         table["reached_side"].str.contains(BACK).sum(),
         "have failed soil at the end of the box behind the crest: the box bounds the failure; lengthen the crest.",
+    )
+    say(
+        table["energy_error"].map(is_open).sum(),
+        f"have made or lost more than {100.0 * ENERGY_LIMIT:g} % of their energy: their numbers are not to be trusted; take a smaller "
+        "time step or spacing.",
     )
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
