@@ -14,7 +14,7 @@ from sph.page.sections import certain
 from sph.paper.study import load_study
 from sph.study.plan import claim_results
 from sph.study.planned import planned, sources
-from sph.study.preflight import MOST_SCENES
+from sph.study.preflight import MOST_SCENES, preflight_searches
 from sph.study.sampling import chosen_study
 from sph.study.searches import SAFETY, SLOPE_LIMITS, searched_limit
 from sph.experiments.trigger.design import load_trigger, plan_of

@@ -314,11 +314,11 @@ def metrics(
     with refusals("measuring the trajectory"):
         from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
         from sph.storage import trajectory
-        from sph.study.after_run import debris_at_wall
+        from sph.study.after_run import after_run
 
         run = trajectory.read_run(file)
         values = measure(run, MetricSettings())
-        found = debris_at_wall(trajectory.scene_of(run), str(values["reached_side"]), float(values["reached_side_time"]))
+        found = after_run(trajectory.scene_of(run), values)
     if as_json:
         print(to_json(values, indent=1))
         return

@@ -21,7 +21,7 @@ from sph.solver.run import Progress, Run
 from sph.study.cost import COMPILE, START, Cost, cost, search_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
-from sph.study.preflight import MOST_SCENES, preflight_seconds
+from sph.study.preflight import MOST_SCENES, preflight_searches, preflight_seconds
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
 """Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""
@@ -68,7 +68,7 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
-    checked = start + preflight_seconds(_looked_at(plan)) / known.value
+    checked = start + preflight_seconds(_looked_at(plan), preflight_searches(elsewhere=bool(plan.searches))) / known.value
     check_left = 0.0 if (folder / PREFLIGHT_FILE).exists() else checked
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}

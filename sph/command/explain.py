@@ -39,6 +39,7 @@ from sph.study.dimensions import is_number, point_name, value_of
 from sph.study.plan import Plan
 from sph.study.planned import differing
 from sph.study.schema import Point
+from sph.study.searches import found_words, searched_limit
 from sph.study.tables import read_csv
 from sph.validation.suite import FOLDER as VALIDATION_FOLDER
 from sph.validation.suite import Suite, load_suite
@@ -297,9 +298,12 @@ def origin(project: Project, file: str) -> tuple[Origin, xr.Dataset | None]:
         differs = [str(error)]
     if run.attrs.get("scene_digest", digest) != digest:
         differs.append(f"its scene has the digest {digest}, it says {run.attrs['scene_digest']}: the file has been changed")
+    if searched_limit(Path(file).stem) and Path(file).parent.name == "stages" and not run.attrs.get("extrapolates", 0):
+        differs.append("searched at one spacing, by an earlier version: limits are now extrapolated from two")
     if solver != solver_digest():
         differs.append(f"made by the solver {solver or 'of a version that did not note it'}, installed is {solver_digest()}")
-    versions, status = (str(run.attrs.get(name, "")) for name in ("versions", "status"))
+    versions = str(run.attrs.get("versions", ""))
+    status = str(run.attrs.get("status", "")) or f"{run.attrs['by'].replace('_', ' ')}: {', '.join(filter(None, found_words(run.attrs)))}"
     return Origin(file, digest, contents(made.model_dump(mode="json")), solver, versions, status, differs), run
 
 
@@ -368,7 +372,7 @@ def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
 
 def _origin_lines(each: Origin) -> list[str]:
     return [
-        f"run      {each.file} ({each.status or 'a search'})" if each.scene_digest else f"run      {each.file}",
+        f"run      {each.file} ({each.status})" if each.scene_digest else f"run      {each.file}",
         f"scene    {each.scene_digest}",
         *(f"content  {found.digest}  {found.section} from {found.file}" for found in each.contents),
         f"solver   {each.solver_digest or 'not noted'}",

@@ -71,14 +71,15 @@ def answer(
         if each.counts:
             say(each.line())
 
-    def report(spacing: float, trial: Trial) -> None:
+    def report(spacing: float, strength: float, trial: Trial) -> None:
         if not as_json:
-            print(f"{spacing:g} m: {trial_line(question, trial)}", flush=True)
+            stronger = "" if strength == 1.0 else f", {strength:g} times the strength"
+            print(f"{spacing:g} m{stronger}: {trial_line(question, trial)}", flush=True)
 
     found: Search | Extrapolated
     if single:
         own = scene.numerics.spacing
-        found = question.find(scene, tolerance, used, lambda trial: report(own, trial))
+        found = question.find(scene, tolerance, used, lambda trial: report(own, 1.0, trial))
         searches = {own: found}
     else:
         found = extrapolated(question.find, scene, tolerance, used, report, spacings)

@@ -178,8 +178,9 @@ def _comes_again(path: Path) -> bool:
     before = read(path)
     scene = scene_of(before, str(path))
     if "by" in before.attrs:
-        again = run_search(scene.model_dump(), before.attrs["by"])
-        return before.attrs["reason"] == again.attrs["reason"] and before.drop_vars("wall_time").equals(again.drop_vars("wall_time"))
+        again = run_search(scene.model_dump(), before.attrs["by"], extrapolates=bool(before.attrs.get("extrapolates", 0)))
+        known = [name for name in before.data_vars if name != "wall_time"]  # searches of earlier versions have fewer
+        return before.attrs["reason"] == again.attrs["reason"] and before[known].equals(again[known])
     return before.equals(run(scene, enforce_limit=False).trajectory)
 
 

@@ -10,7 +10,7 @@ from sph.experiments.cost_accuracy.likeness import unlike
 from sph.measures.metrics import MetricSettings, Value, measure
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import scene_of
-from sph.study.after_run import debris_at_wall
+from sph.study.after_run import after_run
 from sph.study.baseline import baseline_metrics
 from sph.study.tables import FINDINGS
 
@@ -25,6 +25,5 @@ def run_values(run: xr.Dataset, settings: MetricSettings, yield_acceleration: fl
     if numerics not in _known:
         _known[numerics] = expected_metrics(scene)
     values = measure(run, settings)
-    after = debris_at_wall(scene, str(values["reached_side"]), float(values["reached_side_time"]))
-    found = " ".join([*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after)])
+    found = " ".join([*parse_json(run.attrs.get("findings", "[]")), *(each.code for each in after_run(scene, values))])
     return values | _known[numerics] | baseline_metrics(scene, yield_acceleration) | {FINDINGS.name: found}

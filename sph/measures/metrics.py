@@ -59,6 +59,10 @@ CLOSING_RADIUS = 1.25
 OUTLINE_GRID = 4
 """Points per spacing of the grid on which the outline's area is counted."""
 
+ENERGY_LIMIT = 0.01
+"""Above this ``energy_error`` the budget is open and a run's numbers are not to be trusted: the largest of the 421 runs of the shipped
+tables ``trade.csv`` and ``resolution.csv`` is 4e-4, and soil that settled by 64 % too much had 0.04."""
+
 
 class MetricSettings(Section):
     """Thresholds of the metrics; each is a choice of ours, the paper gives none."""
@@ -225,7 +229,8 @@ METRICS: tuple[Variable, ...] = (
         "energy_error",
         "1",
         "closing error of the energy budget: absolute change, from the first to the last sample, of kinetic + elastic + potential + "
-        "dissipated energy - work of shaking, over the largest sum in time of the absolute values of the four energies",
+        "dissipated energy - work of shaking, over the largest sum in time of the absolute values of the four energies; above "
+        f"{ENERGY_LIMIT:g} the finding energy-open",
     ),
     _number(
         "viscous_share",
@@ -272,7 +277,7 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
         "still_moving": int(moving),
         "collapse_class": collapse_class(float(probe.magnitude[-1]) / _height(scene), settings),
         "viscous_share": _viscous_share(trajectory),
-        "energy_error": _energy_error(trajectory),
+        "energy_error": energy_error(trajectory),
     }
     values |= _soil_metrics(trajectory, scene, settings)
     met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
@@ -419,7 +424,8 @@ def _runout_metrics(
     }
 
 
-def _energy_error(trajectory: xr.Dataset) -> float:
+def energy_error(trajectory: xr.Dataset) -> float:
+    """The metric ``energy_error`` of a run."""
     balance, scale = _energy_budget(trajectory)
     return float(abs(balance[-1] - balance[0]) / scale) if scale > 0 else 0.0
 

@@ -11,30 +11,28 @@ import pandas as pd
 
 from sph.experiments.cost_accuracy.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
-from sph.measures.metrics import CLASSES, STABLE
+from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.sides import BACK
 from sph.page.tables import AT_LEAST, MOST_VALUES, NOTHING, Table, metres
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
-from sph.study.after_run import is_bounded
+from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
-from sph.study.searches import SAFETY
+from sph.study.searches import SAFETY, YIELD, found_words, searched_limit
 from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"
 """What was found in the scenes before their runs: errors and warnings are told."""
-FACTORS = f"{{fidelity}}/stages/{SAFETY}*.nc"
-"""The searches for the factors of safety of slopes, where they were made."""
+SEARCHES = "{fidelity}/stages/{limit}*.nc"
+"""The searches for a limit of the slopes, where they were made."""
 CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
-SPACING = "numerics.spacing"
-"""The dimension of the resolution."""
 
 
 class Answer(NamedTuple):
@@ -55,18 +53,15 @@ def answer(
     """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file."""
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
-    yields = table["yield_acceleration"].dropna()
-    of_runs = " to ".join(dict.fromkeys(map(in_both, (yields.min(), yields.max())))) if len(yields) else ""
-    where = "their own" if SPACING in table else f"{scene.numerics.spacing:g} m"
     facts = [
         ("Without shaking", *unshaken(table, rows)),
-        ("Factor of safety", *limit(findings, "factor-of-safety", safety(found(FACTORS)), "sph fos")),
-        ("Yield acceleration", *yielding(findings, of_runs, where)),
+        ("Factor of safety", *limit(findings, "factor-of-safety", found(_files(SAFETY)), "sph fos")),
+        ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
     ]
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        levels(table, dimensions, probe, where),
+        levels(table, dimensions, probe),
         list(map(_raised, _warnings(table, scene, probe, rows))),
     )
 
@@ -95,46 +90,31 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
     return ("stands", "by a static test") if tested else ("not tested", "sph check --stability")
 
 
-def safety(files: Sequence[str]) -> str:
-    """The factor of safety at the spacing of the runs, least to most over the slopes where it was searched, and why it was not found."""
-    searches = [trajectory.read(file).attrs for file in files]
-    found = [float(facts["value"]) for facts in searches if not facts["reason"]]
-    reasons = list(dict.fromkeys(str(facts["reason"]) for facts in searches if facts["reason"]))
-    several = any(Path(file).stem != SAFETY for file in files)  # of a study of several slopes, of which the file names one
-    count = "" if not several else " of one slope" if len(found) == 1 else f" of {len(found)} slopes"
-    words = [" to ".join(dict.fromkeys(f"{value:.2f}" for value in (min(found), max(found)))) + count] if found else []
-    return "; ".join(words + [f"not found: {reason}" for reason in reasons])
+def _files(limit: str) -> str:
+    return SEARCHES.replace("{limit}", limit)
 
 
-def limit(findings: Sequence[Finding], code: str, of_runs: str, closely: str) -> tuple[str, str]:
-    """A limit with its error by the searches before the runs, least to most over the slopes, and the command that searches it closely.
-
-    What was found at the spacing of the runs alone, ``of_runs``, is too high and has no error: it is said to be.
-    """
+def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely: str) -> tuple[str, str]:
+    """A limit with its error, least to most over the slopes, and how it was found: by the searches in ``files``, of which Newmark's blocks
+    have theirs, or where there are none by the quick ones before the runs; ``closely`` is the command that searches more closely."""
+    if files:
+        return _of_files(files)
     found = sorted((each.measured.partition(", ") for each in findings if each.code == code), key=lambda parts: float(parts[0].split()[0]))
-    alone = "at the spacing of the runs, which makes slopes too strong"
     if not found:
-        if not of_runs:
-            return "not searched", closely
-        return (f"at most {of_runs}" if of_runs[0].isdigit() else of_runs), f"static, {alone}; with its error: {closely}"
+        return "not searched", closely
     (least, _, how), (most, *_) = found[0], found[-1]
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
-    also = f"; {of_runs} {alone}" if of_runs else ""
-    known = f"static, a quick search{slopes} before the runs, {how}{also}; more closely: {closely}"
-    return " to ".join(dict.fromkeys((least, most))), known
+    return " to ".join(dict.fromkeys((least, most))), f"static, a quick search{slopes} before the runs, {how}; more closely: {closely}"
 
 
-def yielding(findings: Sequence[Finding], of_runs: str, where: str) -> tuple[str, str]:
-    """The yield acceleration that the Newmark block of the runs has, at their spacing, and what the searches before the runs found.
-
-    One number stands here, in the table of runs and behind the block; that of the searches, which is lower, has its error.
-    """
-    found, how = limit(findings, "yield-acceleration", "", "sph yield-acceleration")
-    if not of_runs:
-        return found, how
-    quick = f"extrapolated {found}, {how}" if any(each.code == "yield-acceleration" for each in findings) else f"with its error: {how}"
-    known = f"static, at the spacing of the runs ({where}), which makes slopes too strong; the Newmark block has it; {quick}"
-    return (f"at most {of_runs}" if of_runs[0].isdigit() else of_runs), known
+def _of_files(files: Sequence[str]) -> tuple[str, str]:
+    searches = sorted((trajectory.read(file).attrs for file in files), key=lambda facts: float(facts["value"]))
+    found = [found_words(facts) for facts in searches if not facts["reason"]]
+    reasons = list(dict.fromkeys(found_words(facts)[0] for facts in searches if facts["reason"]))
+    several = any(searched_limit(Path(file).stem) != Path(file).stem for file in files)  # of a study of several slopes, each named
+    count = "" if not several else " of one slope" if len(found) == 1 else f" of {len(found)} slopes"
+    words = [" to ".join(dict.fromkeys((found[0][0], found[-1][0]))) + count] if found else []
+    return "; ".join(words + reasons), ", ".join(["static", *dict.fromkeys(how for _, how in found)])
 
 
 def searched(scene: Scene, files: Sequence[str]) -> str:
@@ -170,11 +150,8 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
-def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, where: str) -> Table:
-    """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row an amplitude.
-
-    The block has the yield acceleration at the spacing of the runs, ``where``.
-    """
+def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
+    """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row an amplitude."""
     written = list(dict.fromkeys(table[AMPLITUDE])) if AMPLITUDE in table else []
     groups = [(value, table[table[AMPLITUDE] == value]) for value in sorted(written, key=float)]
     if not 0 < len(groups) <= MOST_VALUES:
@@ -192,7 +169,7 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, whe
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in a run the debris met the box, and would have gone further.")
     if table["newmark_displacement"].notna().any():
-        notes.append(f"The Newmark block has the yield acceleration above, at the spacing of the runs ({where}), and slides too little.")
+        notes.append("The Newmark block has the yield acceleration above.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 
@@ -220,6 +197,11 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     say(
         table["reached_side"].str.contains(BACK).sum(),
         "have failed soil at the end of the box behind the crest: the box bounds the failure; lengthen the crest.",
+    )
+    say(
+        table["energy_error"].map(is_open).sum(),
+        f"have made or lost more than {100.0 * ENERGY_LIMIT:g} % of their energy: their numbers are not to be trusted; take a smaller "
+        "time step or spacing.",
     )
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),

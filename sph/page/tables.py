@@ -18,7 +18,7 @@ from sph.scene.soil import Soil
 from sph.scene.units import beside_g
 from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
-from sph.study.after_run import is_bounded
+from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, readable, shown_unit
 
 MOST_ROWS = 500
@@ -119,7 +119,8 @@ def _share(value: float) -> str:
 
 def _status(row: Mapping[Any, Any]) -> str:
     met = f", debris at {row['reached_side'].replace(' ', ', ')}" if row["reached_side"] else ""
-    return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "") + met
+    energy = ", energy\N{NO-BREAK SPACE}budget open" if is_open(row["energy_error"]) else ""
+    return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "") + met + energy
 
 
 def _at_least(row: Mapping[Any, Any], name: str) -> str:

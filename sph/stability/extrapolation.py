@@ -18,7 +18,7 @@ spacing, with a strength greater by a tenth.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
@@ -30,8 +30,14 @@ RATIO = 2.0
 """Coarse spacing over the scene's own, unless the rule needs a finer one."""
 SMALLEST_RATIO = 1.3
 """Of two spacings; closer ones magnify the brackets too much."""
+UNASKED_RATIO = 1.5
+"""Smallest ratio of the two spacings of a search in a study, which nobody can ask for others."""
 STRONGER = 1.1
 """Strength of the search by which the sensitivity of a yield acceleration is found, over that of the soil."""
+
+
+At = tuple[float, float]
+"""Where a trial is made: spacing, m, and strength over that of the soil."""
 
 
 class Extrapolated(NamedTuple):
@@ -48,8 +54,20 @@ class Extrapolated(NamedTuple):
     """False where the value is that at the fine spacing"""
     sensitivity: float
     """change of the value with the logarithm of the strength, in the value's unit: an error of 1 % of F is a hundredth of it"""
-    runs: int
-    """static tests of all searches"""
+    stronger: Search | None = None
+    """the search at the coarse spacing by which the sensitivity of a yield acceleration was found"""
+
+    @property
+    def trials(self) -> list[tuple[At, Trial]]:
+        """Every static test, and where it was made, in order."""
+        made: list[tuple[At, Search]] = [((spacing, 1.0), each) for spacing, each in zip(self.spacings, self.searches, strict=True)]
+        made += [((self.spacings[0], STRONGER), self.stronger)] if self.stronger else []
+        return [(at, trial) for at, each in made for trial in each.trials]
+
+    @property
+    def runs(self) -> int:
+        """Static tests of all searches."""
+        return len(self.trials)
 
     @property
     def how(self) -> str:
@@ -101,33 +119,43 @@ def two_spacings(scene: Scene, rule: FailureRule, asked: Sequence[float] | None 
     return coarse, fine
 
 
+def unasked_spacings(scene: Scene, finest: float, rule: FailureRule) -> tuple[float, float]:
+    """Coarse and fine spacing (m) of a search in a study: ``RATIO`` times ``finest`` and that, where the rule allows the coarse one.
+
+    Where it does not, both are finer.  Both divide the slope's height.
+    """
+    coarse, height = min(RATIO * finest, coarsest_spacing(scene, rule)), slope_height(scene)
+    return dividing(coarse, height), dividing(min(finest, coarse / UNASKED_RATIO), height)
+
+
 def extrapolated(
     find: Callable[..., Search],
     scene: Scene,
     tolerance: float = TOLERANCE,
     rule: FailureRule = DEFAULT_RULE,
-    report: Callable[[float, Trial], None] | None = None,
+    report: Callable[[float, float, Trial], None] | None = None,
     asked: Sequence[float] | None = None,
+    known: Mapping[At, Mapping[float, Trial]] | None = None,
 ) -> Extrapolated:
     """Search at two spacings by a function of ``sph.stability.safety``; the fine search begins around what the coarse one found.
 
-    The spacings (m) are those of ``two_spacings``; ``report`` gets the spacing and each trial.  ValueError as from the searches.
+    The spacings (m) are those of ``two_spacings``; ``report`` gets the spacing, the strength over that of the soil, and each trial.
+    Tests whose outcome is ``known``, by where they were made and by value, are not made again.  ValueError as from the searches.
     """
-    searches: list[Search] = []
-    spacings = two_spacings(scene, rule, asked)
-    for spacing in spacings:
-        near = searches[0].value if searches else None
 
-        def tell(trial: Trial, spacing: float = spacing) -> None:
+    def search(at: At, near: float | None, **options: float) -> Search:
+        def tell(trial: Trial) -> None:
             if report is not None:
-                report(spacing, trial)
+                report(*at, trial)
 
-        searches.append(find(at_spacing(scene, spacing), tolerance, rule, tell, near=near))
-    coarse, fine = searches
+        return find(at_spacing(scene, at[0]), tolerance, rule, tell, (known or {}).get(at), near, **options)
+
+    spacings = two_spacings(scene, rule, asked)
+    coarse = search((spacings[0], 1.0), None)
+    fine = search((spacings[1], 1.0), coarse.value)
     value, error, taken = to_zero(coarse, fine, spacings[0] / spacings[1])
-    sensitivity, runs = abs(value), len(coarse.trials) + len(fine.trials)
+    sensitivity, stronger = abs(value), None
     if find is yield_acceleration:
-        stronger = yield_acceleration(at_spacing(scene, spacings[0]), tolerance, rule, near=coarse.value, stronger=STRONGER)
+        stronger = search((spacings[0], STRONGER), coarse.value, stronger=STRONGER)
         sensitivity = (stronger.value - coarse.value) / math.log(STRONGER)
-        runs += len(stronger.trials)
-    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + rule.displacement * sensitivity, taken, sensitivity, runs)
+    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + rule.displacement * sensitivity, taken, sensitivity, stronger)

@@ -1,4 +1,8 @@
-"""A search as a file: its trials along ``trial``; bracket, scene and versions in the attributes."""
+"""A search as a file: its trials along ``trial``; what it found, scene and versions in the attributes.
+
+A search at the scene's own spacing has the bracket of its value.  One at two spacings (``sph.stability.extrapolation``) has its value at
+spacing 0 with ``error`` and ``how``, and the bracket at the fine spacing.
+"""
 
 from __future__ import annotations
 
@@ -14,8 +18,10 @@ import xarray as xr
 
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest
-from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
+from sph.stability.extrapolation import At, Extrapolated, extrapolated, unasked_spacings
+from sph.stability.safety import DEFAULT_RULE, critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
+from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.files import alone, beside, tidy
 
@@ -25,54 +31,78 @@ SEARCHES: dict[str, Callable[..., Search]] = {
     "yield_acceleration": yield_acceleration,
 }
 """What can be searched for, by name."""
+Made = list[tuple[At, Trial]]
+"""Trials and where they were made."""
+NOTHING = Search(math.nan, math.nan, ())
 
 
 def run_search(
-    scene: Mapping[str, Any], by: str, report: Callable[[Trial], None] | None = None, known: Mapping[float, Trial] | None = None
+    scene: Mapping[str, Any],
+    by: str,
+    report: Callable[[At, Trial], None] = lambda at, trial: None,
+    known: Mapping[At, Mapping[float, Trial]] | None = None,
+    extrapolates: bool = False,
 ) -> xr.Dataset:
-    """Search the limit of a scene by one of ``SEARCHES``; a limit that does not exist is NaN, with the reason in the attributes."""
+    """Search the limit of a scene by one of ``SEARCHES``; a limit that does not exist is NaN, with the reason in the attributes.
+
+    The search is at the scene's own spacing or, if it ``extrapolates``, at that and twice as coarse a one (``unasked_spacings``).
+    """
     built = make_scene(scene)
+    found: Search | Extrapolated
     try:
-        found, reason = SEARCHES[by](built, report=report, known=known), ""
+        if extrapolates:
+            static_scene(built, DEFAULT_RULE)  # refuses a spacing too coarse for any test, though those of the search are finer
+            spacings = unasked_spacings(built, built.numerics.spacing, DEFAULT_RULE)
+            found = extrapolated(
+                SEARCHES[by], built, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
+            )
+        else:
+            at = (built.numerics.spacing, 1.0)
+            found = SEARCHES[by](built, report=lambda trial: report(at, trial), known=(known or {}).get(at))
     except ValueError as error:
-        found, reason = Search(math.nan, math.nan, ()), str(error)
-    return search_dataset(built, by, found, reason)
+        return search_dataset(built, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
+    return search_dataset(built, by, found).assign_attrs(extrapolates=int(extrapolates))
 
 
-def search_to_file(scene: Mapping[str, Any], by: str, path: Path | str, report: Callable[[Trial], None]) -> None:
+def search_to_file(
+    scene: Mapping[str, Any], by: str, path: Path | str, report: Callable[[Trial], None], extrapolates: bool = False
+) -> None:
     """Search and write the trials; a search that was killed does not repeat those it had made.
 
     They are in a checkpoint as that of a run, written after each and told by a digest (see ``sph.solver.checkpoint``).
     """
     path = Path(path)
     built, solver = make_scene(scene), solver_digest()
-    digest = hashlib.sha256(f"{sources_digest()} {by} {built.model_dump_json()}".encode()).hexdigest()[:16]
-    kept, made = beside(path, "checkpoint"), list[Trial]()
+    digest = hashlib.sha256(f"{sources_digest()} {by} {extrapolates} {built.model_dump_json()}".encode()).hexdigest()[:16]
+    kept, made = beside(path, "checkpoint"), Made()
 
-    def keep(trial: Trial) -> None:
-        made.append(trial)
+    def keep(at: At, trial: Trial) -> None:
+        made.append((at, trial))
         report(trial)
-        so_far = search_dataset(built, by, Search(math.nan, math.nan, tuple(made)))
+        so_far = trials_dataset(built, made)
         with suppress(OSError):  # a disk that is full for this may have room at the end
             trajectory.write(kept, so_far.assign_attrs(run_digest=digest))
 
     with alone(path, "run"):
-        found = run_search(scene, by, keep, {trial.value: trial for trial in read_trials(kept, digest)})
+        known: dict[At, dict[float, Trial]] = {}
+        for at, trial in read_trials(kept, digest):
+            known.setdefault(at, {})[trial.value] = trial
+        found = run_search(scene, by, keep, known, extrapolates)
         trajectory.write(path, found.assign_attrs(solver_digest=solver))
         kept.unlink(missing_ok=True)
         tidy(kept)
 
 
-def read_trials(path: Path, digest: str) -> list[Trial]:
-    """The trials in a checkpoint; none if it is not of this digest."""
+def read_trials(path: Path, digest: str) -> Made:
+    """The trials in a checkpoint, with where they were made; none if it is not of this digest."""
     try:
         ds = trajectory.read(path)
     except ValueError:
         return []
     if ds.attrs.get("run_digest") != digest:
         return []
-    rows = zip(*(ds[name].values.tolist() for name in Trial._fields), strict=True)
-    return [trial._replace(stands=bool(trial.stands)) for trial in (Trial(*row) for row in rows)]
+    rows = zip(*(ds[name].values.tolist() for name in (*WHERE, *Trial._fields)), strict=True)
+    return [((spacing, strength), Trial(*row)._replace(stands=bool(row[1]))) for spacing, strength, *row in rows]
 
 
 def sources_digest() -> str:
@@ -83,10 +113,25 @@ def sources_digest() -> str:
     return digest.hexdigest()
 
 
-def search_dataset(scene: Scene, by: str, found: Search, reason: str = "") -> xr.Dataset:
-    """The trials of a search."""
-    columns = {name: ("trial", np.array([getattr(trial, name) for trial in found.trials])) for name in Trial._fields}
+def search_dataset(scene: Scene, by: str, found: Search | Extrapolated, reason: str = "") -> xr.Dataset:
+    """The trials of a search, and what it found."""
+    facts: dict[str, Any] = {"by": by, "value": found.value, "reason": reason}
+    if isinstance(found, Extrapolated):
+        made, bracket = found.trials, found.searches[1]
+        facts |= {"error": found.error, "sensitivity": found.sensitivity, "how": found.how}
+    else:
+        made, bracket = [((scene.numerics.spacing, 1.0), trial) for trial in found.trials], found
+    cost = math.fsum(trial.wall_time for _, trial in made)
+    return trials_dataset(scene, made).assign_attrs(facts | {"stood": bracket.stood, "failed": bracket.failed, "wall_time_s": cost})
+
+
+WHERE = ("spacing", "strength")
+"""Columns of where a trial was made."""
+
+
+def trials_dataset(scene: Scene, made: Made) -> xr.Dataset:
+    """Trials and where they were made, with the attributes of a run of the scene."""
+    columns = {name: ("trial", np.array([at[place] for at, _ in made], dtype=float)) for place, name in enumerate(WHERE)}
+    columns |= {name: ("trial", np.array([getattr(trial, name) for _, trial in made])) for name in Trial._fields}
     columns["stands"] = ("trial", columns["stands"][1].astype("int8"))
-    cost = math.fsum(trial.wall_time for trial in found.trials)
-    facts = {"by": by, "stood": found.stood, "failed": found.failed, "value": found.value, "reason": reason, "wall_time_s": cost}
-    return xr.Dataset(columns, attrs=trajectory.run_attributes(scene) | facts)
+    return xr.Dataset(columns, attrs=trajectory.run_attributes(scene))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import xarray as xr
 
-from sph.measures.metrics import MetricSettings
+from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, energy_error
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
@@ -34,8 +36,28 @@ def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding
     return [finding("debris-at-wall", what, f"at {time:.3g} s", "a box that the debris does not fill", key)]
 
 
+def is_open(error: float) -> bool:
+    """Whether the energy budget of a run is open, by its metric ``energy_error``; False for NaN, that of a run that diverged."""
+    return error > ENERGY_LIMIT
+
+
+def energy_open(error: float) -> list[Finding]:
+    """The finding of a run that made or lost energy, by its metric ``energy_error``."""
+    if not is_open(error):
+        return []
+    what = "the run has made or lost energy, so that its numbers are not to be trusted"
+    measured, wanted = f"its energy budget is open by {100.0 * error:.2g} % of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
+    return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller one")]
+
+
+def after_run(scene: Scene, values: Mapping[str, Value]) -> list[Finding]:
+    """All findings of a run by its metrics."""
+    met = debris_at_wall(scene, str(values["reached_side"]), float(values["reached_side_time"]))
+    return [*met, *energy_open(float(values["energy_error"]))]
+
+
 def found_after(trajectory: xr.Dataset, scene: Scene) -> list[Finding]:
     """The same from the trajectory of a run that came to its end, with the default settings of the metrics."""
     settings = MetricSettings()
     met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
-    return debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0))
+    return [*debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)), *energy_open(energy_error(trajectory))]

@@ -25,6 +25,7 @@ from sph.solver.compiled.jit import compile_lock
 from sph.solver.particles import place_particles
 from sph.solver.simulation import TURNS
 from sph.solver.time_step import limits
+from sph.stability.extrapolation import at_spacing, unasked_spacings
 from sph.stability.record import SEARCHES
 from sph.stability.standing import FailureRule, static_scene
 
@@ -42,6 +43,8 @@ FILED, FILED_STATE, FILED_SAMPLE = 32, 200, 80
 """Bytes of a file, compressed: a particle at a frame of a moving slope, its restart state, a sample of the series (measured)."""
 TRIALS = 13
 """Static tests of a search to 1 % (measured on the paper's slope)."""
+TRIALS_NEAR, TRIALS_STRONGER = 6, 9
+"""Static tests at the fine spacing, around what the coarse search found, and of the search for the sensitivity (measured, as above)."""
 START, COMPILE = 1.5, 45.0
 """Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
 MIB = 2.0**20
@@ -85,14 +88,29 @@ def cost(scene: Scene, since: float = 0.0, until: float | None = None) -> Cost:
     )
 
 
-def search_cost(scene: Scene) -> Cost:
-    """Cost of the search for a limit of a scene; of one that has none, a single static test of the scene as it is."""
+def search_cost(scene: Scene, extrapolates: bool = True) -> Cost:
+    """Cost of the search for a yield acceleration of a scene, at two spacings if it ``extrapolates`` or at its own alone.
+
+    Of a scene that has none it is that of the scene as it is.
+    """
+    rule = FailureRule()
     try:
-        one = cost(static_scene(scene, FailureRule(), acceleration=1.0))
+        one = cost(static_scene(scene, rule, acceleration=1.0))
+        tests = [(TRIALS, one)]
+        if extrapolates:
+            spacings = unasked_spacings(scene, scene.numerics.spacing, rule)
+            coarse, fine = (cost(static_scene(at_spacing(scene, spacing), rule, acceleration=1.0)) for spacing in spacings)
+            tests = [(TRIALS + TRIALS_STRONGER, coarse), (TRIALS_NEAR, fine)]
     except ValueError:
         return cost(scene)
     # Its tests stay in memory until Python gives them back: two at once have been seen.
-    return one._replace(steps=TRIALS * one.steps, seconds=TRIALS * one.seconds, memory=2 * one.memory, disk=0.1)
+    largest = tests[-1][1]
+    return largest._replace(
+        steps=sum(number * each.steps for number, each in tests),
+        seconds=sum(number * each.seconds for number, each in tests),
+        memory=2 * largest.memory,
+        disk=0.1,
+    )
 
 
 def _softens(scene: Scene) -> bool:
@@ -146,6 +164,9 @@ def needs(scene: Mapping[str, Any], what: str = "end", attempt: int = 1) -> Need
     More at every attempt.
     """
     built = make_scene(scene)
-    found = search_cost(built) if what in SEARCHES else cost(built, until=built.gravity.duration if what == "gravity" else None)
+    if what in SEARCHES:
+        found = max((search_cost(built, extrapolates) for extrapolates in (False, True)), key=lambda each: each.seconds)
+    else:
+        found = cost(built, until=built.gravity.duration if what == "gravity" else None)
     seconds = SLACK * found.seconds + GRACE
     return Needs(math.ceil(attempt * MEMORY_SLACK * max(found.memory, COMPILER)), math.ceil(attempt * seconds / 60))

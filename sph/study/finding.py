@@ -74,6 +74,7 @@ CODES: dict[str, Code] = {
     "back-wall": Code(WARNING, "the back wall is near the crest"),
     "little-room": Code(WARNING, "little room for the debris before the front wall"),
     "debris-at-wall": Code(WARNING, "after the run: soil that failed has met an end of the box, so that the box decides how far it goes"),
+    "energy-open": Code(WARNING, "after the run: it has made or lost energy beyond the limit, so that its numbers are not to be trusted"),
     "other-slope": Code(WARNING, "the ground falls further to the other side"),
     "time-step": Code(WARNING, "the time step is near its limit or above"),
 }

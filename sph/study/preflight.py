@@ -21,24 +21,22 @@ from sph.measures.fields import gravity_frame
 from sph.measures.mobilised import mobilised_by_layer
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
-from sph.scene.units import in_both
 from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
-from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings
+from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings, unasked_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
-from sph.stability.standing import coarsest_spacing, divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
+from sph.stability.standing import divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
 from sph.study.finding import Finding, Severity, finding, off_by
 from sph.study.findings import findings
 from sph.study.layer_findings import broken_at, layers_of
+from sph.study.searches import SAFETY, TEXTS, YIELD
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
 """Relative width of the brackets in which the searches of a study end."""
-QUICK_RATIO = 1.5
-"""Smallest ratio of the two spacings of the static tests of a study."""
 QUICK_ROWS = 2
 """Rows of particles across the thinnest layer at the finer of these spacings, where the scene's own has as many."""
 LONGEST = 60.0
@@ -68,8 +66,8 @@ PREFLIGHT: tuple[Variable, ...] = (
 """The columns of ``preflight.csv``."""
 
 QUESTIONS: dict[str, tuple[str, Callable[..., Search], Callable[[float, float], str]]] = {
-    "factor-of-safety": ("static factor of safety", factor_of_safety, "{:.2f} ± {:.2f}".format),
-    "yield-acceleration": ("yield acceleration, pseudo-static", yield_acceleration, in_both),
+    "factor-of-safety": ("static factor of safety", factor_of_safety, TEXTS[SAFETY]),
+    "yield-acceleration": ("yield acceleration, pseudo-static", yield_acceleration, TEXTS[YIELD]),
 }
 """Words, search and text (of value and error) of the limits, by the code of their finding."""
 
@@ -245,10 +243,9 @@ def quick_spacings(scene: Scene) -> tuple[float, float]:
     than the scene's own.  Both divide the slope's height.
     """
     own = scene.numerics.spacing
-    coarse = min(RATIO**2 * own, coarsest_spacing(scene, DEFAULT_RULE))
+    coarse, fine = unasked_spacings(scene, RATIO * own, DEFAULT_RULE)
     thinnest = min(layer.thickness for layer in layers_of(scene, place_particles(scene)) if layer.particles) * own
-    fine = min(RATIO * own, coarse / QUICK_RATIO, max(own, thinnest / QUICK_ROWS))
-    return dividing(coarse, slope_height(scene)), dividing(fine, slope_height(scene))
+    return coarse, min(fine, dividing(max(own, thinnest / QUICK_ROWS), slope_height(scene)))
 
 
 def standing_scene(scene: Scene) -> Scene:
@@ -286,7 +283,12 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
     return found
 
 
-def preflight_seconds(scenes: Mapping[str, Scene]) -> float:
+def preflight_searches(elsewhere: bool) -> tuple[str, ...]:
+    """Limits that the preflight of a study searches: not the yield acceleration where it is searched elsewhere, for the sliding block."""
+    return tuple(code for code in QUESTIONS if not (elsewhere and code == "yield-acceleration"))
+
+
+def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] = tuple(QUESTIONS)) -> float:
     """Computing time on the reference machine of ``study_stability``, s; where all slopes stand."""
     runs, statics, quick, _ = _slopes(scenes)
     spent, slopes = 0.0, dict[str, float]()
@@ -294,8 +296,9 @@ def preflight_seconds(scenes: Mapping[str, Scene]) -> float:
         if spent <= LONGEST:
             first = peak_key not in slopes
             spent += cost(statics[names[0]]).seconds * (1 + first) + first * cost(_settled(quick[names[0]])).seconds
-            coarse, fine = QUICK_TRIALS
-            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (2 * coarse + QUICK_SENSITIVITY, 2 * fine)))
+            coarse, fine = (len(searches) * trials for trials in QUICK_TRIALS)
+            sensitivity = QUICK_SENSITIVITY * ("yield-acceleration" in searches)
+            slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (coarse + sensitivity, fine)))
     for number, one in enumerate(slopes.values()):
         if number == 0 or spent <= LONGEST:
             spent += one
@@ -354,7 +357,8 @@ def study_stability(
         if number and spent > LONGEST:
             unsearched += names
             continue
-        for broken in broken_at(scene, quick_spacings(scene)):
+        of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
+        for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
             say(f"{names[0]}: {broken.line()}")
             found.setdefault(broken, []).extend(names)
         for code in searches:

@@ -5,15 +5,18 @@ A search is named after its limit and ends as the gravity stage that settles the
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple, TypeVar
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypeVar
 
+from sph.scene.units import in_both
 from sph.study.planned import Planned
 from sph.study.stages import GRAVITY
 
 YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
 SLOPE_LIMITS = (YIELD, SAFETY)
 """The limits of a slope: every study searches the first, the other is searched where it is asked for."""
+TEXTS: dict[str, Callable[[float, float], str]] = {YIELD: in_both, SAFETY: "{:.2f} ± {:.2f}".format}
+"""A limit with its error in words."""
 AnyKey = TypeVar("AnyKey")
 
 
@@ -25,6 +28,19 @@ def search_name(gravity: str, limit: str = YIELD) -> str:
 def searched_limit(name: str) -> str | None:
     """The limit that a search with this name looks for; None for the name of no search."""
     return next((limit for limit in SLOPE_LIMITS if name.startswith(limit)), None)
+
+
+def found_words(facts: Mapping[str, Any]) -> tuple[str, str]:
+    """The limit that a search found, with its error, and how, from the attributes of its file; the reason where it found none.
+
+    Searches of earlier versions were at the spacing of the runs alone, and have no error.
+    """
+    if facts["reason"]:
+        return f"not found: {facts['reason']}", ""
+    limit, value = str(facts["by"]), float(facts["value"])
+    if "error" in facts:
+        return TEXTS[limit](value, float(facts["error"])), str(facts["how"])
+    return in_both(value) if limit == YIELD else f"{value:.2f}", "at the spacing of the runs alone, which makes slopes too strong"
 
 
 class SlopeSearch(NamedTuple):

@@ -168,7 +168,7 @@ def test_a_search_is_repeated_with_all_its_trials(
     repeat("one", origins)
     assert states(origins)["one"][0] == CURRENT
     same = read(path)
-    monkeypatch.setattr(shipped, "run_search", lambda *_: same)
+    monkeypatch.setattr(shipped, "run_search", lambda *_, **__: same)
     with netCDF4.Dataset(path, "a") as data:
         data["displaced_area"][0] += 1e-9
     note("one", "earlier", origins)

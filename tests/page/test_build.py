@@ -21,7 +21,7 @@ from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
 from sph.measures.fields import displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
-from sph.page.answer import FINDINGS, going, levels, limit, safety, searched, unshaken, yielding
+from sph.page.answer import FINDINGS, going, levels, limit, searched, unshaken
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
 from sph.page.sections import DOCS, existing
@@ -30,6 +30,7 @@ from sph.scene.gravity import GRAVITY
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both
 from sph.solver.particles import SOIL
+from sph.stability.extrapolation import Extrapolated
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
 from sph.storage import trajectory
@@ -275,7 +276,7 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
     first = Words(build_page(study)).text.partition("One run")[0]
     for words in (
         "Without shaking does not stand in 4 of 4 runs",
-        "Yield acceleration at most 2 m/s² (0.204 g)",
+        "Yield acceleration not searched sph yield-acceleration",
         "Factor of safety not searched sph fos",
         "at most 4 m/s² (0.408 g)",
     ):
@@ -288,9 +289,6 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
         assert f"{amplitude} ({float(amplitude) / GRAVITY:.3g} g) {classes} {moved}" in first
     assert "0.100" in first and "0.400" in first and "1 of 4 runs diverged" in first and "Expected error" in first
     assert "2 of 4 runs move A by less than one particle spacing (2.5 m)" in first, "those at 4 m/s2, by 2.43 and by 0 m"
-    table["yield_acceleration"] = [2.0, 2.0, 3.0, 3.0]
-    write_csv(table, study.table)
-    assert "Yield acceleration at most 2 m/s² (0.204 g) to 3 m/s² (0.306 g)" in Words(build_page(study)).text, "of two slopes"
 
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
@@ -298,54 +296,72 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     thin = Finding("thin-layer", "warning", "the layer clay is thin", "2 particles across", "at least 4", "numerics.spacing")
     note = Finding("factor-of-safety", "note", "static factor of safety", "1.41 ± 0.10, extrapolated from spacings of 2 and 1 m")
     write_preflight(findings, [Row(thin, 3, "one"), Row(note, 1, "one")])
-    words, how = limit([note], note.code, "1.55", "sph fos")
-    assert words == "1.41 ± 0.10" and "1.55 at the spacing of the runs, which makes slopes too strong" in how and "sph fos" in how
-    assert limit([], note.code, "", "sph fos") == ("not searched", "sph fos")
+    words, how = limit([note], note.code, [], "sph fos")
+    assert words == "1.41 ± 0.10" and "sph fos" in how
+    assert limit([], note.code, [], "sph fos") == ("not searched", "sph fos")
     # Of several slopes the least and the most, and how to have one more closely.
     weaker = note._replace(measured="1.09 ± 0.08, extrapolated from spacings of 2 and 1 m")
-    words, how = limit([note, weaker], note.code, "", "sph fos")
+    words, how = limit([note, weaker], note.code, [], "sph fos")
     assert words == "1.09 ± 0.08 to 1.41 ± 0.10" and "of 2 slopes" in how and "sph fos" in how
-    run = trajectory.read(next(iter(study.runs.values())))
-    found = search_dataset(trajectory.scene_of(run), "factor_of_safety", Search(1.3, 1.4, ()))
-    trajectory.write(factor, found)
+    searched_file(factor, "factor_of_safety", 1.35, 0.02)
     first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), str(factor)]))).text.partition("One run")[0]
     assert (
         "3 of 4 runs: the layer clay is thin: 2 particles across, wanted at least 4" in first
-        and "Factor of safety 1.41 ± 0.10 " in first
-        and "1.35 at the spacing of the runs" in first
+        and "Factor of safety 1.35 ± 0.02 static, extrapolated from spacings of 2 and 1 m" in first
     )
+
+
+def searched_file(path: Path, by: str, value: float, error: float, reason: str = "") -> str:
+    """The file of a search at two spacings, of 2 and 1 m."""
+    found = Extrapolated((2.0, 1.0), (Search(value, value, ()), Search(value, value, ())), value, error, True, value)
+    trajectory.write(
+        path, search_dataset(load_scene(SCENES / "paper.yaml"), by, Search(math.nan, math.nan, ()) if reason else found, reason)
+    )
+    return str(path)
 
 
 def test_the_newmark_block_has_the_yield_acceleration_of_the_headline(study: StudyFiles) -> None:
-    """One number in the headline, in the table of runs and behind the block, said with its spacing; the extrapolated one beside it."""
+    """One number in the headline, in the table of runs and behind the block: that of the search, with its error and how it was found."""
+    file = Path(FOLDER) / "stages" / "yield_acceleration.nc"
+    made = searched_file(file, "yield_acceleration", 0.193 * GRAVITY, 0.02 * GRAVITY)
     table = read_table(study.table)
-    table["yield_acceleration"], table["newmark_displacement"] = 0.222 * GRAVITY, 0.1
+    table["yield_acceleration"], table["newmark_displacement"] = trajectory.read(file).attrs["value"], 0.1
     write_csv(table, study.table)
-    quick = Finding(
-        "yield-acceleration", "note", "yield acceleration", "1.89 m/s2 (0.193 g) ± 0.2 m/s2 (0.0204 g), extrapolated from 2 and 1 m"
-    )
+    quick = Finding("yield-acceleration", "note", "yield acceleration", "1.7 ± 0.3 m/s2 (0.17 ± 0.03 g), from spacings of 4 and 2 m")
     write_preflight(f"{FOLDER}/preflight.csv", [Row(quick, 4, "one")])
-    first = Words(build_page(study)).text.partition("One run")[0]
-    assert f"Yield acceleration at most {in_both(0.222 * GRAVITY).replace('m/s2', 'm/s²')}" in first
-    assert (
-        "at the spacing of the runs (2.5 m), which makes slopes too strong; the Newmark block has it; extrapolated 1.89 m/s² (0.193 g)"
-        in first
-    )
-    assert "The Newmark block has the yield acceleration above, at the spacing of the runs (2.5 m), and slides too little." in first
-    assert yielding([quick], "", "1 m")[0].startswith("1.89 m/s2"), "where no run has one"
-    assert yielding([], "", "1 m") == ("not searched", "sph yield-acceleration")
+    first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), made]))).text.partition("One run")[0]
+    headline = in_both(float(table["yield_acceleration"][0]), 0.02 * GRAVITY).replace("m/s2", "m/s²")
+    assert f"Yield acceleration {headline} static, extrapolated from spacings of 2 and 1 m" in first
+    assert "The Newmark block has the yield acceleration above." in first and "at most" not in first.partition("Shaking at which")[0]
+    assert "1.7 ± 0.3" not in first, "a second number"
+    words, how = limit([quick], quick.code, [], "sph yield-acceleration")
+    assert words.startswith("1.7 ± 0.3 m/s2") and "a quick search before the runs" in how, "where no run has one"
+    assert limit([], quick.code, [], "sph yield-acceleration") == ("not searched", "sph yield-acceleration")
 
 
-def test_factors_of_safety_of_several_slopes(tmp_path: Path) -> None:
+def test_limits_of_several_slopes(tmp_path: Path) -> None:
     """The least and the most, of how many, and why there is none: it may be the weakest that has none."""
-    assert safety([]) == ""
-    files = [str(tmp_path / f"factor_of_safety_S_R-{number}.nc") for number in range(3)]
-    for file, lower, upper, reason in zip(files, (1.3, 1.1, math.nan), (1.4, 1.2, math.nan), ("", "", "fails even at 0.1"), strict=True):
-        trajectory.write(file, search_dataset(load_scene(SCENES / "paper.yaml"), "factor_of_safety", Search(lower, upper, ()), reason))
-    assert safety(files[:1]) == "1.35 of one slope"
-    assert safety(files[:2]) == "1.15 to 1.35 of 2 slopes"
-    assert safety(files) == "1.15 to 1.35 of 2 slopes; not found: fails even at 0.1"
-    assert safety(files[2:]) == "not found: fails even at 0.1"
+    values, reasons = (1.35, 1.15, math.nan), ("", "", "fails even at 0.1")
+    files = [
+        searched_file(tmp_path / f"factor_of_safety_S_R-{number}.nc", "factor_of_safety", value, 0.05, reason)
+        for number, (value, reason) in enumerate(zip(values, reasons, strict=True))
+    ]
+
+    def told(count: slice) -> str:
+        return limit([], "factor-of-safety", files[count], "sph fos")[0]
+
+    assert told(slice(1)) == "1.35 ± 0.05 of one slope"
+    assert told(slice(2)) == "1.15 ± 0.05 to 1.35 ± 0.05 of 2 slopes"
+    assert told(slice(3)) == "1.15 ± 0.05 to 1.35 ± 0.05 of 2 slopes; not found: fails even at 0.1"
+    assert told(slice(2, 3)) == "not found: fails even at 0.1"
+
+
+def test_a_search_of_an_earlier_version_is_said_to_be_of_one_spacing(tmp_path: Path) -> None:
+    trajectory.write(
+        tmp_path / "yield_acceleration.nc", search_dataset(load_scene(SCENES / "paper.yaml"), "yield_acceleration", Search(1.8, 2.2, ()))
+    )
+    words, how = limit([], "yield-acceleration", [str(tmp_path / "yield_acceleration.nc")], "")
+    assert words == "2 m/s2 (0.204 g)" and "at the spacing of the runs alone, which makes slopes too strong" in how
 
 
 def test_whether_it_stands_is_said_once() -> None:
@@ -375,9 +391,9 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back")
-    shown = levels(many, [shaking], "A", "1 m")
+    shown = levels(many, [shaking], "A")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")]
-    met = levels(many.assign(reached_side="front back", runout=9.0), [shaking], "A", "1 m")
+    met = levels(many.assign(reached_side="front back", runout=9.0), [shaking], "A")
     assert met.rows[0][2:4] == ("≥ 2.00", "≥ 9.00") and "would have gone further" in met.note
 
 

@@ -41,7 +41,7 @@ def test_the_search_at_two_spacings_finds_the_limit_at_none(rule: FailureRule, m
 
     monkeypatch.setattr("sph.stability.safety.stand", stand)
     told: list[float] = []
-    found = extrapolated(factor_of_safety, scene(), 0.001, rule, lambda spacing, _: told.append(spacing))
+    found = extrapolated(factor_of_safety, scene(), 0.001, rule, lambda spacing, *_: told.append(spacing))
     assert found.spacings == (1.0, 0.5)
     assert abs(found.value - EXACT) < 0.003 and abs(found.value - EXACT) < found.error
     assert found.error > rule.displacement * EXACT

@@ -14,9 +14,10 @@ from sph.experiments.cost_accuracy.advice import shipped_table
 from sph.scene.schema import Scene, load_scene
 from sph.solver.checkpoint import run_to_file
 from sph.solver.particles import place_particles
+from sph.stability.extrapolation import at_spacing
 from sph.stability.standing import FailureRule, static_scene
 from sph.storage import trajectory
-from sph.study.cost import COMPILER, TRIALS, cost, needs, search_cost
+from sph.study.cost import COMPILER, TRIALS, TRIALS_NEAR, TRIALS_STRONGER, cost, needs, search_cost
 
 ROOT = Path(__file__).resolve().parents[2]
 Builder = Callable[[dict[str, Any]], Scene]
@@ -84,7 +85,21 @@ def test_a_file_is_about_as_large_as_predicted(small_slope: Builder, tmp_path: P
 def test_a_search_is_many_static_tests(small_slope: Builder) -> None:
     scene = small_slope({"numerics.spacing": 2.0})
     one = cost(static_scene(scene, FailureRule(), acceleration=1.0))
-    assert search_cost(scene).steps == TRIALS * one.steps and search_cost(scene).seconds == TRIALS * one.seconds
+    alone = search_cost(scene, extrapolates=False)
+    assert alone.steps == TRIALS * one.steps and alone.seconds == TRIALS * one.seconds
+
+
+def test_a_search_at_two_spacings_costs_about_as_much_as_one_at_the_fine_one_alone(small_slope: Builder) -> None:
+    """The coarse tests are cheap, and the fine search begins near its end."""
+    scene = small_slope({"numerics.spacing": 1.25, "numerics.gradient_tolerance": 0.1})
+    rule = FailureRule()
+    coarse, fine = (cost(static_scene(at_spacing(scene, spacing), rule, acceleration=1.0)) for spacing in (2.5, 1.25))
+    both = search_cost(scene)
+    assert both.seconds == pytest.approx((TRIALS + TRIALS_STRONGER) * coarse.seconds + TRIALS_NEAR * fine.seconds)
+    assert both.seconds < 1.5 * search_cost(scene, extrapolates=False).seconds and both.memory == 2 * fine.memory
+
+
+def test_a_search_of_a_slope_without_one_is_as_the_scene(small_slope: Builder) -> None:
     coarse = small_slope({})
     assert search_cost(coarse) == cost(coarse), "too coarse for the rule of failure: there is no search"
 

@@ -20,7 +20,7 @@ from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_digest, run_to_file
 from sph.solver.run import run
-from sph.stability.extrapolation import Extrapolated, extrapolated
+from sph.stability.extrapolation import UNASKED_RATIO, Extrapolated, extrapolated
 from sph.stability.newmark import sliding_block
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
 from sph.stability.search import Trial
@@ -32,7 +32,6 @@ from sph.study.finding import CODES, Finding, Severity, codes
 from sph.study.findings import PLACEHOLDER, choices, findings
 from sph.study.motion_findings import POLARITY_RATIO, drifting
 from sph.study.preflight import (
-    QUICK_RATIO,
     QUICK_TOLERANCE,
     Peak,
     Row,
@@ -175,7 +174,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
     ]
     assert len(said) == 5, "a slope and the strength it uses, two residual strengths, a search"
     (found,) = searched
-    assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(QUICK_RATIO)
+    assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(UNASKED_RATIO)
     assert all(search.upper - search.lower <= wide * search.value for search in found.searches)
     assert rows[-1].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, {found.how}")
 

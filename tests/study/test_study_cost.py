@@ -21,7 +21,15 @@ from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
 from sph.study.cost import cost
-from sph.study.preflight import QUICK_SENSITIVITY, QUICK_TRIALS, _settled, preflight_seconds, quick_spacings, standing_scene
+from sph.study.preflight import (
+    QUICK_SENSITIVITY,
+    QUICK_TRIALS,
+    _settled,
+    preflight_searches,
+    preflight_seconds,
+    quick_spacings,
+    standing_scene,
+)
 
 CONFIG: dict[str, Any] = {
     "study": "small",
@@ -78,13 +86,16 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     scenes = {name: plan.built(**plan.point(name)) for name in plan.study.runs}
     slope = scenes[next(iter(scenes))]
     coarse, fine = (cost(static_scene(at_spacing(slope, spacing), DEFAULT_RULE)).seconds for spacing in quick_spacings(slope))
-    searches = 2 * (QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine) + QUICK_SENSITIVITY * coarse
     standing = standing_scene(slope)
     tests = (1 + 2) * cost(static_scene(standing, DEFAULT_RULE)).seconds + cost(_settled(standing)).seconds
-    assert preflight_seconds(scenes) == pytest.approx(tests + searches), "one slope, two values of S_R, two searches"
+    a_search = QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine
+    assert preflight_searches(elsewhere=True) == ("factor-of-safety",) and len(preflight_searches(elsewhere=False)) == 2
+    seconds = preflight_seconds(scenes, preflight_searches(elsewhere=True))
+    assert seconds == pytest.approx(tests + a_search), "one slope, two values of S_R, a search"
+    assert preflight_seconds(scenes) == pytest.approx(seconds + a_search + QUICK_SENSITIVITY * coarse), "and the yield acceleration"
     counted = study_cost(plan, folder, cores=1, speed=1.0)
-    monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes: 0.0)
-    assert counted.left - study_cost(plan, folder, cores=1, speed=1.0).left == pytest.approx(preflight_seconds(scenes))
+    monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes, searches: 0.0)
+    assert counted.left - study_cost(plan, folder, cores=1, speed=1.0).left == pytest.approx(seconds)
 
 
 def test_linear_reconstruction_takes_its_time(small_slope: Callable[[dict[str, Any]], Scene]) -> None:

@@ -95,7 +95,7 @@ def test_the_page_has_the_factors_of_safety_that_were_asked_for(finished: Path, 
     files = [folder / "stages" / f"factor_of_safety_soil.cohesion-{cohesion}.nc" for cohesion in (20, 150)]
     result = snakemake(place, "--cores", "2", *(str(file.relative_to(place)) for file in files), *config)
     assert result.returncode == 0, result.stderr
-    weak, strong = (float(trajectory.read(file).attrs["value"]) for file in files)
+    (weak, low), (strong, high) = ((float(trajectory.read(file).attrs[name]) for name in ("value", "error")) for file in files)
     assert 0.5 < weak < 1.0 < strong
     for file in files:
         sph("explain", file, "--configfile", config[1])
@@ -104,7 +104,7 @@ def test_the_page_has_the_factors_of_safety_that_were_asked_for(finished: Path, 
     assert planned_jobs(place, *config) == {"page": 1, "all": 1}
     result = snakemake(place, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
-    assert f"{weak:.2f} to {strong:.2f} of 2 slopes at the spacing of the runs" in (folder / "report.html").read_text(encoding="utf-8")
+    assert f"{weak:.2f} ± {low:.2f} to {strong:.2f} ± {high:.2f} of 2 slopes" in (folder / "report.html").read_text(encoding="utf-8")
 
 
 def test_cases_and_samples_are_lists(finished: Path) -> None:

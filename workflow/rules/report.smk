@@ -13,6 +13,9 @@ rule page:
         stages=lambda wildcards: expand(
             "{results}/stages/{stage}.nc", results=RESULTS, stage=PLAN.page_stages
         ),
+        yields=lambda wildcards: sorted(
+            {search.file for search in PLAN.searches.values()}
+        ),
         files=list(
             dict.fromkeys(
                 certain(RESULTS, SECTIONS)

@@ -27,12 +27,13 @@ rule preflight:
             for name in PLAN.study.shown_runs(MOST_SCENES)
         },
         size=len(PLAN.study.runs),
+        searches=lambda wildcards: preflight_searches(bool(PLAN.searches)),
     script:
         "../scripts/study/preflight.py"
 
 
 rule slope_limit:
-    """Search a limit of a slope: its yield acceleration, which is the strength of the sliding block beside its runs, or its factor of safety."""
+    """Search a limit of a slope: its yield acceleration, which the sliding block beside its runs has, or its factor of safety; extrapolated."""
     output:
         "{folder}/stages/{limit}.nc",
     log:
@@ -47,6 +48,7 @@ rule slope_limit:
         sources=SEARCHING,
         scene=lambda wildcards: planned(stage_scene(wildcards)),
         by=lambda wildcards: searched_limit(wildcards.limit),
+        extrapolates=True,
     script:
         "../scripts/simulate/simulate.py"
 

@@ -21,7 +21,7 @@ if __name__ == "__main__":
             params.size,
             dict(zip(params.names, given.runs, strict=True)),
             params.stages,
-            given.files,
+            [*given.yields, *given.files],
             params.sections,
             params.shown,
             params.probe,

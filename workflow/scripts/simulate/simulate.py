@@ -46,10 +46,10 @@ def simulate(
     print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
 
 
-def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO) -> None:
-    """Search the strength at which a scene just stands, from the trials of a search that was killed, and write the trials."""
+def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO, extrapolates: bool) -> None:
+    """Search a limit of a scene at its spacing or, if it ``extrapolates``, at two, from the trials of a search that was killed."""
     planned.build()  # refuses files that have changed
-    search_to_file(planned.scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True))
+    search_to_file(planned.scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True), extrapolates)
 
 
 if __name__ == "__main__":
@@ -61,4 +61,4 @@ if __name__ == "__main__":
             earlier, out = snakemake.input.get("restart"), snakemake.output[0]
             simulate(scene, snakemake.params.until, earlier, out, log, enforce, snakemake.threads)
         else:
-            find_limit(scene, by, snakemake.output[0], log)
+            find_limit(scene, by, snakemake.output[0], log, snakemake.params.get("extrapolates", False))

@@ -1,7 +1,7 @@
 """Look at the scenes of a study and test its slope unshaken, before any run."""
 
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TextIO
 
 from sph.jobs.log import Job, job_log
@@ -10,8 +10,11 @@ from sph.study.planned import Planned
 from sph.study.preflight import Row, study_findings, study_stability, write_preflight
 
 
-def preflight(planned: Mapping[str, Planned], size: int, path_to_csv: str, log: TextIO) -> None:
-    """One row a finding of the planned scenes, by run; ``size`` runs has the study.  Errors and warnings are said at once."""
+def preflight(planned: Mapping[str, Planned], size: int, searches: Sequence[str], path_to_csv: str, log: TextIO) -> None:
+    """One row a finding of the planned scenes, by run; ``size`` runs has the study, of whose slopes the limits ``searches`` are searched.
+
+    Errors and warnings are said at once.
+    """
     scenes = {run: each.build() for run, each in planned.items()}
     if len(scenes) < size:
         print(f"looks at {len(scenes)} of {size} runs, evenly through the study", file=log)
@@ -19,7 +22,7 @@ def preflight(planned: Mapping[str, Planned], size: int, path_to_csv: str, log: 
     for row in rows:
         print(f"{row.worst_run}: {row.finding.line()}", file=log)
     tell(rows)
-    stability = study_stability(scenes, lambda line: print(line, file=log, flush=True))
+    stability = study_stability(scenes, lambda line: print(line, file=log, flush=True), searches)
     tell(stability)
     write_preflight(path_to_csv, rows + stability)
 
@@ -34,4 +37,4 @@ def tell(rows: Iterable[Row]) -> None:
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]) as log:
-        preflight(snakemake.params.scenes, snakemake.params.size, snakemake.output[0], log)
+        preflight(snakemake.params.scenes, snakemake.params.size, snakemake.params.searches, snakemake.output[0], log)
