@@ -4,7 +4,7 @@
 
 
 rule figure:
-    """Draw a figure of one run: geometry, motion, initial particles, strength used before the shaking."""
+    """Draw what goes into a run, geometry, motion and initial particles, or the strength that it uses before the shaking."""
     input:
         runs=lambda wildcards: expand(
             RUN,
