@@ -71,7 +71,7 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
         "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
         "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),
         "add_repulsion": lambda n: add_repulsion(
-            terms.short_range_repulsion, terms.periodic, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
+            terms.short_range_repulsion, terms.periodic, terms.seams, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
         "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, pair_terms(terms), state.x, state.y, state.density, 0, n),
     }

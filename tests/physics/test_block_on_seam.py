@@ -150,8 +150,9 @@ def test_a_block_on_a_seam_that_weakens(slope: str, spacing: float) -> None:
         assert found.moved[at] == pytest.approx(moved, rel=0.03)
 
 
-@DIPS
-@pytest.mark.parametrize("spacing", [1.0, pytest.param(0.5, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    ("slope", "spacing"), [*((slope, 1.0) for slope in SLOPES), pytest.param("25 degrees", 0.5, marks=pytest.mark.long)]
+)
 def test_newmarks_block(slope: str, spacing: float) -> None:
     """Two waves that drive the block down in steps: as far as a rigid block whose strength is within 3 % of the seam's.
 

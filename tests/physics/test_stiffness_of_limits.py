@@ -170,7 +170,7 @@ def test_the_commands_find_one_limit_over_three_decades(name: str, slope: str, t
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("modulus", [3e3, 3e4, 3e6, 3e7])
+@pytest.mark.parametrize("modulus", [3e3, 3e7])
 def test_soft_and_stiff_soil_have_the_published_factor(modulus: float) -> None:
     """V9's slope (Griffiths and Lane 1999), within 2 % as there."""
     found = extrapolated(
@@ -181,12 +181,11 @@ def test_soft_and_stiff_soil_have_the_published_factor(modulus: float) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("water", SEISMIC_BOUNDS)
-def test_soft_soil_has_the_seismic_coefficient_of_limit_analysis_within_the_stated_error(water: str) -> None:
-    """V22 with E = 30 MPa, where elastic movement alone is eight times the rule's displacement."""
-    changes = {"soil.youngs_modulus": 3e4} | ({"water": {"pressure": "by_place", "r_u": 0.5}} if water == "wet" else {})
-    seismic = make_scene(merge(dict(read_scene("config/scenes/validation/v22_seismic.yaml")), dotted(changes)))
+def test_soft_soil_has_the_seismic_coefficient_of_limit_analysis_within_the_stated_error() -> None:
+    """V22, dry, with E = 30 MPa, where elastic movement alone is eight times the rule's displacement."""
+    changes = dotted({"soil.youngs_modulus": 3e4})
+    seismic = make_scene(merge(dict(read_scene("config/scenes/validation/v22_seismic.yaml")), changes))
     found = extrapolated(yield_acceleration, seismic)
-    low, high = (GRAVITY * bound for bound in SEISMIC_BOUNDS[water])
+    low, high = (GRAVITY * bound for bound in SEISMIC_BOUNDS["dry"])
     assert low - found.error <= found.value <= high + found.error
     assert found.error < 0.1 * found.value and not math.isnan(found.error), "an error that says nothing would hold any value"
