@@ -27,7 +27,7 @@ from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.threads import BLOCK
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, invert
-from sph.solver.physics.initial_arrangement import InitialArrangement, keep_whether_all, offset
+from sph.solver.physics.initial_arrangement import InitialArrangement, is_intact, keep_whether_all, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
 from sph.solver.physics.seams import Seams, turn_gradients
@@ -222,10 +222,11 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         row = np.uint64(candidates.start[i])
         size = np.uint64(candidates.start[i + np.uint64(1)]) - row
         close_candidates = wall_candidates = as_at_start = np.uint64(0)
+        intact = is_intact(terms.initial_arrangement, pairs, i)
         for k in range(size):
             j = candidates.neighbour[row + k]
             near = wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2
-            dx, dy, kept = offset(terms.initial_arrangement, period, pairs, x, y, i, j)
+            dx, dy, kept = offset(terms.initial_arrangement, intact, period, pairs, x, y, i, j)
             r_square = dx * dx + dy * dy
             row_dx[k] = dx
             row_dy[k] = dy

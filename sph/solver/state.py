@@ -94,7 +94,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
         "density_pairs": np.full(n, density),
-        "intact": np.zeros(0 if scene.numerics.reference == "current" else n, np.uint8) if fluid else _intact(scene, particles),
+        "intact": _intact(scene, particles),
         **{name: np.zeros((4, n if scene.numerics.reference == "initial" else 0)) for name in ("stretch", "stretch_pairs")},
         "x_candidates": particles.x.copy(),
         "y_candidates": particles.y.copy(),
@@ -121,7 +121,8 @@ def _intact(scene: Scene, particles: Particles) -> np.ndarray:
         return np.zeros(0, np.uint8)
     number = np.arange(particles.x.size)
     keeps = (number < particles.first_contact) | (number >= particles.first_slip)
-    return (keeps & (seam_sides(scene, particles)[0] == 0)).astype(np.uint8)
+    solid = scene.coupling.initial_state == "solid"
+    return (solid & keeps & (seam_sides(scene, particles)[0] == 0)).astype(np.uint8)
 
 
 def _held(particles: Particles, scene: Scene) -> np.ndarray:

@@ -22,7 +22,7 @@ from sph.solver.boundaries.contact import contact_part, keep_contact, let_go
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
-from sph.solver.physics.initial_arrangement import offset
+from sph.solver.physics.initial_arrangement import is_intact, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 
 
@@ -74,9 +74,10 @@ def add_walls(term, contact, arrangement, beside, pairs, candidates, period, ker
         reach = support(kernel)
         b_x = b_y = contact_x = contact_y = 0.0
         if beside and not in_wall(term, i):
+            intact = is_intact(arrangement, pairs, i)
             for k in rows(candidates.start[i], candidates.start[i + 1]):
                 j = candidates.neighbour[k]
-                dx, dy, _ = offset(arrangement, period, pairs, x, y, i, j)
+                dx, dy, _ = offset(arrangement, intact, period, pairs, x, y, i, j)
                 r_square = dx * dx + dy * dy
                 if in_wall(term, j) and r_square < reach * reach:
                     slope = value_and_slope(kernel, math.sqrt(r_square))[1]

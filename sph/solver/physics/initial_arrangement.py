@@ -64,10 +64,22 @@ class InitialArrangement(NamedTuple):
 
 
 @jit
-def offset(term, period, pairs, x, y, i, j):  # type: ignore[no-untyped-def]
-    """Vector from particle j to i (m) that the pair has, and whether it is that of the start."""
-    dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
+def is_intact(term, pairs, i):  # type: ignore[no-untyped-def]
+    """Whether particle i is intact, so that neighbours may be as at the start."""
     if term is None:
+        return False
+    else:
+        return pairs.stretch[i, 0] == pairs.stretch[i, 0]
+
+
+@jit
+def offset(term, intact, period, pairs, x, y, i, j):  # type: ignore[no-untyped-def]
+    """Vector from particle j to i (m) that the pair has, and whether it is that of the start; ``intact`` says whether i is.
+
+    The same for all of a row, so that a loop over it is compiled once for either.
+    """
+    dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
+    if term is None or not intact:
         return dx, dy, False
     else:
         first_x, first_y = wrap(period, term.x[i] - term.x[j]), term.y[i] - term.y[j]
