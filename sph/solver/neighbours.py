@@ -221,7 +221,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         y_i = y[i]
         row = np.uint64(candidates.start[i])
         size = np.uint64(candidates.start[i + np.uint64(1)]) - row
-        close_candidates = wall_candidates = as_at_start = np.uint64(0)
+        close_candidates = wall_candidates = as_they_lie = np.uint64(0)
         intact = is_intact(terms.initial_arrangement, pairs, i)
         for k in range(size):
             j = candidates.neighbour[row + k]
@@ -232,7 +232,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             row_dy[k] = dy
             row_square[k] = r_square
             close_candidates += np.uint64(near < close_square)
-            as_at_start += np.uint64(kept)
+            as_they_lie += np.uint64((r_square < reach_square) & (not kept))
             wall_candidates += np.uint64(in_wall(terms.no_slip, j))
         # Without branches: written always, kept where the count goes on.
         count = close = np.uint64(0)
@@ -247,7 +247,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
                 j = candidates.neighbour[row + k]
                 pairs.close[begin + close] = j
                 close += np.uint64(wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2 < close_square)
-        keep_whether_all(terms.initial_arrangement, pairs, i, as_at_start, size)
+        keep_whether_all(terms.initial_arrangement, pairs, i, as_they_lie)
         for k in range(count):
             dx = row_dx[k]
             dy = row_dy[k]

@@ -342,7 +342,7 @@ def study_stability(
             told += _of_mobilised(peak)
             told += _of_softening(peak, scene, lambda at=scene: _softening(standing_scene(at)))  # type: ignore[misc]
             told.append(_of_residual(_at_residual(static), static))
-            spent += one * (1 + (peak.begun and not peak.too_much))
+            spent += one * (1 + 2 * (peak.begun and not peak.too_much))
         for each in told:
             if each not in found:
                 say(f"{names[0]}: {each.line()}")

@@ -43,7 +43,7 @@ def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, smal
     same_bits(branched, unbranched)
 
 
-@pytest.mark.parametrize("variant", ["default", "loss by slip", "seam"])
+@pytest.mark.parametrize("variant", ["default", "loss by slip", "seam", "initial arrangement"])
 def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_one(
     tmp_path: Path, small_slope: Builder, variant: str
 ) -> None:

@@ -48,6 +48,41 @@ def work(slip: float) -> float:
 
 # ---------------------------------------------------------------- an element
 
+
+def element(gradient: dict[str, float], changes: dict[str, Any] | None = None) -> tuple[np.ndarray, np.ndarray]:
+    """Times (s) and largest shear stresses (times, soil; Pa) in the plane of a block without weight under a velocity gradient (1/s)."""
+    scene = make_scene(
+        merge(
+            {
+                "name": "element",
+                "duration": 1.2,
+                "geometry": {"shape": "block", "width": 10.0, "height": 10.0},
+                "walls": {"base": "none", "sides": "none"},
+                "soil": SOIL,
+                "coupling": {"S_R": RATIO, "softening": {"slip_at_peak": PEAK, "slip_at_residual": RESIDUAL, "width": WIDTH}},
+                "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.001, "damping": 0.0},
+                "damping": None,
+                "prescribed_velocity_gradient": gradient,
+                "numerics": {
+                    "spacing": 1.0,
+                    "time_step": 5e-4,
+                    "adaptive_step": None,
+                    "artificial_viscosity": None,
+                    "short_range_repulsion": None,
+                    "gradient_correction": {"min_determinant": 0.001},
+                },
+                "probes": {},
+                "outputs": {"frame_interval": 0.01, "series_interval": 0.001},
+            },
+            changes or {},
+        )
+    )
+    data = run(scene).trajectory
+    soil = data["kind"].values == 0
+    xx, yy, xy = (data[f"stress_{name}"].values[:, soil].astype(float) for name in ("xx", "yy", "xy"))
+    return data["time"].values, np.hypot(0.5 * (xx - yy), xy)
+
+
 LAYER = {"layers": {"same": {"region": {"kind": "elevation", "bottom": 0.0}, "slip_at_residual": 0.5 * RESIDUAL}}}
 
 
@@ -60,44 +95,33 @@ def test_an_element_follows_the_written_curve(shape: str, changes: dict[str, Any
     # shear is plastic, and slip is that strain times the width.  Two steps of strain, 5e-5, shift the curve by 0.2 mm: 0.2 % of the
     # strength; so does the step between a strain and its effect.
     rate = 0.05
-    scene = make_scene(
-        merge(
-            {
-                "name": "element",
-                "duration": 1.2,
-                "geometry": {"shape": "block", "width": 10.0, "height": 10.0},
-                "walls": {"base": "none", "sides": "none"},
-                "soil": SOIL,
-                "coupling": {
-                    "S_R": RATIO,
-                    "softening": {"slip_at_peak": PEAK, "slip_at_residual": RESIDUAL, "width": WIDTH, "shape": shape},
-                },
-                "gravity": {"acceleration": 0.0, "ramp": 0.0, "duration": 0.001, "damping": 0.0},
-                "damping": None,
-                "prescribed_velocity_gradient": {"xy": rate},
-                "numerics": {
-                    "spacing": 1.0,
-                    "time_step": 5e-4,
-                    "adaptive_step": None,
-                    "artificial_viscosity": None,
-                    "short_range_repulsion": None,
-                    "gradient_correction": {"min_determinant": 0.001},
-                },
-                "probes": {},
-                "outputs": {"frame_interval": 0.01, "series_interval": 0.001},
-            },
-            changes,
-        )
-    )
-    data = run(scene).trajectory
-    time, soil = data["time"].values, data["kind"].values == 0
-    stress = data["stress_xy"].values[:, soil].astype(float)
+    time, stress = element({"xy": rate}, merge({"coupling": {"softening": {"shape": shape}}}, changes))
     slip = np.maximum(rate * time - COHESION / SHEAR_MODULUS, 0.0) * WIDTH * (RESIDUAL - PEAK) / (residual - PEAK)
     after = rate * time > COHESION / SHEAR_MODULUS + PEAK / WIDTH * 2.0
     stretched = PEAK + (rate * time[after] - COHESION / SHEAR_MODULUS - PEAK / WIDTH) * WIDTH * (RESIDUAL - PEAK) / (residual - PEAK)
     np.testing.assert_allclose(stress[after].mean(axis=1), strength(stretched, shape), rtol=0.01)
     assert slip[-1] > 1.5 * RESIDUAL, "the test must reach the residual strength"
     assert np.ptp(stress[-1]) < 1e-3 * COHESION
+
+
+@pytest.mark.parametrize("reference", ["initial", "current"])
+def test_rotation_neither_softens_nor_strengthens_an_element(reference: str) -> None:
+    # One rate of shear in two planes, without spin, with that of simple shear, and turned by 69 degrees either way on the way.  What the
+    # strength is depends on the slip alone: within the 1 % of the curve, of which the spin of the elastic strain, 5e-4 rad, is a part.
+    half = 0.025
+    found = [
+        element(gradient, {"numerics": {"reference": reference}})[1].mean(axis=1)
+        for gradient in (
+            {"xy": half, "yx": half},
+            {"xy": 2.0 * half},
+            {"xx": half, "yy": -half},
+            {"xy": half - 1.0, "yx": half + 1.0},
+            {"xy": half + 1.0, "yx": half - 1.0},
+        )
+    ]
+    assert found[0][-1] < 1.05 * RATIO * COHESION and found[0].max() > 0.95 * COHESION, "from the peak to the residual strength"
+    for other in found[1:]:
+        np.testing.assert_allclose(other[5:], found[0][5:], rtol=0.01)
 
 
 # ---------------------------------------------------------------- a band

@@ -94,12 +94,12 @@ def offset(term, intact, period, pairs, x, y, i, j):  # type: ignore[no-untyped-
 
 
 @jit
-def keep_whether_all(term, pairs, i, kept, count):  # type: ignore[no-untyped-def]
-    """Keep whether all of ``count`` neighbours of particle i, of which ``kept`` are, are those of the start."""
+def keep_whether_all(term, pairs, i, as_they_lie):  # type: ignore[no-untyped-def]
+    """Keep whether particle i has neighbours, ``as_they_lie`` of them, that are not as at the start."""
     if term is None:
         return
     else:
-        pairs.changing[i] = kept < count
+        pairs.changing[i] = as_they_lie > np.uint64(0)
 
 
 @jit
