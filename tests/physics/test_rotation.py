@@ -79,8 +79,8 @@ def turn(stiffness: float, numerics: dict[str, Any]) -> Turned:
 @pytest.mark.parametrize("reference", ["initial", "current"])
 @pytest.mark.parametrize("stiffness", [20.0, 1675.0])
 def test_a_block_turns_as_a_rigid_body_with_corrected_gradients(stiffness: float, reference: str) -> None:
-    # Its stress is that of its inertia: rho (omega a)^2 / 2 in the middle of a strip that turns steadily, and twice that here, since the block
-    # starts without stress and swings.  A quarter more is allowed; plain gradients have hundreds of times as much.
+    # Its stress is that of its inertia: rho (omega a)^2 / 2 in the middle of a strip that turns steadily, and twice that here, since the
+    # block starts without stress and swings.  A quarter more is allowed; plain gradients have hundreds of times as much.
     turned = turn(stiffness, {"reference": reference, "gradient_correction": {"min_determinant": 0.05}})
     assert turned.momentum == pytest.approx(1.0, abs=0.005) and turned.energy == pytest.approx(1.0, abs=0.005)
     assert turned.stress < 2.5
