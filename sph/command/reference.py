@@ -235,11 +235,13 @@ def resolved_claim_lines() -> Iterator[tuple[str, ...]]:
 
 
 def slip_level_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (slope, slip at the residual strength, bracket at each spacing) of the critical amplitude."""
+    """Rows (slope, S_R, slip at the residual strength, bracket at each spacing) of the critical amplitude."""
     table = read_levels()
-    for (study, slip), rows in table[table["slip_at_residual"].notna()].groupby(["study", "slip_at_residual"], sort=False):
+    table = table[table["slip_at_residual"].notna()].fillna({"S_R": ""})
+    for (study, ratio, slip), rows in table.groupby(["study", "S_R", "slip_at_residual"], sort=False):
         brackets = {row["case"]: _bracket(row) for row in rows.to_dict("records")}
-        yield str(study), f"{1e3 * float(str(slip)):.0f} mm", *(brackets.get(case, "") for case in SLIP_CASES)
+        said = f"{ratio:.2f}" if isinstance(ratio, float) else ""
+        yield str(study), said, f"{1e3 * float(str(slip)):.0f} mm", *(brackets.get(case, "") for case in SLIP_CASES)
 
 
 def slip_choice_lines() -> Iterator[tuple[str, ...]]:
@@ -370,8 +372,8 @@ RESOLVED_HEAD = (
 )
 CLAIM_HEAD = ("claim", "the paper says", "verdict", f"measured at `{BASELINE}`, 6 m/s²")
 RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", "measured at 6 m/s²")
-SLIP_CASES = ("5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
-SLIP_LEVEL_HEAD = ("study", "residual strength after", *SLIP_CASES)
+SLIP_CASES = ("2.5 m", "5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
+SLIP_LEVEL_HEAD = ("study", "S_R", "residual strength after", *SLIP_CASES)
 SLIP_CHOICE_HEAD = ("changed", "critical amplitude, m/s²", "change")
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
 TIME_HEAD = ("what", "time", "conditions", "machine")

@@ -72,7 +72,7 @@ _PAPER = "snakemake --cores 2 && snakemake --cores 2 trigger"
 _PAPER_FILES = ("config/config.yaml", "config/scenes/paper.yaml")
 SHIPPED: dict[str, Shipped] = {
     "trade": _experiment("trade", MEASURED / "trade.csv", "config/scenes/paper.yaml"),
-    "resolution": _experiment("resolution", MEASURED / "resolution.csv", "config/scenes/long_box.yaml"),
+    "resolution": _experiment("resolution", MEASURED / "resolution.csv", "config/scenes/slope_on_rock.yaml"),
     "limits": _experiment("limits", MEASURED / "limits.csv", "config/scenes/paper.yaml"),
     "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/paper.yaml"),
     "validation": _experiment("validation", PACKAGE / "validation" / "measured" / "validation.csv", "config/scenes/validation/*.yaml"),
@@ -92,14 +92,14 @@ SHIPPED: dict[str, Shipped] = {
         MEASURED / "fidelities.csv",
     ),
     "slip_levels": Shipped(
-        ("results/long_box_slip", "results/stiff_clay", "results/stiff_clay_choices"),
+        ("results/slope_on_rock", "results/stiff_clay", "results/stiff_clay_choices"),
         (
-            *(f"config/studies/{name}*.yaml" for name in ("long_box_slip", "stiff_clay")),
-            *(f"config/studies/{name}*/trigger.yaml" for name in ("long_box_slip", "stiff_clay")),
-            "config/scenes/long_box.yaml",
+            *(f"config/studies/{name}*.yaml" for name in ("slope_on_rock", "stiff_clay")),
+            *(f"config/studies/{name}*/trigger.yaml" for name in ("slope_on_rock", "stiff_clay")),
+            "config/scenes/slope_on_rock.yaml",
             "config/scenes/stiff_clay.yaml",
         ),
-        "for study in long_box_slip stiff_clay stiff_clay_choices; do "
+        "for study in slope_on_rock stiff_clay stiff_clay_choices; do "
         "snakemake --cores 2 --configfile config/studies/$study.yaml -- trigger; done; python -m sph.experiments.trigger.levels",
         MEASURED / "slip_levels.csv",
     ),

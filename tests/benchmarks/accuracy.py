@@ -1,7 +1,7 @@
 """Time to a wanted accuracy: ``python tests/benchmarks/accuracy.py [--against CHECKOUT] [--json FILE]``.
 
-The slope of the resolution study, S_R 0.25 and gamma 100, at ever finer spacing: seconds of one core for a run, and the larger of the
-errors of A's displacement and of the run-out, from the mean over four lattices at 0.5 m in the shipped table.  A spacing is within an error
+The slope of the resolution study, S_R 0.25, at ever finer spacing: seconds of one core for a run, and the larger of the
+errors of A's displacement and of the run-out, from the mean over two lattices at 0.5 m in the shipped table.  A spacing is within an error
 if it and all finer ones are, since one run may come near by chance.  With another checkout of this project both run at each
 spacing, one after the other; each run is a process of its own, which compiles or loads everything before it is timed.
 """
@@ -25,7 +25,7 @@ from sph.measures.metrics import MetricSettings, measure
 from sph.solver.run import Run
 
 ROOT = Path(sph.__file__).parents[1]
-SCENE = Path(__file__).parents[2] / "config" / "scenes" / "long_box.yaml"
+SCENE = Path(__file__).parents[2] / "config" / "scenes" / "slope_on_rock.yaml"
 CASE = "S_R 0.25"
 ERRORS = (0.10, 0.05, 0.02)
 SPACINGS = (25 / 10, 25 / 15, 25 / 20, 25 / 25, 25 / 30, 25 / 40)

@@ -67,6 +67,11 @@ def row_of(frame: pd.DataFrame, parameter: str, variant: str, case: str = "weak"
     return found.iloc[0].to_dict()
 
 
+SLOPE_ON_ROCK = ROOT / "config" / "scenes" / "slope_on_rock.yaml"
+HALF = {"geometry": {"slope_height": 12.5}, "coupling": {"softening": {"slip_at_residual": 0.025}}}
+"""Half as high, with half the slip, so that the slip zone is as many heights long."""
+
+
 class TestResolution:
     """The study of the scheme for one's own slopes."""
 
@@ -74,37 +79,47 @@ class TestResolution:
         shipped = load_trade("config/resolution.yaml", study_plan({"paper": {}}), [ROOT])
         assert {row.variant for row in shipped.rows if row.parameter == "fidelity"} == {"draft", "standard", "fine"}
         assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
-        geometry = load_scene(ROOT / "config" / "scenes" / "long_box.yaml").geometry
+        geometry = load_scene(SLOPE_ON_ROCK).geometry
         assert geometry.slope_height == advice.HEIGHT  # type: ignore[union-attr]
 
     @pytest.mark.parametrize(
         ("spacing", "variant"),
-        [(0.5, "fidelity: standard"), (0.4, "spacing: 5/6 m"), (0.3125, "fidelity: fine"), (0.8334, "spacing: 5/3 m"), (1.26, None)],
+        [(0.5, "fidelity: standard"), (0.4, "fidelity: standard"), (0.3125, "fidelity: fine"), (0.8334, "spacing: 5/3 m"), (1.26, None)],
     )
     def test_a_slope_of_ones_own_is_looked_up_by_its_rows_of_particles(self, spacing: float, variant: str | None) -> None:
         # 12.5 m high: 0.5 m is as 1 m on the slope of the study, 25 m high.  Coarser than 2.5 m there nothing was measured.
-        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": spacing}, "coupling": {"softening": {"width": 5.0}}}
+        settings = {
+            "geometry": {"slope_height": 12.5},
+            "numerics": {"spacing": spacing},
+            "coupling": {"softening": {"width": 5.0, "slip_at_residual": 0.025}},
+        }
         settings["damping"] = {"ratio": 0.03}
-        found = expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings))
+        found = expected_error(load_scene(SLOPE_ON_ROCK, settings))
         assert (found and found.variant) == variant
-        settings["layers"] = {"clay": {"region": {"kind": "elevation", "top": 5.0}, "soil": {"cohesion": 50.0}}}
-        layered = load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)
+        settings["layers"] = {"clay": {"region": {"kind": "elevation", "bottom": 15.0}, "soil": {"cohesion": 50.0}}}
+        layered = load_scene(SLOPE_ON_ROCK, settings)
         assert expected_error(layered) is None and "it has layers" in expected_sentence(layered)
         del settings["layers"]
         for base in ("absorbing", "no_slip"):
             settings["walls"] = {"base": base, "sides": "absorbing"}
-            assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) == found, "the moving soil's"
+            assert expected_error(load_scene(SLOPE_ON_ROCK, settings)) == found, "the moving soil's"
 
     def test_a_slope_that_is_too_coarse_is_told_from_which_spacing_on_there_is_an_expectation(self) -> None:
-        settings = {"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 1.26}}
-        assert expected_sentence(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)).endswith(
-            "the coarsest that was is 1.25 m on a slope of this height"
-        )
+        settings = {
+            "geometry": {"slope_height": 12.5},
+            "numerics": {"spacing": 1.26},
+            "coupling": {"softening": {"slip_at_residual": 0.025}},
+        }
+        assert expected_sentence(load_scene(SLOPE_ON_ROCK, settings)).endswith("the coarsest that was is 1.25 m on a slope of this height")
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
-        for other in ({"walls": {"base": "fixed"}}, {"coupling": {"softening": None}}, {"numerics": {"smoothing_ratio": 1.2}}):
-            settings = merge({"geometry": {"slope_height": 12.5}, "numerics": {"spacing": 0.5}}, other)
-            assert expected_error(load_scene(ROOT / "config" / "scenes" / "long_box.yaml", settings)) is None
+        for other in (
+            {"walls": {"base": "fixed"}},
+            {"coupling": {"softening": None, "gamma": 1.0}},
+            {"numerics": {"smoothing_ratio": 1.2}},
+        ):
+            settings = merge(merge(HALF, {"numerics": {"spacing": 0.5}}), other)
+            assert expected_error(load_scene(SLOPE_ON_ROCK, settings)) is None
 
 
 class TestConfiguration:

@@ -96,8 +96,8 @@ def test_the_shipped_searches_are_valid() -> None:
 
 
 def test_figures_state_the_spacing_of_the_cases_they_show() -> None:
-    study = read_yaml(ROOT / "config" / "studies" / "long_box.yaml")
-    trigger = load_trigger("config/studies/long_box/trigger.yaml", load_study(study, [ROOT]), [ROOT])
+    study = read_yaml(ROOT / "config" / "studies" / "slope_on_rock.yaml")
+    trigger = load_trigger("config/studies/slope_on_rock/trigger.yaml", load_study(study, [ROOT]), [ROOT])
     assert "spacing 2.5 to 1 m" in trigger.note() and trigger.note("maps").startswith("fidelity standard, case 1.25 m · ")
 
 
@@ -355,14 +355,17 @@ def test_a_class_that_is_left_again_shows_the_last_amplitude_without_it() -> Non
 
 
 def test_cases_that_differ_in_the_spacing_alone_are_extrapolated_from() -> None:
-    slope = read_yaml(str(ROOT / "config" / "scenes" / "long_box.yaml"))
+    slope = read_yaml(str(ROOT / "config" / "scenes" / "slope_on_rock.yaml"))
     cases = {"2.5 m": 2.5, "5/3 m": 5.0 / 3.0, "1.25 m": 1.25, "1 m": 1.0}
     scenes = {name: make_scene(merge(slope, {"numerics": {"spacing": spacing}})) for name, spacing in cases.items()}
     scenes["2 m, damped"] = make_scene(merge(slope, {"numerics": {"spacing": 2.0}, "damping": {"ratio": 0.05}}))
     found = coarser_cases(scenes)
     assert {case: name for case, (name, _) in found.items()} == {"5/3 m": "2.5 m", "1.25 m": "2.5 m", "1 m": "5/3 m"}
     assert [ratio for _, ratio in found.values()] == pytest.approx([1.5, 2.0, 5.0 / 3.0])
-    at_once = {name: make_scene(merge(slope, dotted({"numerics.spacing": cases[name], "coupling.softening": None}))) for name in cases}
+    at_once = {
+        name: make_scene(merge(slope, dotted({"numerics.spacing": cases[name], "coupling.softening": None, "coupling.gamma": 1.0})))
+        for name in cases
+    }
     assert coarser_cases(at_once) == {}, "no level to extrapolate to"
 
 

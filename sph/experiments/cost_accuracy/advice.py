@@ -108,7 +108,7 @@ def _by_rows(scene: Scene, variants: Sequence[Summary]) -> list[Summary]:
 def _alike(scene: Scene, variants: Sequence[Summary]) -> list[tuple[float, Summary]]:
     """The variants, with their spacings (m), of the resolution study that are computed as a scene of a slope is but for spacing, damping,
     softening and how a rigid or an absorbing box lets waves out."""
-    if not isinstance(scene.geometry, SLOPES) or scene.coupling.softening is None or scene.coupling.softens_by_slip:
+    if not isinstance(scene.geometry, SLOPES) or scene.coupling.softening is None:
         return []
 
     def rest(keys: dict[str, Any]) -> str:

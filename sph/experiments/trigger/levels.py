@@ -14,12 +14,13 @@ from sph.experiments.shipped import MEASURED, SHIPPED, note, solver_of
 from sph.storage.trajectory import Variable
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 
-STUDIES = ("long_box_slip", "stiff_clay", "stiff_clay_choices")
+STUDIES = ("slope_on_rock", "stiff_clay", "stiff_clay_choices")
 """Studies whose searches are kept."""
 SLIP = "coupling.softening.slip_at_residual"
 LEVELS: tuple[Variable, ...] = (
     text_column("study", "name of the study"),
     text_column("case", "case of its search"),
+    number_column("S_R", "1", "strength ratio; NaN where the search does not vary it"),
     number_column("slip_at_residual", "m", "slip at the residual strength; NaN where the search does not vary it"),
     number_column("lower", "m s-2", "largest amplitude without collapse"),
     number_column("upper", "m s-2", "smallest amplitude with collapse"),
@@ -35,7 +36,7 @@ def levels(results: Path) -> pd.DataFrame:
         if len(found) != 1:
             raise ValueError(f"{results / study}: {len(found)} searches, one is needed; run '{SHIPPED['slip_levels'].renewal}'")
         table = pd.read_csv(found[0])
-        tables.append(table.assign(study=study, slip_at_residual=table.get(SLIP, float("nan"))))
+        tables.append(table.assign(study=study, slip_at_residual=table.get(SLIP, float("nan")), S_R=table.get("S_R", float("nan"))))
     return pd.concat(tables, ignore_index=True)[[row.name for row in LEVELS]]
 
 
