@@ -19,7 +19,7 @@ import pytest
 import sph
 from sph.jobs.progress import compiling
 from sph.solver.compiled.inlined import InlinedLibrary
-from sph.solver.compiled.jit import COMPILED, OPTIONS, before_compiling, compile_lock, jit, mend, seal
+from sph.solver.compiled.jit import COMPILED, OPTIONS, before_compiling, compile_lock, jit
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -381,37 +381,7 @@ def test_what_is_inlined_gets_no_machine_code_of_its_own() -> None:
     assert inlined.fndesc.llvm_func_name not in called.library.get_llvm_str(), "inlined everywhere"
 
 
-# ---------------------------------------------------------------- damaged files
-
-
-def truncate(path: Path) -> None:
-    path.write_bytes(path.read_bytes()[: path.stat().st_size // 2])
-
-
-def garble(path: Path) -> None:
-    """Other bytes in the middle, where the machine code is."""
-    data = bytearray(path.read_bytes())
-    middle = slice(len(data) // 3, len(data) // 3 + 200)
-    data[middle] = bytes(byte ^ 0x55 for byte in data[middle])
-    path.write_bytes(data)
-
-
-def empty(path: Path) -> None:
-    path.write_bytes(b"")
-
-
-DAMAGES: tuple[Callable[[Path], None], ...] = (truncate, garble, empty, Path.unlink)
-
-
-@pytest.mark.long
-def test_damaged_code_is_compiled_again_not_run(cached: Cached) -> None:
-    """Every file of the cache is hurt in one way or another; then the same bits, and a cache that is whole again."""
-    files = sorted(cached.cache.glob("*/*/*.nb?"))
-    assert len(files) > len(DAMAGES)
-    for number, path in enumerate(files):
-        DAMAGES[number % len(DAMAGES)](path)
-    assert cached.run() == ("1", cached.digest)
-    assert cached.run() == ("0", cached.digest)
+# ---------------------------------------------------------------- the folder
 
 
 WAIT = "import sys\nfrom sph.solver.compiled.jit import compile_lock\nwith compile_lock(sys.argv[1]): pass"
@@ -428,23 +398,6 @@ def test_only_the_same_variant_is_waited_for(tmp_path: Path, monkeypatch: pytest
         with pytest.raises(subprocess.TimeoutExpired):
             same.wait(timeout=3)
     assert same.wait(timeout=60) == 0
-
-
-@pytest.mark.parametrize("damage", DAMAGES, ids=lambda damage: damage.__name__)
-@pytest.mark.parametrize("name", ["code/f.nbi", "code/f.1.nbc", "digests.json"])
-def test_what_is_not_as_listed_is_deleted(tmp_path: Path, name: str, damage: Callable[[Path], None]) -> None:
-    (tmp_path / "code").mkdir()
-    files = [tmp_path / "code" / name for name in ("f.nbi", "f.1.nbc", "f.2.nbc")]
-    for path in files:
-        path.write_bytes(path.name.encode() * 100)
-    seal(tmp_path)
-    mend(tmp_path)
-    assert all(path.exists() for path in files)
-    (tmp_path / "code" / "f.3.nbc.tmp.abc").write_bytes(b"left by a process that was killed")
-    damage(tmp_path / name)
-    mend(tmp_path)
-    sound = [path for path in files if path != tmp_path / name] if name != "digests.json" else []
-    assert sorted((tmp_path / "code").iterdir()) == sorted(sound)
 
 
 def test_a_cache_folder_that_cannot_be_used_is_named(tmp_path: Path) -> None:

@@ -7,9 +7,7 @@ sources and numba's version; loading and saving happen under a lock between proc
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
 (``sph.solver.terms.active_terms``).
 
-Nor does numba ask whose files it executes: a folder that another user owns or can write to is refused (``private``).  Nor does
-it notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
-files with their digests, and under the lock, before anything is loaded, what is not as listed is deleted and compiled again.
+Nor does numba ask whose files it executes: a folder that another user owns or can write to is refused (``private``).
 """
 
 from __future__ import annotations
@@ -191,7 +189,7 @@ class _Once(event.Listener):
             place = cache_folder().parent / TIMES
             # A folder that cannot be written is refused where code is to be kept in it.
             with suppress(OSError), FileLock(place.with_suffix(".lock"), mode=PRIVATE), for_user_alone():
-                _replace(place, json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)}))
+                place.write_text(json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)}))
 
 
 TIMES = "compiling.json"
@@ -205,12 +203,6 @@ def _compile_times() -> dict[str, float]:
         return {}
 
 
-def _replace(path: Path, text: str) -> None:
-    temporary = path.with_name(f".{path.name}")
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, path)
-
-
 @jit
 def rows(first, last):  # type: ignore[no-untyped-def]
     """Range of rows as unsigned numbers: signed indices are tested for wrap-around, and loops with that test do not vectorise."""
@@ -219,7 +211,7 @@ def rows(first, last):  # type: ignore[no-untyped-def]
 
 @contextmanager
 def compile_lock(variant: str = "", required: bool = True) -> Iterator[None]:
-    """Compile or load from the cache, only what is there as it was written; one process at a time where a ``variant`` is named.
+    """Compile or load from the cache; one process at a time where a ``variant`` is named.
 
     Others that want the same one wait and load it; those of other variants compile beside it.  OSError names the folder and the remedy if
     compiled code cannot be kept there, or others may change it; if that is not ``required``, what is compiled serves this process alone.
@@ -281,51 +273,11 @@ class _OneAtATime:
         self.files, self.folder = files, folder
 
     def load(self, key: Any) -> Any:
-        """The code of a variant, None if it is not there or not as it was written."""
+        """The code of a variant, None if it is not there."""
         with FileLock(self.folder / "lock", mode=PRIVATE):
-            mend(self.folder)
             return self.files.load(key)
 
     def save(self, key: Any, data: Any) -> None:
         """Add the code of a variant."""
-        with FileLock(self.folder / "lock", mode=PRIVATE):
-            mend(self.folder)
-            with for_user_alone():
-                self.files.save(key, data)
-                seal(self.folder)
-
-
-LISTED = "digests.json"
-"""The list of a cache folder's files."""
-_seen: dict[str, tuple[tuple[int, int, int], str]] = {}
-"""Digests that this process has computed, with the file's identity: hashing all takes 0.1 s for 50 MB, looking takes a millisecond."""
-
-
-def mend(folder: Path) -> None:
-    """Delete what is not as listed: damaged, left by a process that was killed, or written past the lock."""
-    try:
-        listed = json.loads((folder / LISTED).read_bytes())
-    except (FileNotFoundError, ValueError):
-        listed = {}
-    for name, digest in _digests(folder).items():
-        if listed.get(name) != digest:
-            (folder / name).unlink()
-
-
-def seal(folder: Path) -> None:
-    """List the files as they are."""
-    text = json.dumps(_digests(folder))
-    listed = folder / LISTED
-    if not listed.exists() or listed.read_text(encoding="utf-8") != text:
-        _replace(listed, text)
-
-
-def _digests(folder: Path) -> dict[str, str]:
-    found = {}
-    for path in sorted(folder.glob("*/*.nb*")):
-        stat = path.stat()
-        identity = (stat.st_ino, stat.st_size, stat.st_mtime_ns)
-        if _seen.get(str(path), (None, ""))[0] != identity:
-            _seen[str(path)] = identity, hashlib.sha256(path.read_bytes()).hexdigest()
-        found[str(path.relative_to(folder))] = _seen[str(path)][1]
-    return found
+        with FileLock(self.folder / "lock", mode=PRIVATE), for_user_alone():
+            self.files.save(key, data)
