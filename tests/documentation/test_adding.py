@@ -56,9 +56,9 @@ assert METRIC_BY_NAME["failed_at_end"].units == "1"
 """,
     "A record format": """
 from pathlib import Path
-from sph.scene.ground_motion import read_motion
+from sph.scene.ground_motion import read_record
 Path("record.txt").write_text("0.0 0.0\\n0.1 2.0\\n0.2 -1.0\\n")
-assert read_motion("record.txt").peak == 2.0
+assert read_record("record.txt").peak == 2.0
 """,
     "A figure": """
 import pandas as pd
