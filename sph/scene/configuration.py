@@ -10,7 +10,6 @@ import os
 import re
 import stat
 import typing
-import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
@@ -311,16 +310,6 @@ def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
             value = {part: value}
         nested = merge(nested, value)
     return nested
-
-
-def with_new_names(data: Any, names: Mapping[str, str], where: str) -> Any:
-    """A section whose keys of former ``names`` have the new ones, with a FutureWarning; ValueError where both are there."""
-    former = [name for name in names if isinstance(data, Mapping) and name in data]
-    for name in former:
-        if names[name] in data:
-            raise ValueError(f"{name}: is now {names[name]}, which is there as well; leave one")
-        warnings.warn(f"{where}: write {names[name]} for {name}, which ends with the next release", FutureWarning, 2)
-    return {names.get(name, name): value for name, value in data.items()} if former else data
 
 
 def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model:

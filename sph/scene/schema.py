@@ -530,8 +530,11 @@ def stored_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """The scene that a file of this or an earlier version holds; ValueError as above.
 
     Versions before schemes wrote every key, as this one does; what has become a key since then was as in the paper's scene, but for the
-    solid state of failed soil, which stayed on its yield surface.
+    solid state of failed soil, which stayed on its yield surface.  Fixed walls were called sticky by 0.1.0.
     """
+    walls = data.get("walls")
+    if isinstance(walls, Mapping):
+        data = {**data, "walls": {name: "fixed" if kind == "sticky" else kind for name, kind in walls.items()}}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
         return make_scene(merge({"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}}, data), origin)
