@@ -28,7 +28,7 @@ def fits(name: str, data: Any) -> bool:
 
 @pytest.mark.parametrize("name", MODELS)
 def test_the_files_for_editors_are_in_step(name: str) -> None:
-    assert (ROOT / schema_file(name)).read_text(encoding="utf-8") == schema_text(name), "python -m sph.command.reference"
+    assert (ROOT / schema_file(name)).read_text(encoding="utf-8") == schema_text(name), "python -m tools.reference"
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: str(path.relative_to(ROOT / "config")))

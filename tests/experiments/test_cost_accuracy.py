@@ -21,7 +21,6 @@ from typer.testing import CliRunner, Result
 from sph.command.advise import options
 from sph.command.cli import app
 from sph.command.options import parse_settings
-from sph.command.reference import TABLES, markdown
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
 from sph.experiments.cost_accuracy.convergence import convergence_table
@@ -34,6 +33,7 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset, write_csv
+from tools.reference import TABLES, markdown
 
 ROOT = Path(__file__).resolve().parents[2]
 
