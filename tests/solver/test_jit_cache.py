@@ -6,7 +6,6 @@ import ast
 import json
 import os
 import platform
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -26,65 +25,6 @@ PACKAGE = Path(sph.__file__).parent
 
 def environment(root: Path, **extra: str) -> dict[str, str]:
     return os.environ | {"PYTHONPATH": str(root), "OMP_NUM_THREADS": "1"} | extra
-
-
-def digest_of(root: Path) -> str:
-    return digests_of(root)[0]
-
-
-def digests_of(root: Path) -> list[str]:
-    """Digests of what is compiled and of the solver."""
-    command = [
-        sys.executable,
-        "-c",
-        "from sph.solver.compiled.jit import compiled_digest, solver_digest; print(compiled_digest(), solver_digest())",
-    ]
-    return subprocess.run(command, env=environment(root), cwd=root, check=True, capture_output=True, text=True).stdout.split()
-
-
-def edit(root: Path, name: str, old: str, new: str) -> None:
-    """Replace the first place of a text in a file of the package."""
-    file = root / "sph" / name
-    text = file.read_text()
-    assert old in text, name
-    file.write_text(text.replace(old, new, 1))
-
-
-def test_digest_changes_with_an_edit_of_what_is_compiled(tmp_path: Path) -> None:
-    shutil.copytree(PACKAGE, tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
-    before, solver = digests_of(tmp_path)
-    assert digests_of(tmp_path) == [before, solver]
-    for name, old, new in (
-        ("scene/schema.py", "MOST_STEPS = ", "MOST_STEPS = 2 * "),
-        ("solver/run.py", "self.earlier_wall_time = 0.0", "self.earlier_wall_time = 1.0"),
-        ("scene/ground_motion/record.py", " + ", " - "),
-    ):
-        edit(tmp_path, name, old, new)
-        earlier, (compiled, solver) = solver, digests_of(tmp_path)
-        assert compiled == before, "an edit outside the compiled code must not recompile it"
-        assert solver != earlier, "but a checkpoint of another solver is not gone on from"
-    edit(tmp_path, "storage/files.py", "LONGEST_HIDDEN = 140", "LONGEST_HIDDEN = 139")
-    edit(tmp_path, "scene/scheme.py", '"no_slip"', '"fixed"')
-    assert digests_of(tmp_path) == [before, solver], "neither how files lie on the disk nor what fills a scene decides a run"
-    # kernels.py is imported by other compiled files, whose own cache entries numba would not renew.
-    edit(tmp_path, "solver/physics/kernels.py", "1.0 + 2.0 * q", "1.0 + 2.5 * q")
-    assert digest_of(tmp_path) != before
-
-
-def test_digests_do_not_change_with_words(tmp_path: Path) -> None:
-    """A better comment, docstring, message or description of a key neither compiles nor runs anything again."""
-    shutil.copytree(PACKAGE, tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
-    before = digests_of(tmp_path)
-    for name, old, new in (
-        ("solver/physics/kernels.py", "Smoothing kernels in two dimensions", "Kernels in the plane"),
-        ("solver/physics/kernels.py", "smoothing length, m", "half of the support, m"),
-        ("solver/integration.py", "# Damping acts on", "# It acts on"),
-        ("scene/schema.py", "would skip samples of", "does not see all samples of"),
-        ("scene/walls.py", "lid of the box", "cover of the box"),
-        ("solver/restart.py", "cannot go on from this run", "this run cannot be gone on from"),
-    ):
-        edit(tmp_path, name, old, new)
-    assert digests_of(tmp_path) == before
 
 
 COMPILES = {"jit", "entry", "slot", "of", "overload"}

@@ -12,7 +12,6 @@ Nor does numba ask whose files it executes: a folder that another user owns or c
 
 from __future__ import annotations
 
-import ast
 import gc
 import hashlib
 import json
@@ -36,6 +35,7 @@ from numba.core.registry import CPUDispatcher
 
 from sph.solver.compiled.inlined import InlinedCompiler
 from sph.solver.compiled.private import PRIVATE, for_user_alone, make_private, refuse_shared
+from sph.storage.sources import sources_digest
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
@@ -57,23 +57,6 @@ COMPILED = tuple(
 """Where the text is that becomes machine code: jitted functions, and names that they use (a test holds the list against the sources)."""
 
 
-def _drop_words(block: list[ast.stmt]) -> list[ast.stmt]:
-    """Statements without what only people read: docstrings, the messages of errors, the descriptions and sources of a scene's keys."""
-    kept = [each for each in block if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
-    for statement in kept:
-        if isinstance(statement, ast.Raise) and isinstance(statement.exc, ast.Call):
-            statement.exc = statement.exc.func
-        value = getattr(statement, "value", None)
-        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == "key":
-            value.args, value.keywords = value.args[1:], [each for each in value.keywords if each.arg != "source"]
-        for name in ("body", "orelse", "finalbody"):
-            if inner := getattr(statement, name, None):
-                setattr(statement, name, _drop_words(inner))
-        for handler in getattr(statement, "handlers", ()):
-            handler.body = _drop_words(handler.body)
-    return kept
-
-
 @cache
 def compiled_digest() -> str:
     """Digest of what the files that are compiled say to the machine, and of numba's version."""
@@ -87,14 +70,9 @@ def solver_digest() -> str:
 
 
 def _digest(names: Iterable[str]) -> str:
-    """Of the syntax of files and folders without the words for people: a better comment, docstring or message changes nothing."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for place in (PACKAGE / name for name in names):
-        for path in sorted({*place.rglob("*.py")} - {PACKAGE / FILLING}) if place.is_dir() else [place]:
-            tree = ast.parse(path.read_bytes())
-            tree.body = _drop_words(tree.body)
-            digest.update(f"{path.relative_to(PACKAGE).as_posix()}\n{ast.dump(tree)}\n".encode())
-    return digest.hexdigest()[:16]
+    """Of what files and folders say to the machine, not to people (``sph.storage.sources``)."""
+    paths = {path for place in (PACKAGE / name for name in names) for path in (place.rglob("*.py") if place.is_dir() else [place])}
+    return sources_digest(paths - {PACKAGE / FILLING}, PACKAGE, numba.__version__)
 
 
 REMEDY = "set SPH_CACHE_DIR to a folder that you, and nobody else, can write to"
