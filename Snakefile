@@ -13,7 +13,7 @@ from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.paper.study import load_study
 from sph.study.plan import claim_results
-from sph.study.planned import planned, sources
+from sph.study.planned import contents, planned, sources
 from sph.study.preflight import MOST_SCENES, preflight_searches
 from sph.study.sampling import chosen_study
 from sph.study.searches import SAFETY, SLOPE_LIMITS, searched_limit
@@ -50,7 +50,7 @@ TRIGGER = functools.cache(
     lambda: load_trigger(PLAN.experiment_file("trigger"), PLAN, FOLDERS)
 )
 PLANS = functools.partial(plan_of, PLAN, TRIGGER)
-# Snakemake does not see edits in imported modules: the contents of the sources of each stage are its parameters.
+# Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
 SOLVER = solver_digest()
 SEARCHING = SOLVER + sources("stability/*.py")
 ANALYSIS = sources(
@@ -59,7 +59,7 @@ ANALYSIS = sources(
     "experiments/**/*.py",
     "experiments/measured/*.csv",
 )
-DRAWING = ANALYSIS + sources("figures/*.py")
+DRAWING = ANALYSIS + sources("figures/*.py") + contents("scene/walls.py")  # labels
 PAPER = sources("paper/*.py")
 PAGE = DRAWING + PAPER + sources("page/*.*")
 

@@ -569,16 +569,6 @@ def motion(
     show_table(("", *found), rows(found))
 
 
-@app.command(epilog="Example:  sph reference scene > keys.md")
-def reference(table: Annotated[str, typer.Argument(help="scene, study, trajectory, metrics, trade, ...")]) -> None:
-    """Print a table of keys, variables or measured results (Markdown)."""
-    with refusals():
-        from sph.command.reference import TABLES, markdown
-
-        check_known("TABLE", [table], TABLES)
-    print(markdown(TABLES[table]()))
-
-
 @app.command(epilog="Examples:  sph schema scene > scene.schema.json  |  sph schema study > study.schema.json")
 def schema(
     of: Annotated[str, typer.Argument(metavar="FILE", help="scene, study, or an experiment: trade, trigger, ...")] = "scene",

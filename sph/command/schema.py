@@ -42,10 +42,3 @@ def schema_text(name: str) -> str:
 def schema_file(name: str) -> Path:
     """Where the repository keeps it for editors, seen from its folder."""
     return Path("config", "schemas", f"{name}.json")
-
-
-def schema_of(path: Path) -> str:
-    """Name of the schema of one of the repository's files."""
-    if "scenes" in path.parts:
-        return "scene"
-    return path.stem if path.stem in MODELS else "study"

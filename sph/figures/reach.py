@@ -31,7 +31,7 @@ PANEL, OUTSIDE = 2.4, 0.75
 def figure_reach(table: pd.DataFrame, searched: Searched, scenes: Mapping[str, Scene], note: str = "") -> Figure:
     """Share of the motions that exceed a run-out and a displacement, a line an intensity, for each case; bands are diverged runs.
 
-    ``table`` as from ``read_exceedance``.  Below, for a case with a scene, the share of the motions whose debris reaches a place, above
+    ``table`` as from ``exceedance``.  Below, for a case with a scene, the share of the motions whose debris reaches a place, above
     the section.  Raises ValueError for an empty table.
     """
     if table.empty:

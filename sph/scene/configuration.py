@@ -10,7 +10,6 @@ import os
 import re
 import stat
 import typing
-import warnings
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar
@@ -107,8 +106,6 @@ OwnName = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$"), AfterVa
 
 LARGEST_FILE = 2_000_000
 """Largest YAML file, bytes."""
-MOST_VALUES = 200_000
-"""Most values in a YAML text; what an alias repeats counts every time."""
 DEEPEST = 30
 """Deepest nesting of sections and lists."""
 DECIMAL = {"int": re.compile(r"[+-]?(0|[1-9][0-9]*)"), "float": re.compile(r"[^_:]*")}
@@ -142,14 +139,13 @@ def check_files(paths: Iterable[Path | str]) -> None:
 
 
 def parse_yaml(text: str) -> Any:
-    """Plain data in a YAML text; raises ValueError where it is malformed, has a key twice or a number that is not decimal, or is too large
-    or deep, aliases expanded."""
+    """Plain data in a YAML text; raises ValueError where it is malformed or too deep, has a key twice or a number that is not decimal."""
     try:
         loader = yaml.SafeLoader(text)
         node = loader.get_single_node()
         if node is None:
             return None
-        _extent(node, {})
+        _check(node)
         return loader.construct_document(node)
     except RecursionError as error:
         raise ValueError(f"it is nested deeper than {DEEPEST} levels") from error
@@ -157,29 +153,23 @@ def parse_yaml(text: str) -> Any:
         raise ValueError(str(error) or type(error).__name__) from error
 
 
-def _extent(node: yaml.Node, known: dict[int, tuple[int, int]], path: tuple[Any, ...] = ()) -> tuple[int, int]:
-    """Number of values and of levels below a node, aliases expanded; ``known`` holds those of the nodes seen, so that it takes no time.
+def _check(node: yaml.Node, path: tuple[Any, ...] = ()) -> None:
+    """Refuse keys that are there twice, numbers that are not decimal, and what is too deep, such as an alias of a section in itself.
 
     ``path`` are the names and places of the node and of those that it stands in.
     """
-    depth = len(path) + 1
-    if depth <= DEEPEST and id(node) not in known:
-        parts: list[tuple[Any, yaml.Node]] = []
-        if isinstance(node, yaml.MappingNode):
-            _check_once([name.value for name, _ in node.value if isinstance(name, yaml.ScalarNode)], node.start_mark.line + 1)
-            parts = [(name.value, part) for name, value in node.value for part in (name, value)]
-        elif isinstance(node, yaml.SequenceNode):
-            parts = list(enumerate(node.value))
-        else:
-            _check_decimal(node, path)
-        extents = [_extent(part, known, (*path, name)) for name, part in parts]
-        known[id(node)] = 1 + sum(size for size, _ in extents), 1 + max((levels for _, levels in extents), default=0)
-    size, levels = known.get(id(node), (0, DEEPEST))
-    if depth + levels > DEEPEST + 1:
+    if len(path) >= DEEPEST:
         raise ValueError(f"it is nested deeper than {DEEPEST} levels")
-    if size > MOST_VALUES:
-        raise ValueError(f"it holds more than {MOST_VALUES:,} values, those that aliases repeat counted every time")
-    return size, levels
+    if isinstance(node, yaml.MappingNode):
+        _check_once([name.value for name, _ in node.value if isinstance(name, yaml.ScalarNode)], node.start_mark.line + 1)
+        for name, value in node.value:
+            _check(name, (*path, name.value))
+            _check(value, (*path, name.value))
+    elif isinstance(node, yaml.SequenceNode):
+        for index, item in enumerate(node.value):
+            _check(item, (*path, index))
+    else:
+        _check_decimal(node, path)
 
 
 def _check_decimal(node: yaml.Node, path: tuple[Any, ...]) -> None:
@@ -320,16 +310,6 @@ def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
             value = {part: value}
         nested = merge(nested, value)
     return nested
-
-
-def with_new_names(data: Any, names: Mapping[str, str], where: str) -> Any:
-    """A section whose keys of former ``names`` have the new ones, with a FutureWarning; ValueError where both are there."""
-    former = [name for name in names if isinstance(data, Mapping) and name in data]
-    for name in former:
-        if names[name] in data:
-            raise ValueError(f"{name}: is now {names[name]}, which is there as well; leave one")
-        warnings.warn(f"{where}: write {names[name]} for {name}, which ends with the next release", FutureWarning, 2)
-    return {names.get(name, name): value for name, value in data.items()} if former else data
 
 
 def validated(model: type[Model], data: Mapping[str, Any], origin: str) -> Model:

@@ -3,7 +3,7 @@
 A scene file (YAML) holds the sections below.  Users write kPa and degrees; the
 properties ending in ``_si`` give pascals and radians to the solver.  Every key is
 declared here once, with its unit, allowed range, default and source, and
-``docs/reference/scene-keys.md`` is generated from these declarations (``sph reference scene``).
+``docs/reference/scene-keys.md`` is generated from these declarations (``python -m tools.reference``).
 
 A term of physics that a scene does not want is ``null``; a term it wants is a small
 record of its own coefficients.  There are no on/off flags beside coefficients.
@@ -530,8 +530,11 @@ def stored_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """The scene that a file of this or an earlier version holds; ValueError as above.
 
     Versions before schemes wrote every key, as this one does; what has become a key since then was as in the paper's scene, but for the
-    solid state of failed soil, which stayed on its yield surface.
+    solid state of failed soil, which stayed on its yield surface.  Fixed walls were called sticky by 0.1.0.
     """
+    walls = data.get("walls")
+    if isinstance(walls, Mapping):
+        data = {**data, "walls": {name: "fixed" if kind == "sticky" else kind for name, kind in walls.items()}}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
         return make_scene(merge({"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}}, data), origin)

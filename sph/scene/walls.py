@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import warnings
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import model_validator
 
 from sph.scene.configuration import Section, key
 
@@ -67,17 +66,6 @@ class Kinds(NamedTuple):
     top: Kind
 
 
-def _former_name(kind: Any) -> Any:
-    """Fixed walls were called sticky; taken, with a FutureWarning, until the next release."""
-    if kind == "sticky":
-        warnings.warn("walls: write fixed for sticky, which ends with the next release", FutureWarning, 2)
-        return "fixed"
-    return kind
-
-
-FORMER = BeforeValidator(_former_name)
-
-
 class WallFriction(Section):
     """Strength of the interface between soil and free-slip walls: c + mu sigma where the wall presses, nothing elsewhere."""
 
@@ -104,22 +92,20 @@ class Bedrock(Section):
 class Walls(Section):
     """How the box holds the soil."""
 
-    base: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "none"], FORMER] = key(
+    base: Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "none"] = key(
         "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, one that soil may leave and slide on as its "
         "own strength allows, a frictionless floor, a half-space that absorbs waves (the motion is then its outcrop motion), or nothing",
         source="Sec. 2.4; no_slip, contact, free_slip ours; absorbing: Joyner and Chen 1975",
         default="fixed",
     )
-    sides: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "periodic", "none"], FORMER] = key(
+    sides: Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "periodic", "none"] = key(
         "side walls: fixed particles that hold the soil (the paper), a no-slip wall, one that soil may leave and slide on as its own "
         "strength allows, a frictionless wall, level ground that continues and absorbs waves (free field), soil that repeats periodically, "
         "or nothing",
         source="Sec. 2.4; no_slip, contact, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
         default="fixed",
     )
-    top: Annotated[Literal["fixed", "no_slip", "contact", "free_slip", "none"], FORMER] = key(
-        "lid of the box, for flows between plates", default="none"
-    )
+    top: Literal["fixed", "no_slip", "contact", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
     friction: WallFriction | None = key("strength of the interface to free-slip walls: friction and cohesion", default=None)
     tension: float = key("tension that contact walls bear", "kPa", ge=0, le=1e6, default=0.0)
     bedrock: Bedrock | None = key("what an absorbing base stands on, below its boundary particles; null: the soil goes on", default=None)

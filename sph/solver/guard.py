@@ -18,6 +18,7 @@ import numpy as np
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles
 from sph.solver.state import State
+from sph.storage.sources import words
 
 MAX_SPEED_RATIO = 1.0
 """A particle is too fast above this multiple of V_p."""
@@ -41,12 +42,12 @@ class Fault(StrEnum):
 
 
 SENTENCES = {
-    Fault.NOT_A_NUMBER: "is not a number",
-    Fault.JUMPED: "jumped further than its neighbours' skin in a step",
-    Fault.TOO_FAST: "is faster than V_p, {:.0f} m/s",
-    Fault.LEFT_THE_BOX: "has left the box",
-    Fault.ENERGY_GAP: "the energy budget is open by {:.0%} of its parts",
-    Fault.ENERGY_MADE: "energy was made: the dissipated part is {:.0%} of all",
+    Fault.NOT_A_NUMBER: words("is not a number"),
+    Fault.JUMPED: words("jumped further than its neighbours' skin in a step"),
+    Fault.TOO_FAST: words("is faster than V_p, {:.0f} m/s"),
+    Fault.LEFT_THE_BOX: words("has left the box"),
+    Fault.ENERGY_GAP: words("the energy budget is open by {:.0%} of its parts"),
+    Fault.ENERGY_MADE: words("energy was made: the dissipated part is {:.0%} of all"),
 }
 """The faults in words with the value of each, those of a particle as what is said of it."""
 
@@ -63,7 +64,7 @@ class Trouble(NamedTuple):
         """The fault in words."""
         text = SENTENCES[self.fault].format(self.value)
         x, y = self.place
-        return text if self.particle is None else f"particle {self.particle}, at first at ({x:.4g}, {y:.4g}) m, {text}"
+        return text if self.particle is None else words(f"particle {self.particle}, at first at ({x:.4g}, {y:.4g}) m, {text}")
 
 
 def trouble(scene: Scene, particles: Particles, state: State, series: Mapping[str, Sequence[Any]], jumped: bool = False) -> Trouble | None:
@@ -127,11 +128,13 @@ def _energy_made(series: Mapping[str, Sequence[Any]], smallest: float) -> Troubl
 def likely_cause(scene: Scene, ratio: float, wrong: Trouble) -> str:
     """What to look at first, from the largest time step over its measured limit so far, the scene, and what is wrong."""
     if ratio > 1.0:
-        return f"the time step was {ratio:.2f} times its measured limit: choose a smaller numerics.time_step, or numerics.adaptive_step"
+        return words(
+            f"the time step was {ratio:.2f} times its measured limit: choose a smaller numerics.time_step, or numerics.adaptive_step"
+        )
     if wrong.fault == Fault.LEFT_THE_BOX:
-        return (
+        return words(
             "soil ran off an open end of the base or was thrown over the walls: widen the box (geometry), close its sides, or shake it less"
         )
     if scene.numerics.artificial_viscosity is None or scene.numerics.artificial_viscosity.alpha < 0.1:
-        return "little or no artificial viscosity: particles that meet fast pass between each other (numerics.artificial_viscosity)"
-    return "particles that meet fast pass between each other: try a smaller time step, more artificial viscosity, or a finer spacing"
+        return words("little or no artificial viscosity: particles that meet fast pass between each other (numerics.artificial_viscosity)")
+    return words("particles that meet fast pass between each other: try a smaller time step, more artificial viscosity, or a finer spacing")

@@ -17,13 +17,14 @@ import numpy as np
 import xarray as xr
 
 from sph.scene.schema import Scene, make_scene
-from sph.solver.compiled.jit import solver_digest
+from sph.solver.compiled.jit import PACKAGE, solver_digest
 from sph.stability.extrapolation import At, Extrapolated, extrapolated, unasked_spacings
 from sph.stability.safety import DEFAULT_RULE, critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.files import alone, beside, tidy
+from sph.storage.sources import sources_digest
 
 SEARCHES: dict[str, Callable[..., Search]] = {
     "factor_of_safety": factor_of_safety,
@@ -73,7 +74,7 @@ def search_to_file(
     """
     path = Path(path)
     built, solver = make_scene(scene), solver_digest()
-    digest = hashlib.sha256(f"{sources_digest()} {by} {extrapolates} {built.model_dump_json()}".encode()).hexdigest()[:16]
+    digest = hashlib.sha256(f"{search_digest()} {by} {extrapolates} {built.model_dump_json()}".encode()).hexdigest()[:16]
     kept, made = beside(path, "checkpoint"), Made()
 
     def keep(at: At, trial: Trial) -> None:
@@ -105,12 +106,10 @@ def read_trials(path: Path, digest: str) -> Made:
     return [((spacing, strength), Trial(*row)._replace(stands=bool(row[1]))) for spacing, strength, *row in rows]
 
 
-def sources_digest() -> str:
+def search_digest() -> str:
     """Digest of what decides a search: the solver and the files beside this one."""
-    digest = hashlib.sha256(solver_digest().encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
+    folder = PACKAGE / "stability"
+    return sources_digest(folder.glob("*.py"), folder, solver_digest())
 
 
 def search_dataset(scene: Scene, by: str, found: Search | Extrapolated, reason: str = "") -> xr.Dataset:

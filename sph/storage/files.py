@@ -35,27 +35,9 @@ def whole(path: Path | str) -> Iterator[Path]:
             _to_disk(temporary)
             os.replace(temporary, path)
         except (OSError, RuntimeError) as error:  # netCDF calls a full disk a RuntimeError
-            _let_go(temporary)
             raise unwritable(path, error) from error
         finally:
             temporary.unlink(missing_ok=True)
-
-
-def _let_go(path: Path) -> None:
-    """Give a full disk the blocks of a file back that HDF5 could not write and therefore keeps open.
-
-    It goes on in memory, where it can be closed: what fails at the end of the process, too, may be a segmentation fault.  The file itself
-    stays open, since HDF5 would take another one with its number for the same.
-    """
-    with suppress(OSError):  # there is no such folder but on Linux
-        for each in Path("/proc/self/fd").iterdir():
-            if same_file(each, path):
-                os.dup(int(each.name))
-                memory = os.memfd_create(path.name)
-                os.dup2(memory, int(each.name))
-                os.close(memory)
-    with suppress(OSError):
-        os.truncate(path, 0)
 
 
 def beside(path: Path, role: str) -> Path:

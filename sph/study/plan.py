@@ -9,13 +9,12 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from sph.measures.fields import check_probe
-from sph.scene.configuration import dotted, found_file, merge, one_line, read_scene, read_yaml, scene_files
+from sph.scene.configuration import dotted, found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, make_scene
 from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, named_point, scene_key, title_of, value_of
@@ -260,7 +259,7 @@ def load_study(
     cases = data["cases"] if isinstance(data.get("cases"), str) else None
     if cases is not None:
         data = {**data, "cases": read_cases(folders, cases)}
-    study = read(_with_experiments(data, origin, check), origin)
+    study = read(data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
     plan = Plan(study, read_scene(scene), str(scene))
     if check:
@@ -270,26 +269,6 @@ def load_study(
         _check_apart(sources, results, origin)
         _check_owner(results, study, origin)
     return plan
-
-
-FORMER_KEYS = ("trade", "validation", "limits", "extremes", "sensitivity", "trigger")
-"""Experiments whose files the study named by keys of its own; taken until the next release."""
-
-
-def _with_experiments(data: Mapping[str, Any], origin: str, warn: bool) -> Mapping[str, Any]:
-    """A configuration with former keys put below ``experiments``, and a FutureWarning if so; ValueError where both name a file."""
-    former = {name: data[name] for name in FORMER_KEYS if name in data}
-    named = data.get("experiments", {})
-    if not former or not isinstance(named, Mapping):
-        return data
-    for name in former:
-        if name in named:
-            raise ValueError(f"{origin}: {name}: is now experiments.{name}, which is there as well; leave one")
-    if warn:
-        wanted = one_line(", ".join(f"{name}: {file}" for name, file in former.items()))
-        # Of this module: a warning of the frame above it, which may be the Snakefile, does not come through Snakemake.
-        warnings.warn(f"{origin}: write experiments: {{{wanted}}}; as keys of the study they end with the next release", FutureWarning, 2)
-    return {name: value for name, value in data.items() if name not in former} | {"experiments": {**former, **named}}
 
 
 OWNER = "scene_file.txt"

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import functools
 import os
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,7 +20,9 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import filled
 from sph.storage import trajectory
 from sph.storage.files import content_digest
+from sph.storage.sources import sources_digest
 
+LIBRARY = Path(sph.__file__).parent
 SHOWN = 80
 """Most characters of a value in the list of keys that differ."""
 
@@ -85,13 +87,21 @@ def _at_planning(name: str) -> str:
 
 
 def sources(*patterns: str) -> str:
-    """Digest of the files that match patterns, seen from the library: Snakemake does not see edits in imported modules by itself.
+    """Digest of what files say to the machine that match patterns, seen from the library (``sph.storage.sources``).
 
-    ValueError for a pattern that matches none, which is a file that has moved.
+    Snakemake does not see edits in imported modules by itself.  ValueError for a pattern that matches none, which is a file that has moved.
     """
-    folder = Path(sph.__file__).parent
-    found = {pattern: [path for path in folder.glob(pattern) if path.is_file()] for pattern in patterns}
+    return sources_digest(_matching(patterns), LIBRARY)
+
+
+def contents(*patterns: str) -> str:
+    """Digest of all that such files say, comments and docstrings too: for what is made of words."""
+    return content_digest(*sorted(_matching(patterns)))
+
+
+def _matching(patterns: Iterable[str]) -> set[Path]:
+    found = {pattern: [path for path in LIBRARY.glob(pattern) if path.is_file()] for pattern in patterns}
     for pattern, paths in found.items():
         if not paths:
-            raise ValueError(f"sources: {pattern}: no such file in {folder}")
-    return content_digest(*sorted({path for paths in found.values() for path in paths}))
+            raise ValueError(f"sources: {pattern}: no such file in {LIBRARY}")
+    return {path for paths in found.values() for path in paths}

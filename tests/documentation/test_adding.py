@@ -56,9 +56,9 @@ assert METRIC_BY_NAME["failed_at_end"].units == "1"
 """,
     "A record format": """
 from pathlib import Path
-from sph.scene.ground_motion import read_motion
+from sph.scene.ground_motion import read_record
 Path("record.txt").write_text("0.0 0.0\\n0.1 2.0\\n0.2 -1.0\\n")
-assert read_motion("record.txt").peak == 2.0
+assert read_record("record.txt").peak == 2.0
 """,
     "A figure": """
 import pandas as pd
@@ -71,7 +71,7 @@ assert len(shown) == 1 and caption(STUDY_FIGURES["exceedance"]).startswith("Shar
     "An experiment": """
 import re, subprocess, sys
 from synthetic import synthetic
-from sph.command.reference import TABLES
+from tools.reference import TABLES
 from sph.experiments.registry import EXPERIMENTS
 from sph.measures.metrics import MetricSettings
 done = subprocess.run([sys.executable, "-m", "snakemake", "--dry-run", "duration"], capture_output=True, text=True, check=True)
@@ -101,7 +101,7 @@ def test_every_change_is_checked() -> None:
 
 @pytest.mark.parametrize("title", CHECKS)
 def test_the_change_of_a_section(title: str, tmp_path: Path) -> None:
-    for part in ("sph", "workflow", "config"):
+    for part in ("sph", "tools", "workflow", "config"):
         shutil.copytree(ROOT / part, tmp_path / part, ignore=shutil.ignore_patterns("__pycache__"))
     shutil.copy(ROOT / "Snakefile", tmp_path)
     diff = changes()[title]

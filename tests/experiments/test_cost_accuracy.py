@@ -21,19 +21,19 @@ from typer.testing import CliRunner, Result
 from sph.command.advise import options
 from sph.command.cli import app
 from sph.command.options import parse_settings
-from sph.command.reference import TABLES, markdown
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
 from sph.experiments.cost_accuracy.convergence import convergence_table
-from sph.experiments.cost_accuracy.design import Trade, VariantRow, is_mean, load_trade, scheme
+from sph.experiments.cost_accuracy.design import VariantRow, is_mean, load_trade, scheme
 from sph.experiments.cost_accuracy.table import COLUMNS, against, measured_run, non_dominated, read_trade, summary, trade_table
 from sph.experiments.cost_accuracy.table import TRADE as VARIABLES
 from sph.figures.trade import figure_convergence, figure_tradeoff
 from sph.measures.metrics import MetricSettings
-from sph.scene.configuration import dotted, merge, validated
+from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset, write_csv
+from tools.reference import TABLES, markdown
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -145,21 +145,6 @@ class TestConfiguration:
         assert rows["skin", "0.6", "weak"] == ("skin/0.6/weak_1",)
         assert rows["spacing", "3 m", "strong"] == ("spacing/3-m/strong_1",), "only the timed case is repeated"
         assert rows["spacing", "1.5 m", "weak"] == ("spacing/1.5-m/weak_1",) and ("spacing", "1.5 m", "strong") not in rows
-
-    def test_former_names_are_taken_with_a_warning_but_not_beside_the_new(self) -> None:
-        former = {name: value for name, value in TRADE.items() if name not in ("parameters", "reference")}
-        former["reference"] = {"knob": "spacing", "rung": "2 m"}
-        former["knobs"] = {
-            name: {("rungs" if key == "variants" else key): value for key, value in parameter.items()}
-            for name, parameter in TRADE["parameters"].items()
-        }
-        with pytest.warns(FutureWarning) as told:
-            assert validated(Trade, former, "trade.yaml") == validated(Trade, TRADE, "trade.yaml")
-        assert {str(each.message).split("write ")[1].split(",")[0] for each in told} == {
-            "parameters for knobs", "variants for rungs", "parameter for knob", "variant for rung",
-        }  # fmt: skip
-        with pytest.raises(ValueError, match="knobs: is now parameters, which is there as well; leave one"):
-            validated(Trade, TRADE | {"knobs": {}}, "trade.yaml")
 
     def test_a_variant_lies_over_its_parameter_and_a_case_over_both(self) -> None:
         made = trade_runs({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"].scene

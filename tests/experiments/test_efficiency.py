@@ -13,14 +13,14 @@ import yaml
 
 from sph.experiments.trigger.critical import BRACKETED, UNDECIDED
 from sph.experiments.trigger.design import Searched, load_trigger
-from sph.experiments.trigger.efficiency import ARIAS, PGA, PGV, measures_table, motion_measures, read_measures
+from sph.experiments.trigger.efficiency import ARIAS, MEASURE_COLUMNS, PGA, PGV, measures_table, motion_measures
 from sph.experiments.trigger.fragility import CONFIDENCE, TAILS, Conversion, resampled
 from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import make_scene
 from sph.study.dimensions import Dimension
-from sph.study.tables import write_csv
+from sph.study.tables import read_csv, write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 SEARCHED = Searched((Dimension("seed", "-", "", False), Dimension("amplitude", "m/s2", "", False)), "amplitude")
@@ -49,7 +49,7 @@ def test_the_measure_that_decides_scatters_least(tmp_path: Path) -> None:
     table, at_reference = searched(velocities)
     found = measures_table(table, motions(at_reference), REFERENCE, SEARCHED)
     write_csv(found, tmp_path / "measures.csv")
-    pd.testing.assert_frame_equal(read_measures(tmp_path / "measures.csv"), found, check_dtype=False)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "measures.csv", MEASURE_COLUMNS, "measures"), found, check_dtype=False)
     by_name = found.set_index("measure")
     logs = np.log(velocities)
     assert by_name.loc[PGV, "median"] == pytest.approx(math.exp(logs.mean()), rel=2e-3)

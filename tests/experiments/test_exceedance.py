@@ -10,12 +10,12 @@ import pandas as pd
 import pytest
 
 from sph.experiments.trigger.design import Searched
-from sph.experiments.trigger.exceedance import exceedance, read_exceedance
+from sph.experiments.trigger.exceedance import exceedance, exceedance_columns
 from sph.figures.reach import figure_reach
 from sph.measures.metrics import UNDETERMINED
 from sph.scene.schema import Scene
 from sph.study.dimensions import Dimension
-from sph.study.tables import write_csv
+from sph.study.tables import read_csv, write_csv
 
 SEARCHED = Searched((Dimension("amplitude", "m/s2", "", False), Dimension("seed", "-", "", False)), "amplitude")
 NOT_KNOWN = math.nan
@@ -41,7 +41,7 @@ FOUR = points({"9": [4.0, NOT_KNOWN, 2.0, 8.0], "1": [0.0, 0.0, 2.0, 0.0], "5": 
 def test_the_shares_are_those_counted(tmp_path: Path) -> None:
     table = exceedance(FOUR, SEARCHED)
     write_csv(table, tmp_path / "exceedance.csv")
-    pd.testing.assert_frame_equal(read_exceedance(tmp_path / "exceedance.csv"), table)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "exceedance.csv", exceedance_columns("1"), "the exceedance"), table)
     assert list(dict.fromkeys(table["intensity"])) == [1.0, 9.0], "not all motions were run at 5"
     runout = table[table["metric"] == "runout"]
     strong = runout[runout["intensity"] == 9.0]

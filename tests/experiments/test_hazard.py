@@ -12,14 +12,14 @@ import pytest
 import yaml
 from scipy.integrate import quad  # type: ignore[import-untyped]
 
-from sph.experiments.trigger.annual import annual_table, read_annual
+from sph.experiments.trigger.annual import annual_columns, annual_table
 from sph.experiments.trigger.critical import BRACKETED, NEVER
 from sph.experiments.trigger.design import TriggerPlan, load_trigger
 from sph.experiments.trigger.fragility import Lognormal
 from sph.experiments.trigger.hazard import Hazard, annual_frequency, read_hazard
 from sph.paper.study import load_study
 from sph.scene.configuration import read_yaml
-from sph.study.tables import write_csv
+from sph.study.tables import read_csv, write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
 SITE = Hazard(np.array([0.2, 0.5, 1.0, 2.0, 5.0, 10.0]), np.array([0.2, 0.06, 0.06, 8e-3, 5e-4, 1e-5]))
@@ -78,7 +78,7 @@ def critical(count: int = 12) -> pd.DataFrame:
 def test_the_table_says_how_often_and_what_is_left_out(tmp_path: Path) -> None:
     table = annual_table(critical(), SITE, 1.0, 5.0, "m/s²")
     write_csv(table, tmp_path / "annual.csv")
-    pd.testing.assert_frame_equal(read_annual(tmp_path / "annual.csv"), table)
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "annual.csv", annual_columns("1"), "annual frequencies"), table)
     (row,) = table.to_dict("records")
     # The fit is 3 and 0.4 within its sampling error, so the frequency that of these within the interval.
     assert row["frequency_lower"] < integrated(Lognormal(3.0, 0.4), SITE) < row["frequency_upper"]

@@ -207,7 +207,7 @@ lines = st.one_of(
         st.sampled_from(["FOLDER", "/", "absent/x.nc", "/dev/null/x.nc", "n" * 300]).map("--out={}".format),
     ),
     st.tuples(st.just("run"), st.just("SCENE"), st.just("--until=x"), any_text.map("--threads={}".format)),
-    st.tuples(st.just("reference"), any_text),
+    st.tuples(st.just("schema"), any_text),
     st.tuples(st.just("check"), st.just("SCENE"), st.just("--set"), a_setting),
     st.tuples(st.just("motion"), st.sampled_from(["RECORD", "SCENE"]), any_text.map("--unit={}".format)),
     st.tuples(st.just("motion"), a_file, st.just("--json")),

@@ -17,9 +17,9 @@ from inputs import FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIG
 from pydantic import BaseModel
 
 from sph.command.info import describe
-from sph.command.reference import key_rows
 from sph.scene.configuration import validated
 from sph.scene.schema import Scene, make_scene
+from tools.reference import key_rows
 
 BASES: dict[str, list[dict[str, Any]]] = {
     "scene": SCENES,

@@ -221,7 +221,7 @@ def test_a_log_is_utf8_whatever_is_written(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("unbuffered", ["", pytest.param("1", marks=pytest.mark.long)])
 def test_a_reader_that_has_enough(unbuffered: str) -> None:
-    for command in (["reference", "scene"], ["--help"]):
+    for command in (["schema", "scene"], ["--help"]):
         reading, writing = os.pipe()
         os.close(reading)
         done = subprocess.run(
@@ -238,7 +238,7 @@ def test_a_reader_that_has_enough(unbuffered: str) -> None:
 def test_output_that_is_lost_is_told(unbuffered: str) -> None:
     with open("/dev/full", "wb") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "sph.command.cli", "reference", "failure_rule"],
+            [sys.executable, "-m", "sph.command.cli", "schema", "scene"],
             env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
             stdout=full,
             stderr=subprocess.PIPE,

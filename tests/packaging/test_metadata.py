@@ -9,6 +9,7 @@ from typing import Any
 
 import yaml
 from jinja2 import StrictUndefined, Template
+from setuptools import find_packages
 
 import sph
 
@@ -82,6 +83,12 @@ def test_the_conda_recipe_wants_what_pip_wants() -> None:
     assert (ROOT / "recipe" / found["source"]["path"] / "pyproject.toml").is_file()
     (backend,) = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]["requires"]
     assert backend in {name.replace(" ", "") for name in found["requirements"]["host"]}
+
+
+def test_what_only_a_release_needs_is_no_part_of_the_package() -> None:
+    settings = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]["packages"]["find"]
+    assert (ROOT / "tools" / "__init__.py").is_file() and "tools" in find_packages(str(ROOT))
+    assert {name.partition(".")[0] for name in find_packages(str(ROOT), **settings)} == {"sph"}
 
 
 def test_the_paper_is_cited() -> None:

@@ -29,12 +29,8 @@ from sph.scene.configuration import (
 )
 from sph.scene.schema import make_scene
 
-ALIASES = "a0: &a0 [1, 2]\n" + "".join(f"a{i}: &a{i} [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
-MERGES = "a0: &a0 {k: 1}\n" + "".join(f"a{i}: &a{i}\n  <<: [{', '.join(9 * [f'*a{i - 1}'])}]\n" for i in range(1, 20))
 CHAIN = "a0: &a0 []\n" + "".join(f"a{i}: &a{i} [*a{i - 1}]\n" for i in range(1, 1000))
 HOSTILE = {
-    "aliases": (ALIASES, "200,000 values"),
-    "merge keys": (MERGES, "200,000 values"),
     "a chain of aliases": (CHAIN, "nested deeper"),
     "an alias of itself": ("a: &a [*a]", "nested deeper"),
     "deep lists": ("a: " + "[" * 50_000, "nested deeper"),
@@ -52,7 +48,6 @@ HOSTILE = {
 
 @pytest.mark.parametrize(("text", "wanted"), HOSTILE.values(), ids=HOSTILE)
 def test_hostile_yaml_is_refused(tmp_path: Path, text: str, wanted: str) -> None:
-    # A reader that expanded all aliases would not come back.
     path = tmp_path / "hostile.yaml"
     path.write_text(text)
     with pytest.raises(ValueError, match=r"hostile\.yaml: cannot be read as YAML") as raised:
@@ -60,7 +55,7 @@ def test_hostile_yaml_is_refused(tmp_path: Path, text: str, wanted: str) -> None
     assert wanted in str(raised.value)
 
 
-def test_aliases_are_welcome_while_they_are_few() -> None:
+def test_aliases_are_read_and_depth_has_a_limit() -> None:
     assert parse_yaml("a: &a {b: 1}\nc: *a\nd:\n  <<: *a\n  e: [*a, *a]\n")["d"] == {"b": 1, "e": [{"b": 1}, {"b": 1}]}
     deepest = "[" * (DEEPEST - 1) + "1" + "]" * (DEEPEST - 1)
     assert str(parse_yaml(deepest)) == deepest

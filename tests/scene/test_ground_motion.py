@@ -8,9 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 
-from sph.scene.ground_motion import GroundMotion, motion_of, read_motion, read_record
+from sph.scene.ground_motion import GroundMotion, motion_of, read_record
 from sph.scene.schema import Scene
 
 
@@ -64,18 +63,10 @@ def test_bad_records_are_refused_with_file_and_line(tmp_path: Path, text: str, w
 def test_files_that_hold_no_motion_are_refused(tmp_path: Path) -> None:
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00")
-    for path, wanted in ((tmp_path / "absent.csv", "cannot be read"), (binary, "cannot be read"), (tmp_path / "a.txt", ".yaml, .yml")):
+    for path, wanted in ((tmp_path / "absent.csv", "cannot be read"), (binary, "cannot be read"), (tmp_path / "a.txt", "must be a record")):
         with pytest.raises(ValueError, match=wanted) as error:
-            read_motion(path)
+            read_record(path)
         assert path.name in str(error.value)
-
-
-def test_a_record_has_no_keys(tmp_path: Path) -> None:
-    path = tmp_path / "record.CSV"
-    path.write_text("t,a\n0,0\n1,2\n")
-    assert read_motion(path).peak == 2
-    with pytest.raises(ValueError, match=r"record\.CSV: is a record .*motion"):
-        read_motion(path, {"motion": {"amplitude": 3.0}})
 
 
 @pytest.mark.parametrize(("time_step", "interval"), [(1e-4, 1e-4), (1e-3, 1e-3), (2e-3, 1e-3), (2.5e-3, 2.5e-3 / 3)])
@@ -87,14 +78,6 @@ def test_a_scene_is_sampled_at_its_steps_or_parts_of_them(
     assert time[0] == 0 and time[-1] == pytest.approx(scene.duration)
     np.testing.assert_allclose(np.diff(time), interval)
     np.testing.assert_array_equal(acceleration, scene.motion.acceleration(time))
-
-
-def test_a_scene_file_takes_overrides(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
-    path = tmp_path / "slope.yml"
-    path.write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
-    np.testing.assert_allclose(
-        read_motion(path, {"motion": {"amplitude": 4.0}}).acceleration, 0.5 * read_motion(path).acceleration, rtol=1e-12
-    )
 
 
 def test_scaling_keeps_shape_and_sign() -> None:

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from small_scenes import TWO_BODIES
 
 from sph.scene.configuration import dotted, merge
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, make_scene, stored_scene
+from sph.scene.walls import KINDS
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import cauchy_stress
 from sph.solver.simulation import Simulation
@@ -263,6 +264,8 @@ def test_geostatic_stress_of_a_fluid() -> None:
     np.testing.assert_allclose(stress[:n, 0], -ratio * weight, atol=2e-6)
 
 
-def test_the_former_name_of_fixed_walls_is_taken_with_a_warning() -> None:
-    with pytest.warns(FutureWarning, match="write fixed for sticky"):
-        assert make_scene(merge(BOX, {"walls": {"sides": "sticky"}})).walls.sides == "fixed"
+def test_stored_runs_may_call_fixed_walls_sticky_and_scenes_may_not() -> None:
+    stored = merge(make_scene(BOX).model_dump(mode="json"), {"walls": {"sides": "sticky", "base": "sticky", "top": "none"}})
+    assert stored_scene(stored).walls.kinds[:2] == (KINDS["fixed"], KINDS["fixed"])
+    with pytest.raises(ValueError, match=r"walls\.sides: .*'fixed'.*\(found 'sticky'\)"):
+        make_scene(merge(BOX, {"walls": {"sides": "sticky"}}))

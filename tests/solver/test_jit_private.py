@@ -30,7 +30,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def refused(folder: Path) -> str:
-    """What is said; nothing was made, and what is not listed was not deleted, so nothing was read."""
+    """What is said; nothing was made."""
     before = sorted(folder.rglob("*"))
     with pytest.raises(OSError) as error, compile_lock("walls"):
         pass

@@ -5,8 +5,6 @@ from __future__ import annotations
 import os
 import pickle
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +18,7 @@ from sph.scene.scheme import RESOLVED
 from sph.storage import trajectory
 from sph.storage.files import content_digest
 from sph.storage.trajectory import text_digest
-from sph.study.planned import Planned, planned, sources
+from sph.study.planned import Planned, planned
 
 GROUND: dict[str, Any] = merge(SLOPE, {"geometry": {"shape": "ground_line", "file": "ground.csv", "base": 430.0}})
 LINES = ("100,440\n150,440\n165,465\n200,465\n", "100,440\n150,440\n165,460\n200,460\n")
@@ -147,22 +145,3 @@ def test_the_order_of_layers_counts_and_no_other() -> None:
 def test_differences_name_keys_and_leave_files_out() -> None:
     one = {"a": {"b": 1, "file": "x"}, "c": [1, 2], "file": None}
     assert differences(one, {"a": {"b": 2, "file": "y"}, "c": (1, 2), "d": 0}) == {"a.b": (1, 2), "d": (None, 0)}
-
-
-def test_sources_are_told_by_their_contents(tmp_path: Path) -> None:
-    """Of a copy of the library with an edit that is older than all results."""
-    root = Path(__file__).resolve().parents[2]
-    shutil.copytree(root / "sph", tmp_path / "sph", ignore=shutil.ignore_patterns("__pycache__"))
-    code = "from sph.study.planned import sources; print(sources('solver/*.py'), sources('page/*.*'))"
-
-    def digests() -> list[str]:
-        found = subprocess.run([sys.executable, "-c", code], cwd=tmp_path, capture_output=True, text=True, check=True)
-        return found.stdout.split()
-
-    before = digests()
-    assert before[0] == sources("solver/*.py")
-    edited = tmp_path / "sph" / "solver" / "guard.py"
-    edited.write_text(edited.read_text() + "# an edit\n")
-    os.utime(edited, (1e9, 1e9))
-    after = digests()
-    assert after[0] != before[0] and after[1] == before[1]

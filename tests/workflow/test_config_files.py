@@ -80,11 +80,3 @@ def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path) -> Non
         "config: experiments: 'limts' is not one of trade, resolution, limits, extremes, validation, sensitivity, trigger"
         in result.stdout + result.stderr
     )
-
-
-def test_a_former_key_still_names_a_file(folder: Path) -> None:
-    (folder / "former.yaml").write_text(yaml.safe_dump(STUDY | {"limits": "absent.yaml"}))
-    result = snakemake(folder, "--dry-run", "--configfile", "former.yaml", "--", "limits")
-    text = result.stdout + result.stderr
-    assert result.returncode != 0 and "limits: no file 'absent.yaml'" in text
-    assert "FutureWarning: config: write experiments: {limits: absent.yaml}" in text

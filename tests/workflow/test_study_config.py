@@ -73,14 +73,6 @@ def test_a_file_of_an_experiment_is_named_below_one_key_or_found_by_the_experime
     assert study.file_of("limits") == "mine.yaml" and study.file_of("trade") == "config/trade.yaml"
 
 
-def test_former_keys_are_taken_with_a_warning() -> None:
-    with pytest.warns(FutureWarning, match=r"config: write experiments: \{limits: mine\.yaml\}; as keys of the study they end"):
-        study = plan({"limits": "mine.yaml", "experiments": {"trade": "other.yaml"}}).study
-    assert study.experiments == {"limits": "mine.yaml", "trade": "other.yaml"}
-    with pytest.raises(ValueError, match=r"config: limits: is now experiments\.limits, which is there as well"):
-        plan({"limits": "mine.yaml", "experiments": {"limits": "other.yaml"}})
-
-
 def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:
     chosen = plan({"grid": {"S_R": ["0.10", 0.25, "0.350", 0.5]}, "figures": {"strengths": [0.1]}})
     assert chosen.study.grid is not None and chosen.study.grid["S_R"] == ("0.10", "0.25", "0.350", "0.5")

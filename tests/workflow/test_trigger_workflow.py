@@ -14,11 +14,11 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.trigger.annual import read_annual
+from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import BRACKETED, confirm_columns, critical_columns, read_critical
 from sph.experiments.trigger.design import Searched
-from sph.experiments.trigger.efficiency import ARIAS, PGA, PGV, read_measures
-from sph.experiments.trigger.exceedance import read_exceedance
+from sph.experiments.trigger.efficiency import ARIAS, MEASURE_COLUMNS, PGA, PGV
+from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.maps import read_shares
 from sph.experiments.trigger.points import names, read_points
 from sph.scene.configuration import merge
@@ -130,10 +130,11 @@ def test_maps_hold_the_corners(searched: Path) -> None:
 
 
 def test_one_motion_has_no_fragility_but_a_length(searched: Path) -> None:
-    measures, annual = read_measures(searched / FOLDER / "fragility_measures.csv"), read_annual(searched / FOLDER / "fragility_annual.csv")
+    measures = read_csv(searched / FOLDER / "fragility_measures.csv", MEASURE_COLUMNS, "measures")
+    annual = read_csv(searched / FOLDER / "fragility_annual.csv", annual_columns("1"), "annual frequencies")
     assert set(measures["measure"]) == {PGA, PGV, ARIAS, "spectral acceleration at 0.5 s"} and measures["dispersion"].isna().all()
     assert annual["case"].tolist() == list(TRIGGER["cases"]) and annual["frequency"].isna().all() and set(annual["last"]) == {20.0}
-    table = read_exceedance(searched / FOLDER / "exceedance.csv")
+    table = read_csv(searched / FOLDER / "exceedance.csv", exceedance_columns("1"), "the exceedance")
     assert set(table["intensity"]) >= {0.0, 8.0, 16.0} and set(table["motions"]) == {1}
 
 

@@ -44,6 +44,6 @@ rule docs:
     log:
         "results/logs/docs.log",
     params:
-        sources=lambda wildcards: sources("**/*.py", "../docs/**/*.*"),
+        sources=lambda wildcards: contents("**/*.py", "../docs/**/*.*"),
     script:
         "../scripts/docs/write_docs.py"

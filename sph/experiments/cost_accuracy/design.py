@@ -17,7 +17,7 @@ from pydantic import model_validator
 
 from sph.experiments.base import Cases, Label, Name, Overrides, Run, check_file_names, checked, file_name
 from sph.measures.metrics import PROBE
-from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated, with_new_names
+from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
@@ -49,11 +49,6 @@ class Parameter(Extent):
     variants: dict[Label, Overrides] = key("scene keys of each variant, by label", min_length=1)
     exceptions: dict[Label, Extent] = key("variants that are run less than the others, by label", default={})
 
-    @model_validator(mode="before")
-    @classmethod
-    def _renamed(cls, data: Any) -> Any:
-        return with_new_names(data, {"rungs": "variants"}, "a parameter of the cost-accuracy study")
-
     @model_validator(mode="after")
     def _known(self) -> Parameter:
         check_known("exceptions", self.exceptions, self.variants)
@@ -63,11 +58,6 @@ class Parameter(Extent):
 
 class Reference(Section):
     """The variant from which deviations are measured."""
-
-    @model_validator(mode="before")
-    @classmethod
-    def _renamed(cls, data: Any) -> Any:
-        return with_new_names(data, {"knob": "parameter", "rung": "variant"}, "reference of the cost-accuracy study")
 
     parameter: str = key("its parameter")
     variant: str = key("its label")
@@ -85,11 +75,6 @@ class Trade(Cases):
         f"scene keys of the fidelities that are variants of {FIDELITY!r}, by name; null: those of the study", min_length=1, default=None
     )
     parameters: dict[Name, Parameter] = key(f"the parameters, by name; the study's fidelities are added as '{FIDELITY}'", min_length=1)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _renamed(cls, data: Any) -> Any:
-        return with_new_names(data, {"knobs": "parameters"}, "the cost-accuracy study")
 
     @model_validator(mode="after")
     def _known(self) -> Trade:

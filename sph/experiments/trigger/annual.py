@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -12,7 +11,7 @@ from sph.experiments.trigger.fragility import CONFIDENCE, SEED, TAILS, Lognormal
 from sph.experiments.trigger.hazard import Hazard, annual_frequency
 from sph.experiments.trigger.points import CASE_COLUMN, names
 from sph.storage.trajectory import Variable
-from sph.study.tables import number_column, read_csv, text_column
+from sph.study.tables import number_column, text_column
 
 PER_YEAR = "year-1"
 RARE = 1e-3
@@ -88,8 +87,3 @@ def sentence(row: dict[str, object], unit: str) -> str:
         + f" Stronger shaking than {last:.3g} {unit}".rstrip()
         + f" adds at most {beyond:.2g} a year."
     )
-
-
-def read_annual(path: Path | str) -> pd.DataFrame:
-    """Table of annual frequencies from its CSV; ValueError names a file that is none."""
-    return read_csv(path, annual_columns("1"), "the annual frequencies")

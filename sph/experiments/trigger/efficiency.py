@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -23,7 +22,7 @@ from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.spectrum import DAMPING, pseudo_acceleration
 from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import Scene
-from sph.study.tables import count_column, number_column, read_csv, text_column
+from sph.study.tables import count_column, number_column, text_column
 
 PGA, PGV, ARIAS = "peak acceleration", "peak velocity", "Arias intensity"
 POWERS = {ARIAS: 2.0}
@@ -101,8 +100,3 @@ def measures_table(
         made = pd.DataFrame(of_class, columns=names(MEASURE_COLUMNS)).sort_values("dispersion_over_power", kind="stable")
         rows.append(made.assign(rank=np.arange(1, len(made) + 1)))
     return pd.concat(rows, ignore_index=True) if rows else pd.DataFrame(columns=names(MEASURE_COLUMNS))
-
-
-def read_measures(path: Path | str) -> pd.DataFrame:
-    """Table of measures from its CSV; ValueError names a file that is none."""
-    return read_csv(path, MEASURE_COLUMNS, "the measures of the fragility")

@@ -7,8 +7,6 @@ A diverged run has no length: it may exceed any, and counts in the upper share a
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pandas as pd
 
@@ -16,7 +14,7 @@ from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.points import CASE_COLUMN, label_columns, names
 from sph.measures.metrics import UNDETERMINED
 from sph.storage.trajectory import Variable
-from sph.study.tables import count_column, number_column, read_csv, text_column
+from sph.study.tables import count_column, number_column, text_column
 
 LENGTHS = ("runout", "displacement_magnitude")
 """The metrics whose exceedance is counted."""
@@ -64,8 +62,3 @@ def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
                     shares = (exceeding / len(runs), (exceeding + int(diverged.sum())) / len(runs))
                     rows.append((case, intensity, name, float(length), *counts, *shares))
     return pd.DataFrame(rows, columns=list(EXCEEDANCE))
-
-
-def read_exceedance(path: Path | str) -> pd.DataFrame:
-    """Table from its CSV; ValueError names a file that is none."""
-    return read_csv(path, exceedance_columns("1"), "the exceedance")

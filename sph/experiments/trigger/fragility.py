@@ -8,7 +8,6 @@ between its ends, one that is open by that beyond its only end (Baker 2015, Eart
 from __future__ import annotations
 
 import math
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from sph.experiments.trigger.points import CASE_COLUMN, names
 from sph.scene.units import GRAVITY
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import shown_unit
-from sph.study.tables import count_column, number_column, read_csv, text_column
+from sph.study.tables import count_column, number_column, text_column
 
 RESAMPLES = 1000
 """Samples drawn from the fit for the intervals."""
@@ -301,16 +300,6 @@ def sentence(row: dict[str, object], unit: str) -> str:
         level = f"{level} or {median / GRAVITY:.3g} g"
     span = f"{low:.3g} to {high:.3g} {unit}".rstrip()
     return f"Under these assumptions the slope has a 50 % chance to {reach} at {level} ({span}, {CONFIDENCE:.0%} interval); {counted}."
-
-
-def read_fits(path: Path | str) -> pd.DataFrame:
-    """Table of fits from its CSV; ValueError names a file that is none."""
-    return read_csv(path, fit_columns("1"), "the fragility")
-
-
-def read_curves(path: Path | str) -> pd.DataFrame:
-    """Table of curves from its CSV; ValueError names a file that is none."""
-    return read_csv(path, curve_columns("1"), "the curves of the fragility")
 
 
 def steps(lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

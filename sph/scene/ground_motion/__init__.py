@@ -15,9 +15,8 @@ up and presses soil on the ground.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -60,19 +59,6 @@ class GroundMotion(NamedTuple):
         if self.peak == 0 or not 0 < peak < math.inf:
             raise ValueError(f"peak: {peak} m/s2 for a motion with {self.peak:g} m/s2; both must be positive and finite")
         return self._replace(acceleration=self.acceleration * (peak / self.peak))
-
-
-def read_motion(path: Path | str, overrides: Mapping[str, Any] | None = None) -> GroundMotion:
-    """Motion of a scene file, with nested overrides laid over it, or of a record; the ending tells which."""
-    from sph.scene.schema import load_scene  # which imports this package for its records
-
-    path = Path(path)
-    if path.suffix.lower() in SCENES:
-        return motion_of(load_scene(path, overrides))
-    check_record(path, SCENES)
-    if overrides:
-        raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
-    return read_record(path)
 
 
 def motion_of(scene: Scene) -> GroundMotion:

@@ -7,14 +7,11 @@ sources and numba's version; loading and saving happen under a lock between proc
 (``compile_lock``); and every run checks that the variant it got reports the terms it asked for
 (``sph.solver.terms.active_terms``).
 
-Nor does numba ask whose files it executes: a folder that another user owns or can write to is refused (``private``).  Nor does
-it notice damage: a bit that has flipped in a file of machine code is executed.  So the cache has a list of its
-files with their digests, and under the lock, before anything is loaded, what is not as listed is deleted and compiled again.
+Nor does numba ask whose files it executes: a folder that another user owns or can write to is refused (``private``).
 """
 
 from __future__ import annotations
 
-import ast
 import gc
 import hashlib
 import json
@@ -38,6 +35,7 @@ from numba.core.registry import CPUDispatcher
 
 from sph.solver.compiled.inlined import InlinedCompiler
 from sph.solver.compiled.private import PRIVATE, for_user_alone, make_private, refuse_shared
+from sph.storage.sources import sources_digest
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
@@ -59,23 +57,6 @@ COMPILED = tuple(
 """Where the text is that becomes machine code: jitted functions, and names that they use (a test holds the list against the sources)."""
 
 
-def _drop_words(block: list[ast.stmt]) -> list[ast.stmt]:
-    """Statements without what only people read: docstrings, the messages of errors, the descriptions and sources of a scene's keys."""
-    kept = [each for each in block if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
-    for statement in kept:
-        if isinstance(statement, ast.Raise) and isinstance(statement.exc, ast.Call):
-            statement.exc = statement.exc.func
-        value = getattr(statement, "value", None)
-        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == "key":
-            value.args, value.keywords = value.args[1:], [each for each in value.keywords if each.arg != "source"]
-        for name in ("body", "orelse", "finalbody"):
-            if inner := getattr(statement, name, None):
-                setattr(statement, name, _drop_words(inner))
-        for handler in getattr(statement, "handlers", ()):
-            handler.body = _drop_words(handler.body)
-    return kept
-
-
 @cache
 def compiled_digest() -> str:
     """Digest of what the files that are compiled say to the machine, and of numba's version."""
@@ -89,14 +70,9 @@ def solver_digest() -> str:
 
 
 def _digest(names: Iterable[str]) -> str:
-    """Of the syntax of files and folders without the words for people: a better comment, docstring or message changes nothing."""
-    digest = hashlib.sha256(numba.__version__.encode())
-    for place in (PACKAGE / name for name in names):
-        for path in sorted({*place.rglob("*.py")} - {PACKAGE / FILLING}) if place.is_dir() else [place]:
-            tree = ast.parse(path.read_bytes())
-            tree.body = _drop_words(tree.body)
-            digest.update(f"{path.relative_to(PACKAGE).as_posix()}\n{ast.dump(tree)}\n".encode())
-    return digest.hexdigest()[:16]
+    """Of what files and folders say to the machine, not to people (``sph.storage.sources``)."""
+    paths = {path for place in (PACKAGE / name for name in names) for path in (place.rglob("*.py") if place.is_dir() else [place])}
+    return sources_digest(paths - {PACKAGE / FILLING}, PACKAGE, numba.__version__)
 
 
 REMEDY = "set SPH_CACHE_DIR to a folder that you, and nobody else, can write to"
@@ -191,7 +167,7 @@ class _Once(event.Listener):
             place = cache_folder().parent / TIMES
             # A folder that cannot be written is refused where code is to be kept in it.
             with suppress(OSError), FileLock(place.with_suffix(".lock"), mode=PRIVATE), for_user_alone():
-                _replace(place, json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)}))
+                place.write_text(json.dumps(_compile_times() | {self.variant: round(clock.monotonic() - self.started, 1)}))
 
 
 TIMES = "compiling.json"
@@ -205,12 +181,6 @@ def _compile_times() -> dict[str, float]:
         return {}
 
 
-def _replace(path: Path, text: str) -> None:
-    temporary = path.with_name(f".{path.name}")
-    temporary.write_text(text, encoding="utf-8")
-    os.replace(temporary, path)
-
-
 @jit
 def rows(first, last):  # type: ignore[no-untyped-def]
     """Range of rows as unsigned numbers: signed indices are tested for wrap-around, and loops with that test do not vectorise."""
@@ -219,7 +189,7 @@ def rows(first, last):  # type: ignore[no-untyped-def]
 
 @contextmanager
 def compile_lock(variant: str = "", required: bool = True) -> Iterator[None]:
-    """Compile or load from the cache, only what is there as it was written; one process at a time where a ``variant`` is named.
+    """Compile or load from the cache; one process at a time where a ``variant`` is named.
 
     Others that want the same one wait and load it; those of other variants compile beside it.  OSError names the folder and the remedy if
     compiled code cannot be kept there, or others may change it; if that is not ``required``, what is compiled serves this process alone.
@@ -281,51 +251,11 @@ class _OneAtATime:
         self.files, self.folder = files, folder
 
     def load(self, key: Any) -> Any:
-        """The code of a variant, None if it is not there or not as it was written."""
+        """The code of a variant, None if it is not there."""
         with FileLock(self.folder / "lock", mode=PRIVATE):
-            mend(self.folder)
             return self.files.load(key)
 
     def save(self, key: Any, data: Any) -> None:
         """Add the code of a variant."""
-        with FileLock(self.folder / "lock", mode=PRIVATE):
-            mend(self.folder)
-            with for_user_alone():
-                self.files.save(key, data)
-                seal(self.folder)
-
-
-LISTED = "digests.json"
-"""The list of a cache folder's files."""
-_seen: dict[str, tuple[tuple[int, int, int], str]] = {}
-"""Digests that this process has computed, with the file's identity: hashing all takes 0.1 s for 50 MB, looking takes a millisecond."""
-
-
-def mend(folder: Path) -> None:
-    """Delete what is not as listed: damaged, left by a process that was killed, or written past the lock."""
-    try:
-        listed = json.loads((folder / LISTED).read_bytes())
-    except (FileNotFoundError, ValueError):
-        listed = {}
-    for name, digest in _digests(folder).items():
-        if listed.get(name) != digest:
-            (folder / name).unlink()
-
-
-def seal(folder: Path) -> None:
-    """List the files as they are."""
-    text = json.dumps(_digests(folder))
-    listed = folder / LISTED
-    if not listed.exists() or listed.read_text(encoding="utf-8") != text:
-        _replace(listed, text)
-
-
-def _digests(folder: Path) -> dict[str, str]:
-    found = {}
-    for path in sorted(folder.glob("*/*.nb*")):
-        stat = path.stat()
-        identity = (stat.st_ino, stat.st_size, stat.st_mtime_ns)
-        if _seen.get(str(path), (None, ""))[0] != identity:
-            _seen[str(path)] = identity, hashlib.sha256(path.read_bytes()).hexdigest()
-        found[str(path.relative_to(folder))] = _seen[str(path)][1]
-    return found
+        with FileLock(self.folder / "lock", mode=PRIVATE), for_user_alone():
+            self.files.save(key, data)

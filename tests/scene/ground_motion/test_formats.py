@@ -49,6 +49,20 @@ def test_a_record_of_k_net_keeps_the_offset_of_its_recorder(tmp_path: Path, endi
     np.testing.assert_allclose(acceleration, SINE + 1234 * count, atol=0.5001 * count)
 
 
+@pytest.mark.parametrize("factor", ["2000(gal)/8388608", "3920(gal)/6182761", "7845(gal)/8223790"])
+def test_counts_of_k_net_and_kik_net_are_scaled_as_the_head_says(tmp_path: Path, factor: str) -> None:
+    """The first counts of AKT013, 11 August 1996, as ObsPy 1.5.1 scales them to m/s2."""
+    obspy = {
+        "2000(gal)/8388608": [-0.04340410232543945, -0.04290342330932617],
+        "3920(gal)/6182761": [-0.11542351386378999, -0.1140920698697556],
+        "7845(gal)/8223790": [-0.17366472757694446, -0.17166145414705386],
+    }
+    path = tmp_path / "AKT0139608110312.EW"
+    head, _ = knet(np.zeros(2), RATE, 0).replace("2000(gal)/8388608", factor).split("Memo.")
+    path.write_text(head + "Memo.             A dummy comment\n  -18205   -17995 \n")
+    np.testing.assert_allclose(read_record(path).acceleration, obspy[factor], rtol=1e-15)
+
+
 def test_a_csv_with_a_vertical_component(tmp_path: Path) -> None:
     path = tmp_path / "two.csv"
     path.write_text("time,ax (g),ay (gal)\n0,0.1,10\n0.5,0.2,20\n")
@@ -189,10 +203,10 @@ BAD = [
     (*replaced("a.EW", "Origin Time", "Origin"), ("lines 1-17", "'Origin Time' to 'Memo.'")),
     (*replaced("a.EW", "Memo.", "Nemo."), ("lines 1-17", "Memo")),
     (*replaced("a.EW", "Time(s)  10", "Time(s)  60"), ("6,000 samples", "lines 11 and 12", "holds 1,000")),
-    (*replaced("a.EW", "100Hz", "fast"), ("lines 1-17", "no K-NET head")),
-    (*replaced("a.EW", "2000(gal)/8388608", "2000(gal)/0"), ("K-NET head",)),
-    (*replaced("a.EW", "2000(gal)", "0(gal)"), ("line 14", "scale factor")),
-    (*replaced("a.EW", "2000(gal)", "2000(kine)"), ("line 14", "in gal")),
+    (*replaced("a.EW", "100Hz", "fast"), ("line 11", "'Sampling Freq(Hz) 100Hz'", "fast")),
+    (*replaced("a.EW", "2000(gal)/8388608", "2000(gal)/0"), ("line 14", "scale factor above 0")),
+    (*replaced("a.EW", "2000(gal)", "0(gal)"), ("line 14", "scale factor above 0")),
+    (*replaced("a.EW", "2000(gal)", "2000(kine)"), ("line 14", "(gal)/8388608")),
     (*replaced("a.EW", "     1234", "    12c34"), ("line 18", "must be numbers")),
     ("empty.EW", "", ("lines 1-17",)),
 ]

@@ -18,7 +18,7 @@ from sph.command.cli import app
 from sph.page.tables import key_rows
 from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_scene, scene_files
-from sph.scene.ground_motion import motion_of, read_motion
+from sph.scene.ground_motion import motion_of
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.record import processed
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
@@ -295,7 +295,7 @@ def test_the_command_measures_a_record_and_what_a_scene_makes_of_it(records: Pat
     assert found["vertical"]["peak_acceleration"] == pytest.approx(3.0)
     shown = motion(scene, "--plot", records / "m.png")
     assert shown.exit_code == 0 and "Arias" in shown.stdout and (records / "m.png").stat().st_size > 10_000
-    assert read_motion(scene).peak == pytest.approx(np.abs(BURST).max())
+    assert motion_of(load_scene(scene)).peak == pytest.approx(np.abs(BURST).max())
     assert set(shown.stderr.splitlines()) <= {"sph: reading the motion and measuring it ..."}, "nothing to warn of"
     assert "wanted more than 2.995 s" in motion(scene, "--set", "duration=2.5").stderr, "a record that the scene cuts off"
 
@@ -326,7 +326,7 @@ def test_the_sliding_blocks_amplitude_is_that_of_the_record(records: Path) -> No
     scene, larger = load_scene(path), load_scene(path, {"motion": {"amplitude": 8.0}})
     wanted = newmark_factor(scene, 1.0, 0.05) * reference_amplitude(scene.motion)
     assert newmark_factor(larger, 1.0, 0.05) * 8.0 == pytest.approx(wanted, rel=1e-4)
-    block = read_motion(path, {"motion": {"amplitude": wanted}})
+    block = motion_of(load_scene(path, {"motion": {"amplitude": wanted}}))
     assert sliding_block(block.time, block.acceleration, 1.0).permanent == pytest.approx(0.05, rel=1e-3)
 
 

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.command.reference import MARKED, TABLES, Reference, Strong, command_lines, filled, key_rows, markdown
 from sph.experiments.cost_accuracy.design import Trade
 from sph.paper.study import AnyStudy
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
+from tools.reference import MARKED, TABLES, Reference, Strong, commands_text, filled, key_rows, markdown
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -26,7 +27,7 @@ def test_every_table_has_one_home() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_the_pages_hold_the_generated_tables(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    assert filled(text) == text, f"{page.relative_to(ROOT)} is out of step: python -m sph.command.reference"
+    assert filled(text) == text, f"{page.relative_to(ROOT)} is out of step: python -m tools.reference"
 
 
 def test_marks_are_filled_and_unknown_ones_refused() -> None:
@@ -45,11 +46,12 @@ def test_what_markdown_would_read_otherwise_is_escaped() -> None:
 
 
 def test_commands_are_those_of_the_command_line() -> None:
-    shown = [first for first, _ in command_lines()]
+    sections = commands_text().split("\n## `sph ")
+    assert len(sections) == len(app.registered_commands)
+    run = next(section for section in sections if section.startswith("run`"))
     told = CliRunner().invoke(app, ["run", "--help"]).output
-    options = shown[shown.index("sph run SCENE") + 1 : shown.index("sph info SCENE")]
-    assert "--set KEY=VALUE" in options and "--checkpoint SECONDS" in options and all(option.split()[0] in told for option in options)
-    assert {"sph yield-acceleration SCENE", "--watch", "--json"} <= set(shown)
+    options = re.findall(r"^\* `(--[\w-]+)(?= KEY=VALUE| SECONDS| <|`)", run, re.MULTILINE)
+    assert {"--set", "--checkpoint", "--overwrite"} <= set(options) and all(option in told for option in options)
 
 
 @pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (AnyStudy, 25), (Trade, 15)])

@@ -1,4 +1,4 @@
-"""What the tables of this release were measured with: ``python -m sph.experiments.shipped`` names those older than their code.
+"""What the tables of this release were measured with: ``python -m tools.shipped`` names those older than their code.
 
 ``measured/origins.csv`` keeps, for every table, digests of the table itself, of the solver that made its runs and of its configuration.
 A table without a row there, or changed since, is *not recorded*; one whose solver or configuration has changed is *older*: its numbers
@@ -28,11 +28,12 @@ from sph.stability.record import run_search
 from sph.storage.files import content_digest
 from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import read_csv, text_column, write_csv
+from sph.validation.table import SHIPPED_VALIDATION
 
-PACKAGE = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[1]
 REPEATED = 0.1
 """Part of a table's runs that ``repeat`` makes again at least."""
-MEASURED = Path(__file__).with_name("measured")
+MEASURED = ROOT / "sph" / "experiments" / "measured"
 CURRENT, OLDER, NOT_RECORDED = "current", "older", "not recorded"
 ORIGINS: tuple[Variable, ...] = (
     text_column("table", "name of the table"),
@@ -64,7 +65,7 @@ class Shipped(NamedTuple):
 
 
 def _experiment(name: str, path: Path, *scenes: str) -> Shipped:
-    renewal = f"snakemake --cores 2 {name} && python -m sph.experiments.shipped adopt {name}"
+    renewal = f"snakemake --cores 2 {name} && python -m tools.shipped adopt {name}"
     return Shipped((f"results/{name}",), (f"config/{name}.yaml", *scenes), renewal, path)
 
 
@@ -75,20 +76,20 @@ SHIPPED: dict[str, Shipped] = {
     "resolution": _experiment("resolution", MEASURED / "resolution.csv", "config/scenes/slope_on_rock.yaml"),
     "limits": _experiment("limits", MEASURED / "limits.csv", "config/scenes/paper.yaml"),
     "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/paper.yaml"),
-    "validation": _experiment("validation", PACKAGE / "validation" / "measured" / "validation.csv", "config/scenes/validation/*.yaml"),
-    "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m sph.paper.release", MEASURED / "claims.csv"),
+    "validation": _experiment("validation", SHIPPED_VALIDATION, "config/scenes/validation/*.yaml"),
+    "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m tools.release", MEASURED / "claims.csv"),
     "resolved_claims": Shipped(
         ("results/paper_resolved", "results/long_box"),
         ("config/studies/paper_resolved.yaml", "config/studies/long_box.yaml", "config/scenes/paper.yaml", "config/scenes/long_box.yaml"),
         "snakemake --cores 2 --configfile config/studies/paper_resolved.yaml && "
-        "snakemake --cores 2 --configfile config/studies/long_box.yaml && python -m sph.paper.release resolved_claims",
+        "snakemake --cores 2 --configfile config/studies/long_box.yaml && python -m tools.release resolved_claims",
         MEASURED / "resolved_claims.csv",
     ),
     "fidelities": Shipped(
         ("results/paper",),
         _PAPER_FILES,
         "snakemake --cores 2 && snakemake --cores 2 --config fidelity=draft && snakemake --cores 2 --config fidelity=standard && "
-        "python -m sph.paper.release",
+        "python -m tools.release",
         MEASURED / "fidelities.csv",
     ),
     "slip_levels": Shipped(
@@ -100,28 +101,23 @@ SHIPPED: dict[str, Shipped] = {
             "config/scenes/stiff_clay.yaml",
         ),
         "for study in slope_on_rock stiff_clay stiff_clay_choices; do "
-        "snakemake --cores 2 --configfile config/studies/$study.yaml -- trigger; done; python -m sph.experiments.trigger.levels",
+        "snakemake --cores 2 --configfile config/studies/$study.yaml -- trigger; done; python -m tools.levels",
         MEASURED / "slip_levels.csv",
     ),
     "solid_states": Shipped(
         ("results/paper_solid_states",),
         ("config/studies/paper_solid_states.yaml", "config/scenes/paper.yaml"),
-        "snakemake --cores 2 --configfile config/studies/paper_solid_states.yaml && python -m sph.paper.release solid_states",
+        "snakemake --cores 2 --configfile config/studies/paper_solid_states.yaml && python -m tools.release solid_states",
         MEASURED / "solid_states.csv",
     ),
-    "times": Shipped(("results/paper",), _PAPER_FILES, "python tests/benchmarks/commands.py", MEASURED / "times.csv"),
+    "times": Shipped(("results/paper",), _PAPER_FILES, "python -m tools.times", MEASURED / "times.csv"),
 }
 """The tables by name."""
 
 
-def settings_digest(patterns: Sequence[str], root: Path = PACKAGE.parent) -> str:
-    """Digest of what YAML files say, comments left out, and of what its scheme fills into a scene.
-
-    Empty where none of the files lies below ``root``, as beside an installed package.
-    """
+def settings_digest(patterns: Sequence[str], root: Path = ROOT) -> str:
+    """Digest of what YAML files say, comments left out, and of what its scheme fills into a scene."""
     paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
-    if not paths:
-        return ""
     said = [[path.relative_to(root).as_posix(), yaml.safe_load(path.read_text(encoding="utf-8"))] for path in paths]
     said = [[name, filled(data) if "scenes" in Path(name).parts else data] for name, data in said]
     return hashlib.sha256(yaml.safe_dump(said, sort_keys=True).encode()).hexdigest()[:16]
@@ -215,7 +211,7 @@ def states(origins: Path = MEASURED / "origins.csv") -> dict[str, tuple[str, str
         else:
             now = settings_digest(table.configuration)
             changed = [f"solver {row['solver']}, now {solver_digest()}"] * (row["solver"] != solver_digest())
-            changed += [f"configuration {row['configuration']}, now {now}"] * (now not in ("", row["configuration"]))
+            changed += [f"configuration {row['configuration']}, now {now}"] * (now != row["configuration"])
             found[name] = (OLDER, "; ".join(changed)) if changed else (CURRENT, f"solver {row['solver']}")
     return found
 
@@ -229,9 +225,9 @@ def read_origins(origins: Path = MEASURED / "origins.csv") -> pd.DataFrame:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the state of every table with the command that renews it, or adopt one."""
-    parser = argparse.ArgumentParser(prog="python -m sph.experiments.shipped", description=main.__doc__)
+    parser = argparse.ArgumentParser(prog="python -m tools.shipped", description=main.__doc__)
     commands = parser.add_subparsers(dest="command")
-    copied = [name for name, table in SHIPPED.items() if "shipped adopt" in table.renewal]
+    copied = [name for name, table in SHIPPED.items() if "tools.shipped adopt" in table.renewal]
     for command, tables, told in (
         (adopt, copied, "copy a table from its results into the package"),
         (repeat, list(SHIPPED), "make a part of a table's runs again after a change of the solver that changes no answer"),

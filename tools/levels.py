@@ -1,6 +1,6 @@
 """Critical amplitudes of this release with strength that is lost by slip: against the spacing, and with choices that should not matter.
 
-``python -m sph.experiments.trigger.levels`` writes ``slip_levels.csv`` of the package from the searches that lie in ``results``.
+``python -m tools.levels`` writes ``slip_levels.csv`` of the package from the searches that lie in ``results``.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from sph.experiments.shipped import MEASURED, SHIPPED, note, solver_of
 from sph.storage.trajectory import Variable
 from sph.study.tables import number_column, read_csv, text_column, write_csv
+from tools.shipped import MEASURED, SHIPPED, note, solver_of
 
 STUDIES = ("slope_on_rock", "stiff_clay", "stiff_clay_choices")
 """Studies whose searches are kept."""

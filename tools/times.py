@@ -1,9 +1,9 @@
-"""Times of the README's commands: ``python tests/benchmarks/commands.py [--tasks study tests ...] [--keep FOLDER]``.
+"""Times of the README's commands: ``python -m tools.times [--tasks study tests ...] [--keep FOLDER]``.
 
 Each command is run as the README has it, in a fresh clone of this repository's last commit and with nothing compiled; the study is then run
 again at other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the release
 (``sph/experiments/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept, for
-instance to adopt its results by ``python -m sph.paper.release``.
+instance to adopt its results by ``python -m tools.release``.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ import tempfile
 import time
 from pathlib import Path
 
-from sph.experiments.shipped import note
-from sph.paper.release import STUDY_AT, write_time
 from sph.solver.compiled.jit import solver_digest
 from sph.study.machine import duration, machine_class
+from tools.release import STUDY_AT, write_time
+from tools.shipped import note
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[1]
 STUDY, TESTS = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
 FRESH = "from a fresh clone: packages installed, solver compiled"
 INSTALLED = "packages installed, nothing compiled"

@@ -8,9 +8,11 @@ import pandas as pd
 import pytest
 
 import sph
-from sph.paper import release
 from sph.paper.claims import CLAIMS
-from sph.paper.release import (
+from sph.study.tables import VALUES, Layout, write_csv
+from sph.study.verdicts import HOLDS, NOT_YET
+from tools import release
+from tools.release import (
     RESOLVED_STUDIES,
     agreement,
     compared_fidelities,
@@ -19,8 +21,6 @@ from sph.paper.release import (
     resolved_claims,
     write_time,
 )
-from sph.study.tables import VALUES, Layout, write_csv
-from sph.study.verdicts import HOLDS, NOT_YET
 
 POINTS = [("0.10", "100", "6.0"), ("0.25", "100", "6.0"), ("0.50", "100", "6.0")]
 

@@ -1,16 +1,16 @@
 """Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
 
 ``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
-``python -m sph.command.reference`` fills the marks of all these files again, writes the schemas in ``config/schemas``, and a test fails
+``python -m tools.reference`` fills the marks of all these files again, writes the schemas in ``config/schemas``, and a test fails
 where one differs.
 """
 
 from __future__ import annotations
 
 import functools
-import inspect
 import math
 import re
+import subprocess
 import sys
 import typing
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -22,7 +22,6 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from sph.command.schema import MODELS, schema_file, schema_text
-from sph.experiments import shipped
 from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
 from sph.experiments.assumptions import read_limits
 from sph.experiments.cost_accuracy import advice
@@ -43,10 +42,8 @@ from sph.experiments.trigger.design import Searched, Trigger
 from sph.experiments.trigger.efficiency import MEASURE_COLUMNS
 from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
-from sph.experiments.trigger.levels import read_levels
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
-from sph.paper.release import BASELINE, READ_AT, STUDY_AT, read_measured
 from sph.paper.study import AnyStudy
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene
@@ -61,6 +58,9 @@ from sph.study.tables import VALUES
 from sph.study.verdicts import HOLDS, MISSES
 from sph.validation.suite import Validation
 from sph.validation.table import SHIPPED_VALIDATION, VALIDATION, read_validation
+from tools import shipped
+from tools.levels import read_levels
+from tools.release import BASELINE, READ_AT, STUDY_AT, read_measured
 
 
 def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
@@ -330,25 +330,12 @@ def _missed_table(table: pd.DataFrame) -> Reference:
     return Reference(("case", "problem", "missed", "worst error (tolerance)"), list(missed_lines(table)), note)
 
 
-def command_lines() -> Iterator[tuple[str, ...]]:
-    """Rows (command with its arguments, or option, and what it does) of the command line."""
-    from typer.models import ArgumentInfo, OptionInfo
-
-    from sph.command.cli import app
-
-    for command in app.registered_commands:
-        function = typing.cast(Callable[..., None], command.callback)
-        hints = typing.get_type_hints(function, include_extras=True)
-        told = {name: hint.__metadata__[0] for name, hint in hints.items() if hasattr(hint, "__metadata__")}
-        given = [(info.metavar or name).upper() for name, info in told.items() if isinstance(info, ArgumentInfo)]
-        called = command.name or function.__name__.replace("_", "-")
-        yield " ".join([f"sph {called}", *given]), " ".join((inspect.getdoc(function) or "").split())
-        for name, info in told.items():
-            if isinstance(info, OptionInfo):
-                # In an annotation the first name of an option stands in the place of its default.
-                option = info.default if isinstance(info.default, str) else f"--{name.replace('_', '-')}"
-                flag = typing.get_args(hints[name])[0] is bool
-                yield option if flag else f"{option} {info.metavar or 'VALUE'}", info.help or ""
+def commands_text() -> str:
+    """The pages of ``--help``, as the library of the command line writes them in Markdown, a heading a command."""
+    made = subprocess.run(
+        [sys.executable, "-m", "typer", "sph.command.cli", "utils", "docs", "--name", "sph"], capture_output=True, text=True, check=True
+    )
+    return made.stdout[made.stdout.index("\n## ") :].strip()
 
 
 SWEEP_HEAD = (
@@ -472,7 +459,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "fidelities": _fidelities_table,
     "origins": lambda: Reference(("table", "solver", "configuration", "version", "renewed by"), list(origin_lines())),
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
-    "commands": lambda: Reference(("command", "what it does"), list(command_lines())),
+    "commands": lambda: Reference((), [], commands_text()),
     "schemes": _schemes_table,
     "fidelity_errors": lambda: measured(FIDELITY_ERROR_HEAD, fidelity_rows),
     "trade": lambda: measured(VARIANT_HEAD, variant_lines),

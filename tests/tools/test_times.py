@@ -6,9 +6,9 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from commands import INSTALLED, STUDY, TASKS, timed
 
-from sph.paper.release import read_measured
+from tools.release import read_measured
+from tools.times import INSTALLED, STUDY, TASKS, timed
 
 
 def test_the_release_has_a_time_of_every_task() -> None:

@@ -7,8 +7,8 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from sph.command.reference import slip_choice_lines, slip_level_lines
-from sph.experiments.trigger.levels import SLIP, STUDIES, levels, read_levels
+from tools.levels import SLIP, STUDIES, levels, read_levels
+from tools.reference import slip_choice_lines, slip_level_lines
 
 
 def test_the_searches_of_a_folder_make_one_table(tmp_path: Path) -> None:

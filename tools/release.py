@@ -1,8 +1,8 @@
 """What a release states of the paper's study: the verdicts on its claims, and its fidelities against ``paper``; and times of commands.
 
-The tables measured for this release are part of the package.  ``python -m sph.paper.release`` writes ``claims.csv``,
+The tables measured for this release are part of the package.  ``python -m tools.release`` writes ``claims.csv``,
 ``fidelities.csv``, ``resolved_claims.csv`` and ``solid_states.csv`` from what lies in ``results``, or the one named;
-``python tests/benchmarks/commands.py`` measures ``times.csv``.
+``python -m tools.times`` measures ``times.csv``.
 """
 
 from __future__ import annotations
@@ -16,14 +16,13 @@ import numpy as np
 import pandas as pd
 
 import sph
-from sph.experiments.shipped import SHIPPED, note, solver_of
 from sph.measures.metrics import GRID
 from sph.paper.claims import COLUMNS
 from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import count_column, number_column, read_csv, read_table, text_column, write_csv
 from sph.study.verdicts import NOT_YET
+from tools.shipped import MEASURED, SHIPPED, note, solver_of
 
-MEASURED = Path(__file__).parents[1] / "experiments" / "measured"
 STUDY = Path("results/paper")
 """Folder of the paper's study, which holds one a fidelity."""
 BASELINE = "paper"
