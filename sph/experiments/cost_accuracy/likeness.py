@@ -1,8 +1,9 @@
 """Whether a scene is like the slope of the cost-accuracy study of its scheme, whose errors are then to be expected of it.
 
 Both studies have one slope: 25 m at 60 degrees in one soil of 150 kPa and 20 degrees.  That of the scheme ``paper`` loses its strength with
-time, S_R 0.10 to 0.50, and is of one soil down to its base; that of ``resolved`` loses it by slip, S_R 0.10 to 0.35, and stands on rock.  How an error passes
-on to another slope was not measured; the ranges below are a judgement (ours), narrow where the answer is known to turn on a number.
+time, S_R 0.10 to 0.50, and is of one soil down to its base; that of ``resolved`` loses it by slip, S_R 0.10 to 0.35, and stands on rock.
+How an error passes on to another slope was not measured; the ranges below are a judgement (ours), narrow where the answer is known to turn
+on a number.
 """
 
 from __future__ import annotations
@@ -62,8 +63,9 @@ def unlike(scene: Scene) -> list[str]:
 
     def is_rock(layer: Layer) -> bool:
         region = layer.region
-        level = isinstance(region, ElevationRegion) and region.bottom is None and region.top is not None
-        return level and abs(region.top - toe_y) <= NEAR * height and 1e3 * layer.soil.cohesion >= ROCK * weight
+        if not isinstance(region, ElevationRegion) or region.bottom is not None or region.top is None:
+            return False
+        return abs(region.top - toe_y) <= NEAR * height and 1e3 * layer.soil.cohesion >= ROCK * weight
 
     own = scene.scheme == "resolved"
     rock = [layer for layer in scene.layers.values() if own and is_rock(layer)]
