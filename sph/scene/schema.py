@@ -334,7 +334,7 @@ class Scene(Section):
         for name, value in walls.friction or ():
             if value > 0 and not slip[name.removesuffix("_cohesion")]:
                 raise ValueError(f"walls.friction.{name}: {value} needs a free_slip wall there")
-        if walls.tension > 0 and not any(kind.lets_go for kind in walls.kinds):
+        if walls.tension > 0 and not any(kind.unilateral for kind in walls.kinds):
             raise ValueError(f"walls.tension: {walls.tension} kPa needs a contact wall")
         if sides.periodic:
             _whole_multiple(self.geometry.width, self.numerics.spacing, "geometry.width", "numerics.spacing", "m")
@@ -359,7 +359,7 @@ class Scene(Section):
             raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
         if isinstance(self.motion, ConstantAcceleration):
             raise ValueError(f"motion.kind: constant with {where}, which cannot resist a sustained load; choose rigid walls")
-        if sides.absorbs and not (base.grips or base.reflects or base.absorbs):
+        if sides.absorbs and not (base.holds_soil or base.reflects or base.absorbs):
             raise ValueError(
                 f"walls.base: {walls.base} with walls.sides: absorbing, "
                 "whose free field stands on a fixed, no_slip, contact or absorbing base"

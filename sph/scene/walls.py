@@ -17,7 +17,7 @@ class Kind(NamedTuple):
     """beside a side wall in figures; empty where none is drawn"""
     open: bool = False
     """soil may leave there"""
-    grips: bool = False
+    holds_soil: bool = False
     """its particles stand still, and soil hangs on them"""
     reflects: bool = False
     """its particles have no state: soil sees its own velocity reversed there, and its own stress"""
@@ -27,7 +27,7 @@ class Kind(NamedTuple):
     """its particles move, and let waves out"""
     periodic: bool = False
     """soil that leaves comes in on the other side"""
-    lets_go: bool = False
+    unilateral: bool = False
     """soil comes off it: it bears no more tension than ``walls.tension``"""
     face: float = 0.0
     """distance to its face, over the spacing, below which the face pushes soil back; the lattice begins at 0.5"""
@@ -35,7 +35,7 @@ class Kind(NamedTuple):
     @property
     def stands(self) -> bool:
         """Whether it stands still and nothing passes it."""
-        return self.grips or self.slips or self.reflects
+        return self.holds_soil or self.slips or self.reflects
 
     @property
     def has_particles(self) -> bool:
@@ -44,9 +44,9 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "fixed": Kind("fixed side wall", grips=True),
-    "no_slip": Kind("no-slip side wall", grips=True, reflects=True),
-    "contact": Kind("contact side wall", reflects=True, lets_go=True),
+    "fixed": Kind("fixed side wall", holds_soil=True),
+    "no_slip": Kind("no-slip side wall", holds_soil=True, reflects=True),
+    "contact": Kind("contact side wall", reflects=True, unilateral=True),
     "free_slip": Kind("free-slip side wall", slips=True, face=0.4),
     "absorbing": Kind("absorbing side", absorbs=True),
     "periodic": Kind(periodic=True),
