@@ -75,6 +75,6 @@ def _near(trajectory: xr.Dataset, scene: Scene) -> np.ndarray:
     if not isinstance(geometry, SLOPES):
         return np.ones(x.size, bool)
     near = (geometry.toe[0] - _height(scene) <= x) & (x <= geometry.crest[0] + _height(scene))
-    if scene.walls.kinds.sides.grips:
+    if scene.walls.kinds.sides.holds_soil:
         near &= np.minimum(x, geometry.width - x) > 2.0 * scene.numerics.smoothing_length + 0.5 * DISC * _height(scene)
     return near

@@ -419,3 +419,10 @@ def _path_as_written(location: tuple[int | str, ...], data: Any, missing: bool) 
         path.append(str(part))
         variant_named = False
     return path
+
+
+def whole_multiple(value: float, unit: float, name: str, unit_name: str, of: str = "s") -> None:
+    """ValueError, by name, for a value that is no whole multiple of another; ``of`` is their unit."""
+    ratio = value / unit
+    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6 * ratio:
+        raise ValueError(f"{name}: {value} {of} must be a whole multiple of {unit_name} ({unit} {of})")

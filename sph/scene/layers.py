@@ -7,7 +7,7 @@ its soil in which it differs.  How layers enter the equations: ``sph.solver.phys
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -16,6 +16,9 @@ from sph.scene.configuration import Section, key
 from sph.scene.geometry import PolygonBody
 from sph.scene.places import Coordinate
 from sph.scene.soil import Coupling, Softening, Soil
+
+if TYPE_CHECKING:
+    from sph.scene.schema import Scene
 
 Depth = Annotated[float, Field(ge=0, le=1e4)]
 
@@ -87,3 +90,23 @@ def softening_of(coupling: Coupling, layer: Layer | None) -> Softening | None:
         return coupling.softening
     own = {name: value for name in ("slip_at_peak", "slip_at_residual") if (value := getattr(layer, name)) is not None}
     return Softening.model_validate(coupling.softening.model_dump() | own) if own else coupling.softening
+
+
+def check_coupling(scene: Scene) -> None:
+    """Refuse failed soil that would be elastic for ever, and so stronger than before it failed, and keys without effect or sense."""
+    for name, layer in scene.layers.items():
+        softening_of(scene.coupling, layer)
+        if layer.slip_at_peak is not None and scene.coupling.softening is None:
+            raise ValueError(f"layers.{name}.slip_at_peak: needs coupling.softening, with the slip of the other soil")
+        if layer.slip_at_residual is not None and not scene.coupling.softens_by_slip:
+            raise ValueError(f"layers.{name}.slip_at_residual: needs coupling.softening.slip_at_residual, the slip of the other soil")
+        if layer.S_R is not None and None not in (layer.soil.residual_cohesion, layer.soil.residual_friction_angle):
+            raise ValueError(f"layers.{name}.S_R: without effect beside residual_cohesion and residual_friction_angle of its soil")
+    if scene.coupling.solid_after_failure == "elastic" and scene.coupling.initial_state == "solid":
+        rates = {"coupling.gamma": scene.coupling.gamma, **{f"layers.{name}.gamma": layer.gamma for name, layer in scene.layers.items()}}
+        for name, rate in rates.items():
+            if rate == 0:
+                raise ValueError(
+                    f"{name}: 0 1/s with coupling.solid_after_failure: elastic, which only gamma bounds, would leave failed soil "
+                    "stronger than its peak; write coupling.solid_after_failure: elastic_plastic, or a gamma above 0"
+                )

@@ -20,20 +20,20 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import Field, ModelWrapValidatorHandler, field_validator, model_validator
 
-from sph.scene.configuration import OwnName, Section, key, merge, read_scene, validated
+from sph.scene.configuration import OwnName, Section, key, merge, read_scene, validated, whole_multiple
 from sph.scene.geometry import Geometry
 from sph.scene.gravity import FAILED_AREA, GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.layers import Layer, softening_of
+from sph.scene.layers import Layer, check_coupling
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
 from sph.scene.scheme import filled, missing
-from sph.scene.seams import Seam
+from sph.scene.seams import Seam, check_seams
 from sph.scene.soil import Coupling, Soil
-from sph.scene.uncertain import Uncertain, Variable, drawn, told
-from sph.scene.walls import Walls
-from sph.scene.water import Water, standing_water
+from sph.scene.uncertain import Uncertain, Variable, check_varying, drawn, told
+from sph.scene.walls import Walls, check_walls
+from sph.scene.water import Water, check_water
 
 MOST_PARTICLES = 5_000_000
 """Most particles of a scene: lattice points of the box and its walls."""
@@ -181,12 +181,12 @@ class Scene(Section):
         self._check_size()
         dt = self.numerics.time_step
         for name in ("series_interval", "frame_interval"):
-            _whole_multiple(getattr(self.outputs, name), dt, f"outputs.{name}", "numerics.time_step")
-        _whole_multiple(self.outputs.frame_interval, self.outputs.series_interval, "outputs.frame_interval", "outputs.series_interval")
-        _whole_multiple(self.duration, self.outputs.series_interval, "duration", "outputs.series_interval")
-        _whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
+            whole_multiple(getattr(self.outputs, name), dt, f"outputs.{name}", "numerics.time_step")
+        whole_multiple(self.outputs.frame_interval, self.outputs.series_interval, "outputs.frame_interval", "outputs.series_interval")
+        whole_multiple(self.duration, self.outputs.series_interval, "duration", "outputs.series_interval")
+        whole_multiple(self.gravity.duration, self.outputs.series_interval, "gravity.duration", "outputs.series_interval")
         if self.early_stop is not None:
-            _whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
+            whole_multiple(self.early_stop.window, self.outputs.series_interval, "early_stop.window", "outputs.series_interval")
         if not isinstance(self.motion, NoMotion) and self.motion.start < self.gravity.duration * (1 - 1e-9):
             where = "motion.peak: the start of the wavelet," if isinstance(self.motion, Ricker) else "motion.start:"
             raise ValueError(f"{where} {self.motion.start:g} s lies inside the gravity stage (gravity.duration: {self.gravity.duration} s)")
@@ -216,11 +216,11 @@ class Scene(Section):
                 f"numerics.smoothing_ratio: {self.numerics.smoothing_ratio} with smoothing_length_is: {self.numerics.smoothing_length_is} "
                 "ends the kernel within 1.2 spacings, where it holds too few neighbours"
             )
-        self._check_coupling()
-        self._check_walls()
-        self._check_water()
-        self._check_seams()
-        self._check_varying()
+        check_coupling(self)
+        check_walls(self)
+        check_water(self)
+        check_seams(self)
+        check_varying(self)
         if self.numerics.spacing * 2 > min(self.geometry.height, self.geometry.width):
             raise ValueError(f"numerics.spacing: {self.numerics.spacing} m leaves fewer than two particles across the soil")
         return self
@@ -302,143 +302,6 @@ class Scene(Section):
                     "without stress; leave out gravity.initial_stress and gravity.ramp, or set them to geostatic and 0, or K0 to null"
                 )
 
-    def _check_coupling(self) -> None:
-        """Refuse failed soil that would be elastic for ever, and so stronger than before it failed, and keys without effect or sense."""
-        for name, layer in self.layers.items():
-            softening_of(self.coupling, layer)
-            if layer.slip_at_peak is not None and self.coupling.softening is None:
-                raise ValueError(f"layers.{name}.slip_at_peak: needs coupling.softening, with the slip of the other soil")
-            if layer.slip_at_residual is not None and not self.coupling.softens_by_slip:
-                raise ValueError(f"layers.{name}.slip_at_residual: needs coupling.softening.slip_at_residual, the slip of the other soil")
-            if layer.S_R is not None and None not in (layer.soil.residual_cohesion, layer.soil.residual_friction_angle):
-                raise ValueError(f"layers.{name}.S_R: without effect beside residual_cohesion and residual_friction_angle of its soil")
-        if self.coupling.solid_after_failure == "elastic" and self.coupling.initial_state == "solid":
-            rates = {"coupling.gamma": self.coupling.gamma, **{f"layers.{name}.gamma": layer.gamma for name, layer in self.layers.items()}}
-            for name, rate in rates.items():
-                if rate == 0:
-                    raise ValueError(
-                        f"{name}: 0 1/s with coupling.solid_after_failure: elastic, which only gamma bounds, would leave failed soil "
-                        "stronger than its peak; write coupling.solid_after_failure: elastic_plastic, or a gamma above 0"
-                    )
-
-    def _check_walls(self) -> None:
-        walls, support, needed = self.walls, 2 * self.numerics.smoothing_length, self.layers_filling_support
-        base, sides, top = walls.kinds
-        slip = {"base": base.slips or top.slips, "sides": sides.slips}
-        if any(kind.slips or kind.reflects for kind in walls.kinds) and walls.layers < needed:
-            raise ValueError(
-                f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
-                f"a no-slip, contact or free-slip wall needs {needed}; with fewer, the soil beside it fails without shaking"
-            )
-        self._check_absorbing()
-        for name, value in walls.friction or ():
-            if value > 0 and not slip[name.removesuffix("_cohesion")]:
-                raise ValueError(f"walls.friction.{name}: {value} needs a free_slip wall there")
-        if walls.tension > 0 and not any(kind.lets_go for kind in walls.kinds):
-            raise ValueError(f"walls.tension: {walls.tension} kPa needs a contact wall")
-        if sides.periodic:
-            _whole_multiple(self.geometry.width, self.numerics.spacing, "geometry.width", "numerics.spacing", "m")
-            least = 2 * (support + self.numerics.neighbour_skin * self.numerics.spacing)
-            if self.geometry.width < least:
-                raise ValueError(f"geometry.width: {self.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
-
-    def _check_absorbing(self) -> None:
-        walls, (base, sides, top) = self.walls, self.walls.kinds
-        if walls.bedrock is not None and not base.absorbs:
-            raise ValueError(f"walls.bedrock: needs walls.base: absorbing, not {walls.base}")
-        where = next((f"walls.{name}: {getattr(walls, name)}" for name in walls.kinds._fields if getattr(walls.kinds, name).absorbs), "")
-        if not where:
-            return
-        if walls.layers < self.layers_filling_support:
-            raise ValueError(
-                f"walls.layers: {walls.layers} layers do not fill the kernel's support; {where} needs {self.layers_filling_support}"
-            )
-        if not top.open:
-            raise ValueError(f"walls.top: {walls.top} with {where}; set walls.top: none")
-        if self.prescribed_velocity_gradient is not None:
-            raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
-        if isinstance(self.motion, ConstantAcceleration):
-            raise ValueError(f"motion.kind: constant with {where}, which cannot resist a sustained load; choose rigid walls")
-        if sides.absorbs and not (base.grips or base.reflects or base.absorbs):
-            raise ValueError(
-                f"walls.base: {walls.base} with walls.sides: absorbing, "
-                "whose free field stands on a fixed, no_slip, contact or absorbing base"
-            )
-        if sides.absorbs and self.coupling.initial_state == "fluid":
-            raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")
-
-    def _check_water(self) -> None:
-        """Refuse water that the shape, the walls or the loads of the scene do not go with."""
-        water, geometry = self.water, self.geometry
-        for name, layer in self.layers.items():
-            if layer.r_u is not None and (water is None or water.r_u is None):
-                raise ValueError(f"layers.{name}.r_u: {layer.r_u} needs water.r_u, the ratio of the other soil (0 where that is dry)")
-        if water is None:
-            return
-        if self.gravity.acceleration == 0:
-            raise ValueError("gravity.acceleration: 0 m/s2 with water, whose pressure gravity makes; set water: null")
-        if self.prescribed_velocity_gradient is not None:
-            raise ValueError("prescribed_velocity_gradient: moves the soil instead of forces, those of water among them; set water: null")
-        if self.gravity.inclination != 0 and (water.r_u is None or geometry.shape != "block"):
-            raise ValueError(
-                f"gravity.inclination: {self.gravity.inclination} degree with water needs water.r_u and geometry.shape: block, "
-                "since depths count along the vertical"
-            )
-        if water.pressure == "carried" and any(soil.dilation_angle > 0 for soil in self.soils):
-            raise ValueError(
-                "soil.dilation_angle: above 0 with water.pressure: carried, that of soil that keeps its volume; set it to 0 in all layers"
-            )
-        if water.pressure == "carried" and self.walls.friction is not None:
-            raise ValueError("walls.friction: with water.pressure: carried it acts on total, not effective, stress; choose contact walls")
-        if water.points is not None:
-            ends = sorted(float(geometry.in_survey(x, 0.0)[0]) for x in (0.0, geometry.width))
-            near = 1e-6 * geometry.width
-            if not (water.line[0, 0] <= ends[0] + near and ends[1] - near <= water.line[-1, 0]):
-                raise ValueError(
-                    f"water.points: reach from x = {water.line[0, 0]:.10g} to {water.line[-1, 0]:.10g} m and not from side to side of the "
-                    f"model, {ends[0]:.10g} to {ends[1]:.10g} m; add points"
-                )
-            if self.walls.kinds.sides.periodic and np.ptp(water.line[:, 1]) > 0:
-                raise ValueError("water.points: a line that is not level does not go on over walls.sides: periodic; write water.level")
-        standing = standing_water(water, geometry)
-        if standing is None:
-            return
-        depth, level = standing
-        if not level:
-            raise ValueError(
-                f"water.points: the line lies up to {depth:.3g} m above the ground and is not level there, as standing water is; "
-                "lead it along the ground or below, and level where water stands"
-            )
-        if water.pressure == "carried":
-            raise ValueError(
-                f"water.pressure: carried with water that stands up to {depth:.3g} m above the ground, whose load on the ground "
-                "is known for by_place only; lower the water to the ground or write pressure: by_place"
-            )
-
-    def _check_seams(self) -> None:
-        """Refuse seams where they would have no effect, and terms that take pairs across them for pairs in one body."""
-        if not self.seams:
-            return
-        if self.numerics.gradient_correction is not None:
-            raise ValueError("numerics.gradient_correction: takes the soil on both sides of a seam for one body; set it to null with seams")
-        if self.prescribed_velocity_gradient is not None:
-            raise ValueError("prescribed_velocity_gradient: moves the soil as one body, which seams cut; leave one of them out")
-        for name, seam in self.seams.items():
-            if self.length_in_soil(seam) == 0.0:
-                raise ValueError(f"seams.{name}.points: the line lies outside the ground of the model; draw it through the soil")
-
-    def _check_varying(self) -> None:
-        """Refuse strength that varies in space where the scene has no room for it."""
-        for variable in self.varying:
-            if self.walls.kinds.sides.periodic:
-                raise ValueError(f"walls.sides: periodic, and the random field of {variable.of} is not; choose other sides")
-            soil = self.soil if variable.layer is None else self.layers[variable.layer].soil
-            if variable.quantity == "friction_angle" and soil.dilation_angle > (variable.lower or 0.0):
-                raise ValueError(
-                    f"uncertain: the random field of {variable.of} goes below the dilation angle, {soil.dilation_angle:g} degrees; "
-                    "set its key lower to at least that angle"
-                )
-
     @property
     def varying(self) -> list[Variable]:
         """Variables that vary in space."""
@@ -502,12 +365,6 @@ class Scene(Section):
     def steps(self, time: float) -> int:
         """Number of time steps to a time (s)."""
         return round(time / self.numerics.time_step)
-
-
-def _whole_multiple(value: float, unit: float, name: str, unit_name: str, of: str = "s") -> None:
-    ratio = value / unit
-    if round(ratio) < 1 or abs(ratio - round(ratio)) > 1e-6 * ratio:
-        raise ValueError(f"{name}: {value} {of} must be a whole multiple of {unit_name} ({unit} {of})")
 
 
 def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from pydantic import model_validator
 
 from sph.scene.configuration import Section, key
 from sph.scene.places import Point
+
+if TYPE_CHECKING:
+    from sph.scene.schema import Scene
 
 
 class Seam(Section):
@@ -89,3 +93,16 @@ class Seam(Section):
             offset[nearer] = np.where(beyond, np.inf, np.copysign(distance, left))[nearer]
             direction[nearer] = math.atan2(sine, cosine)
         return offset, direction
+
+
+def check_seams(scene: Scene) -> None:
+    """Refuse seams where they would have no effect, and terms that take pairs across them for pairs in one body."""
+    if not scene.seams:
+        return
+    if scene.numerics.gradient_correction is not None:
+        raise ValueError("numerics.gradient_correction: takes the soil on both sides of a seam for one body; set it to null with seams")
+    if scene.prescribed_velocity_gradient is not None:
+        raise ValueError("prescribed_velocity_gradient: moves the soil as one body, which seams cut; leave one of them out")
+    for name, seam in scene.seams.items():
+        if scene.length_in_soil(seam) == 0.0:
+            raise ValueError(f"seams.{name}.points: the line lies outside the ground of the model; draw it through the soil")

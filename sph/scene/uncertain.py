@@ -16,7 +16,7 @@ import functools
 import math
 import re
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 import scipy  # type: ignore[import-untyped]
@@ -25,6 +25,9 @@ from pydantic import Field, model_validator
 from sph.scene.configuration import OwnName, Section, dotted, flat, key, merge, validated
 from sph.scene.extras import of_extra
 from sph.scene.names import check_known
+
+if TYPE_CHECKING:
+    from sph.scene.schema import Scene
 
 DIGITS = 8
 """Significant digits of a drawn value, so that it is the same on every machine."""
@@ -326,3 +329,16 @@ def told(data: Mapping[str, Any], origin: str, refusal: str) -> list[str]:
         for name, variable in settings.variables.items()
         if variable.of in refusal
     ]
+
+
+def check_varying(scene: Scene) -> None:
+    """Refuse strength that varies in space where the scene has no room for it."""
+    for variable in scene.varying:
+        if scene.walls.kinds.sides.periodic:
+            raise ValueError(f"walls.sides: periodic, and the random field of {variable.of} is not; choose other sides")
+        soil = scene.soil if variable.layer is None else scene.layers[variable.layer].soil
+        if variable.quantity == "friction_angle" and soil.dilation_angle > (variable.lower or 0.0):
+            raise ValueError(
+                f"uncertain: the random field of {variable.of} goes below the dilation angle, {soil.dilation_angle:g} degrees; "
+                "set its key lower to at least that angle"
+            )

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from pydantic import model_validator
 
-from sph.scene.configuration import Section, key
+from sph.scene.configuration import Section, key, whole_multiple
+from sph.scene.motion import ConstantAcceleration
+
+if TYPE_CHECKING:
+    from sph.scene.schema import Scene
 
 
 class Kind(NamedTuple):
@@ -16,7 +20,7 @@ class Kind(NamedTuple):
     """beside a side wall in figures; empty where none is drawn"""
     open: bool = False
     """soil may leave there"""
-    grips: bool = False
+    holds_soil: bool = False
     """its particles stand still, and soil hangs on them"""
     reflects: bool = False
     """its particles have no state: soil sees its own velocity reversed there, and its own stress"""
@@ -26,7 +30,7 @@ class Kind(NamedTuple):
     """its particles move, and let waves out"""
     periodic: bool = False
     """soil that leaves comes in on the other side"""
-    lets_go: bool = False
+    unilateral: bool = False
     """soil comes off it: it bears no more tension than ``walls.tension``"""
     face: float = 0.0
     """distance to its face, over the spacing, below which the face pushes soil back; the lattice begins at 0.5"""
@@ -34,7 +38,7 @@ class Kind(NamedTuple):
     @property
     def stands(self) -> bool:
         """Whether it stands still and nothing passes it."""
-        return self.grips or self.slips or self.reflects
+        return self.holds_soil or self.slips or self.reflects
 
     @property
     def has_particles(self) -> bool:
@@ -43,9 +47,9 @@ class Kind(NamedTuple):
 
 
 KINDS = {
-    "fixed": Kind("fixed side wall", grips=True),
-    "no_slip": Kind("no-slip side wall", grips=True, reflects=True),
-    "contact": Kind("contact side wall", reflects=True, lets_go=True),
+    "fixed": Kind("fixed side wall", holds_soil=True),
+    "no_slip": Kind("no-slip side wall", holds_soil=True, reflects=True),
+    "contact": Kind("contact side wall", reflects=True, unilateral=True),
     "free_slip": Kind("free-slip side wall", slips=True, face=0.4),
     "absorbing": Kind("absorbing side", absorbs=True),
     "periodic": Kind(periodic=True),
@@ -121,3 +125,51 @@ class Walls(Section):
     def kinds(self) -> Kinds:
         """What each wall does."""
         return Kinds(*(KINDS[getattr(self, name)] for name in Kinds._fields))
+
+
+def check_walls(scene: Scene) -> None:
+    """Refuse walls that do not go with each other, the soil or the loads of the scene."""
+    walls, support, needed = scene.walls, 2 * scene.numerics.smoothing_length, scene.layers_filling_support
+    base, sides, top = walls.kinds
+    slip = {"base": base.slips or top.slips, "sides": sides.slips}
+    if any(kind.slips or kind.reflects for kind in walls.kinds) and walls.layers < needed:
+        raise ValueError(
+            f"walls.layers: {walls.layers} layers do not fill the kernel's support of {support:g} m; "
+            f"a no-slip, contact or free-slip wall needs {needed}; with fewer, the soil beside it fails without shaking"
+        )
+    _check_absorbing(scene)
+    for name, value in walls.friction or ():
+        if value > 0 and not slip[name.removesuffix("_cohesion")]:
+            raise ValueError(f"walls.friction.{name}: {value} needs a free_slip wall there")
+    if walls.tension > 0 and not any(kind.unilateral for kind in walls.kinds):
+        raise ValueError(f"walls.tension: {walls.tension} kPa needs a contact wall")
+    if sides.periodic:
+        whole_multiple(scene.geometry.width, scene.numerics.spacing, "geometry.width", "numerics.spacing", "m")
+        least = 2 * (support + scene.numerics.neighbour_skin * scene.numerics.spacing)
+        if scene.geometry.width < least:
+            raise ValueError(f"geometry.width: {scene.geometry.width} m; periodic sides need twice the kernel's reach, {least:g} m")
+
+
+def _check_absorbing(scene: Scene) -> None:
+    walls, (base, sides, top) = scene.walls, scene.walls.kinds
+    if walls.bedrock is not None and not base.absorbs:
+        raise ValueError(f"walls.bedrock: needs walls.base: absorbing, not {walls.base}")
+    where = next((f"walls.{name}: {getattr(walls, name)}" for name in walls.kinds._fields if getattr(walls.kinds, name).absorbs), "")
+    if not where:
+        return
+    if walls.layers < scene.layers_filling_support:
+        raise ValueError(
+            f"walls.layers: {walls.layers} layers do not fill the kernel's support; {where} needs {scene.layers_filling_support}"
+        )
+    if not top.open:
+        raise ValueError(f"walls.top: {walls.top} with {where}; set walls.top: none")
+    if scene.prescribed_velocity_gradient is not None:
+        raise ValueError(f"prescribed_velocity_gradient: moves the soil, not the boundary of {where}; leave it out")
+    if isinstance(scene.motion, ConstantAcceleration):
+        raise ValueError(f"motion.kind: constant with {where}, which cannot resist a sustained load; choose rigid walls")
+    if sides.absorbs and not (base.holds_soil or base.reflects or base.absorbs):
+        raise ValueError(
+            f"walls.base: {walls.base} with walls.sides: absorbing, whose free field stands on a fixed, no_slip, contact or absorbing base"
+        )
+    if sides.absorbs and scene.coupling.initial_state == "fluid":
+        raise ValueError("coupling.initial_state: fluid with walls.sides: absorbing, whose free field is a solid")

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -18,6 +18,9 @@ from sph.scene.configuration import FileSection, key
 from sph.scene.geometry import Geometry
 from sph.scene.places import Coordinate, Point, Shape
 from sph.scene.survey import read_line
+
+if TYPE_CHECKING:
+    from sph.scene.schema import Scene
 
 PRESSURES = {
     "by_place": "soil has the pressure of its present place: drained soil, sand and gravel, whose water flows as fast as it moves",
@@ -111,3 +114,52 @@ def standing_water(water: Water, geometry: Geometry) -> tuple[float, bool] | Non
         return None
     rise = np.abs(water.surface(geometry, right) - water.surface(geometry, left))[flooded]
     return float(above.max()), bool((rise <= 1e-6 * geometry.height).all())
+
+
+def check_water(scene: Scene) -> None:
+    """Refuse water that the shape, the walls or the loads of the scene do not go with."""
+    water, geometry = scene.water, scene.geometry
+    for name, layer in scene.layers.items():
+        if layer.r_u is not None and (water is None or water.r_u is None):
+            raise ValueError(f"layers.{name}.r_u: {layer.r_u} needs water.r_u, the ratio of the other soil (0 where that is dry)")
+    if water is None:
+        return
+    if scene.gravity.acceleration == 0:
+        raise ValueError("gravity.acceleration: 0 m/s2 with water, whose pressure gravity makes; set water: null")
+    if scene.prescribed_velocity_gradient is not None:
+        raise ValueError("prescribed_velocity_gradient: moves the soil instead of forces, those of water among them; set water: null")
+    if scene.gravity.inclination != 0 and (water.r_u is None or geometry.shape != "block"):
+        raise ValueError(
+            f"gravity.inclination: {scene.gravity.inclination} degree with water needs water.r_u and geometry.shape: block, "
+            "since depths count along the vertical"
+        )
+    if water.pressure == "carried" and any(soil.dilation_angle > 0 for soil in scene.soils):
+        raise ValueError(
+            "soil.dilation_angle: above 0 with water.pressure: carried, that of soil that keeps its volume; set it to 0 in all layers"
+        )
+    if water.pressure == "carried" and scene.walls.friction is not None:
+        raise ValueError("walls.friction: with water.pressure: carried it acts on total, not effective, stress; choose contact walls")
+    if water.points is not None:
+        ends = sorted(float(geometry.in_survey(x, 0.0)[0]) for x in (0.0, geometry.width))
+        near = 1e-6 * geometry.width
+        if not (water.line[0, 0] <= ends[0] + near and ends[1] - near <= water.line[-1, 0]):
+            raise ValueError(
+                f"water.points: reach from x = {water.line[0, 0]:.10g} to {water.line[-1, 0]:.10g} m and not from side to side of the "
+                f"model, {ends[0]:.10g} to {ends[1]:.10g} m; add points"
+            )
+        if scene.walls.kinds.sides.periodic and np.ptp(water.line[:, 1]) > 0:
+            raise ValueError("water.points: a line that is not level does not go on over walls.sides: periodic; write water.level")
+    standing = standing_water(water, geometry)
+    if standing is None:
+        return
+    depth, level = standing
+    if not level:
+        raise ValueError(
+            f"water.points: the line lies up to {depth:.3g} m above the ground and is not level there, as standing water is; "
+            "lead it along the ground or below, and level where water stands"
+        )
+    if water.pressure == "carried":
+        raise ValueError(
+            f"water.pressure: carried with water that stands up to {depth:.3g} m above the ground, whose load on the ground "
+            "is known for by_place only; lower the water to the ground or write pressure: by_place"
+        )

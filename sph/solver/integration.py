@@ -18,7 +18,7 @@ import numpy as np
 from sph.scene.loading import Loading
 from sph.solver.boundaries.absorbing import kick_boundary, kick_free_field, strain_free_field
 from sph.solver.boundaries.free_slip import first_mirror, mirror_stress, mirror_velocity, wall_work
-from sph.solver.boundaries.friction import rub, set_friction
+from sph.solver.boundaries.friction import apply_wall_friction, set_friction
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
@@ -60,7 +60,7 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
     """
     dt = terms.dt
     alpha = mass_damping(terms.rayleigh_damping)
-    shaking = falling = damped = viscous = rubbed = 0.0
+    shaking = falling = damped = viscous = friction = 0.0
     weight_x, weight_y = gravity * terms.down_x, gravity * terms.down_y
     for i in rows(first, min(last, terms.n_soil)):
         gravity_x, gravity_y = with_seepage(terms.seepage, state.x[i], state.y[i], mass[i], gravity, weight_x, weight_y)
@@ -71,7 +71,7 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
         vy_old = state.vy[i]
         free_x = (vx_old * keep + (state.ax[i] - ground + gravity_x) * dt) * lose
         free_y = (vy_old * keep + (state.ay[i] + (gravity_y - vertical)) * dt) * lose
-        held_x, held_y = rub(terms.wall_friction, state, i, free_x, free_y, dt)
+        held_x, held_y = apply_wall_friction(terms.wall_friction, state, i, free_x, free_y, dt)
         vx, vy = drive(terms.prescribed_motion, state.x[i], state.y[i], held_x, held_y)
         state.vx[i] = vx
         state.vy[i] = vy
@@ -83,13 +83,13 @@ def kick_and_drift(state, terms, mass, ground, vertical, gravity, extra_damping,
         forced_x, forced_y = _rate(terms.prescribed_motion, vx, held_x, dt), _rate(terms.prescribed_motion, vy, held_y, dt)
         shaking += mass[i] * ((forced_x - ground) * mean_x + (forced_y - vertical) * mean_y)
         falling += mass[i] * (gravity_x * mean_x + gravity_y * mean_y)
-        rubbed += mass[i] * (
+        friction += mass[i] * (
             _rate(terms.wall_friction, free_x, held_x, dt) * mean_x + _rate(terms.wall_friction, free_y, held_y, dt) * mean_y
         )
         # Damping acts on the velocity that friction or a prescribed motion has not changed yet.
         damped += mass[i] * rate * 0.5 * ((free_x + vx_old) * mean_x + (free_y + vy_old) * mean_y)
         viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
-    return shaking * dt, falling * dt, damped * dt, viscous * dt, rubbed * dt
+    return shaking * dt, falling * dt, damped * dt, viscous * dt, friction * dt
 
 
 @jit

@@ -67,9 +67,9 @@ def place_particles(scene: Scene) -> Particles:
         (sides, (*_grid(columns + layers, right), SIDE)),
     ]
     absorbing = [block for kind, block in wanted if kind.absorbs]
-    fixed = [block for kind, block in wanted if kind.grips and not kind.reflects]
-    no_slip = [block for kind, block in wanted if kind.reflects and not kind.lets_go]
-    contact = [block for kind, block in wanted if kind.lets_go]
+    fixed = [block for kind, block in wanted if kind.holds_soil and not kind.reflects]
+    no_slip = [block for kind, block in wanted if kind.reflects and not kind.unilateral]
+    contact = [block for kind, block in wanted if kind.unilateral]
     slip = [block for kind, block in wanted[:2] if kind.slips]
     slip_sides = [block for kind, block in wanted[2:] if kind.slips]
     first_fixed = sum(len(c) for c, _, _ in soil + absorbing)

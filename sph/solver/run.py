@@ -22,7 +22,7 @@ from sph.solver.early_stop import rest_reason
 from sph.solver.guard import likely_cause, trouble
 from sph.solver.recording import Recording
 from sph.solver.restart import restart_of, take_over
-from sph.solver.simulation import TURNS, Simulation
+from sph.solver.simulation import POWER_ITERATIONS, Simulation
 from sph.solver.state import FAILED
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
@@ -163,7 +163,7 @@ class Run:
         simulation, recording = self.simulation, self.recording
         regular = recording.is_regular()
         if regular and simulation.step:
-            simulation.measure_limit(TURNS)
+            simulation.measure_limit(POWER_ITERATIONS)
         if recording.has_frame(simulation.step):
             recording.add_frame()
         if regular:

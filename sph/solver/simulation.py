@@ -21,8 +21,8 @@ from sph.solver.state import FAILURES, INTERNAL, State, initial_state
 from sph.solver.terms import make_terms, only, wanted_terms
 from sph.solver.time_step import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
-FIRST_TURNS, TURNS = 60, 6
-"""Turns of the power iteration that measures the limit of the time step, at the start and at every frame."""
+FIRST_POWER_ITERATIONS, POWER_ITERATIONS = 60, 6
+"""Power iterations that measure the limit of the time step, at the start and at every frame."""
 
 
 class Saved(NamedTuple):
@@ -64,7 +64,7 @@ class Simulation:
             self.present_limit = PresentLimit(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.list_terms)
             self.advance_steps(0)
-            self.measure_limit(FIRST_TURNS if self.step == 0 else 0)
+            self.measure_limit(FIRST_POWER_ITERATIONS if self.step == 0 else 0)
             self.elastic_energy()
             self.cauchy_stress()
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
@@ -98,12 +98,12 @@ class Simulation:
         self.step += made
         return failed, made
 
-    def measure_limit(self, turns: int) -> None:
+    def measure_limit(self, iterations: int) -> None:
         """Measure the limit of the time step as the particles lie."""
         frequency = stiffest_frequency(
-            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers", "no_slip"), self.team[0].gradient, turns
+            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers", "no_slip"), self.team[0].gradient, iterations
         )
-        if turns:
+        if iterations:
             self.limit = self.present_limit.seconds(frequency)
 
     def adapt(self) -> str:

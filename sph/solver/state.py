@@ -133,8 +133,8 @@ def _held(particles: Particles, scene: Scene) -> np.ndarray:
     held = np.arange(particles.x.size) >= particles.n_soil
     columns, rows = scene.lattice
     dx, support = scene.numerics.spacing, 2.0 * scene.numerics.smoothing_length
-    if scene.walls.kinds.sides.grips:
+    if scene.walls.kinds.sides.holds_soil:
         held |= np.minimum(particles.x, columns * dx - particles.x) < support
-    if scene.walls.kinds.top.grips:
+    if scene.walls.kinds.top.holds_soil:
         held |= rows * dx - particles.y < support
     return held

@@ -13,7 +13,7 @@ over k is computed from the scene's kernel and spacing, not assumed.  With omega
 
 Particles out of their lattice have stiffer modes: in the debris of the paper's scene the largest frequency is 1.2 times
 that of the lattice at h = 1.3 spacings and 2.2 times at h = 2.3, at the same density.  So the largest frequency is also measured
-on the present arrangement, by power iteration on the undamped elastic operator, a few turns at every frame from where the last
+on the present arrangement, by power iteration on the undamped elastic operator, a few iterations at every frame from where the last
 frame left it (``stiffest_frequency``).  A run records the limit beside its step, and with ``adaptive_step`` keeps to it; one with
 a fixed step says when it was exceeded.  Stiffness damping counts in the lattice limit only: failed soil has lost it.
 """
@@ -88,14 +88,14 @@ class PresentLimit:
 
 
 @entry
-def stiffest_frequency(state, pairs, terms, gradient, turns):  # type: ignore[no-untyped-def]
-    """Largest angular frequency (rad/s) of elastic waves among the particles as they lie; a lower bound that turns improve.
+def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: ignore[no-untyped-def]
+    """Largest angular frequency (rad/s) of elastic waves among the particles as they lie; a lower bound that iterations improve.
 
     ``state`` is one whose velocities hold the mode, which is improved in place, and whose stresses and accelerations are free to use.
     """
     n = state.x.size
     square = 0.0
-    for _ in range(turns):
+    for _ in range(iterations):
         for i in range(terms.n_moving, n):
             state.vx[i] = 0.0
             state.vy[i] = 0.0

@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.particles import place_particles
-from sph.solver.simulation import TURNS
+from sph.solver.simulation import POWER_ITERATIONS
 from sph.solver.time_step import limits
 from sph.stability.extrapolation import at_spacing, unasked_spacings
 from sph.stability.record import SEARCHES
@@ -82,7 +82,9 @@ def cost(scene: Scene, since: float = 0.0, until: float | None = None) -> Cost:
         particles=n,
         neighbours=neighbours,
         steps=steps,
-        seconds=(steps + TURNS * frames) * a_step + renewed * n * neighbours * RENEWAL + (until - since) / outputs.series_interval * SAMPLE,
+        seconds=(steps + POWER_ITERATIONS * frames) * a_step
+        + renewed * n * neighbours * RENEWAL
+        + (until - since) / outputs.series_interval * SAMPLE,
         memory=PROCESS + (n * neighbours * BYTES_OF_NEIGHBOUR + stored * BYTES_OF_STORED) / MIB,
         disk=(stored * FILED + n * FILED_STATE + sampled * FILED_SAMPLE) / MIB,
     )

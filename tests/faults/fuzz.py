@@ -209,7 +209,7 @@ def scene(data: Any, folder: Path) -> str:
     if not numba.config.DISABLE_JIT and variant(loaded) not in map(variant, map(make_scene, SCENES)):
         return "accepted, not compiled"
     warnings.simplefilter("ignore")
-    with mock.patch("sph.solver.simulation.FIRST_TURNS", STEPS):
+    with mock.patch("sph.solver.simulation.FIRST_POWER_ITERATIONS", STEPS):
         first_steps(loaded)
     return "accepted, run"
 

@@ -52,7 +52,7 @@ def keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def
 
 
 @jit
-def let_go(term, state, contact, i):  # type: ignore[no-untyped-def]
+def detach(term, state, contact, i):  # type: ignore[no-untyped-def]
     """Note whether contact lets particle i go in this step; returns the part of the wall's b that it then does not see, kg/m4."""
     if term is None:
         return 0.0, 0.0
@@ -60,13 +60,13 @@ def let_go(term, state, contact, i):  # type: ignore[no-untyped-def]
         bx, by = contact[i, 0], contact[i, 1]
         pull = state.sxx[i] * bx * bx + 2.0 * state.sxy[i] * bx * by + state.syy[i] * by * by
         leaves = state.vx[i] * bx + state.vy[i] * by < 0.0
-        gone = 1.0 if leaves and pull > term.tension * (bx * bx + by * by) else 0.0
-        contact[i, 2] = gone
-        return gone * bx, gone * by
+        share = 1.0 if leaves and pull > term.tension * (bx * bx + by * by) else 0.0
+        contact[i, 2] = share
+        return share * bx, share * by
 
 
 @jit
-def gone(term, contact, i):  # type: ignore[no-untyped-def]
+def detached(term, contact, i):  # type: ignore[no-untyped-def]
     """The part of the wall's b that particle i does not see in this step, kg/m4."""
     if term is None:
         return 0.0, 0.0
@@ -78,4 +78,6 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Cont
     return Contact(particles.first_contact, 1e3 * scene.walls.tension / scene.soil.density**2)
 
 
-TERM = Term("contact", "walls.base, walls.sides, walls.top: contact", lambda scene: any(kind.lets_go for kind in scene.walls.kinds), _make)
+TERM = Term(
+    "contact", "walls.base, walls.sides, walls.top: contact", lambda scene: any(kind.unilateral for kind in scene.walls.kinds), _make
+)

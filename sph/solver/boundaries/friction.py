@@ -43,7 +43,7 @@ def _held(limit, v, dt):  # type: ignore[no-untyped-def]
 
 
 @jit
-def rub(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+def apply_wall_friction(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
     """Velocity of particle i after the friction of the walls."""
     if term is None:
         return vx, vy

@@ -18,7 +18,7 @@ import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries.contact import contact_part, keep_contact, let_go
+from sph.solver.boundaries.contact import contact_part, detach, keep_contact
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -101,8 +101,8 @@ def add_wall_gradient(term, contact, state, pairs, i, vx, vy, l_xx, l_xy, l_yx, 
     if term is None:
         return l_xx, l_xy, l_yx, l_yy
     else:
-        gone_x, gone_y = let_go(contact, state, pairs.contact, i)
-        b_x, b_y = pairs.wall[i, 0] - gone_x, pairs.wall[i, 1] - gone_y
+        detached_x, detached_y = detach(contact, state, pairs.contact, i)
+        b_x, b_y = pairs.wall[i, 0] - detached_x, pairs.wall[i, 1] - detached_y
         return l_xx - vx * b_x, l_xy - vx * b_y, l_yx - vy * b_x, l_yy - vy * b_y
 
 

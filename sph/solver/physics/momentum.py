@@ -12,7 +12,7 @@ needs no loop, because sum_j g_ij is kept with the pairs.
 
 from __future__ import annotations
 
-from sph.solver.boundaries.contact import gone
+from sph.solver.boundaries.contact import detached
 from sph.solver.boundaries.no_slip import add_wall_gradient
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.physics.artificial_viscosity import add_dissipation, viscous_acceleration
@@ -54,9 +54,9 @@ def stress_accelerations(state, pairs, term, contact, layers, viscosity, strain_
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(term, state)
     for i in rows(first, last):
-        gone_x, gone_y = gone(contact, pairs.contact, i)
-        ax = sxx[i] * (pairs.sum_x[i] - gone_x) + sxy[i] * (pairs.sum_y[i] - gone_y)
-        ay = syx[i] * (pairs.sum_x[i] - gone_x) + syy[i] * (pairs.sum_y[i] - gone_y)
+        detached_x, detached_y = detached(contact, pairs.contact, i)
+        ax = sxx[i] * (pairs.sum_x[i] - detached_x) + sxy[i] * (pairs.sum_y[i] - detached_y)
+        ay = syx[i] * (pairs.sum_x[i] - detached_x) + syy[i] * (pairs.sum_y[i] - detached_y)
         sum_x = sum_y = 0.0
         for k in range(pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]

@@ -81,13 +81,20 @@ class Seams(NamedTuple):
 
 
 @jit
+def _soil_row(term, i):  # type: ignore[no-untyped-def]
+    """Row of particle i among those of soil at seams; -1 for one that is not there."""
+    k = term.row[i]
+    return k if k < term.soil_rows else -1
+
+
+@jit
 def slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
     """Deviator (d, q) of a state of particle i, with its weight, whose stress on the seam is at most the seam's strength."""
     if term is None:
         return d, q
     else:
-        k = term.row[i]
-        if k < 0 or k >= term.soil_rows:
+        k = _soil_row(term, i)
+        if k < 0:
             return d, q
         c, s = term.cosine[k], term.sine[k]
         along, shear = d * c + q * s, q * c - d * s
@@ -113,8 +120,8 @@ def keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
     if term is None:
         return
     else:
-        k = term.row[i]
-        if k >= 0 and k < term.soil_rows:
+        k = _soil_row(term, i)
+        if k >= 0:
             term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
 
 
@@ -124,8 +131,8 @@ def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
     if term is None:
         return d, q
     else:
-        k = term.row[i]
-        if k < 0 or k >= term.soil_rows:
+        k = _soil_row(term, i)
+        if k < 0:
             return d, q
         along = d * term.cosine[k] + q * term.sine[k]
         return along * term.cosine[k], along * term.sine[k]

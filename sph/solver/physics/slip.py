@@ -115,7 +115,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Slip
     across, up = (min(math.ceil(wanted.width / dx), count) for count in scene.lattice)  # a larger width reaches no further soil
     x, y = (np.arange(-reach, reach + 1) * dx / wanted.width for reach in (across, up))
     weights = np.maximum(1.0 - x[:, None] ** 2 - y**2, 0.0) ** 2
-    base, side, top = (WALL if kind.grips or kind.reflects else NONE for kind in scene.walls.kinds)
+    base, side, top = (WALL if kind.holds_soil or kind.reflects else NONE for kind in scene.walls.kinds)
     base = WALL if scene.walls.kinds.base.absorbs else base
     grid = np.pad(grid, ((0, 0), (up, up)), constant_values=((NONE, NONE), (base, top)))
     sides = ((across, across), (0, 0))
