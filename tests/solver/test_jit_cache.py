@@ -5,7 +5,6 @@ from __future__ import annotations
 import ast
 import json
 import os
-import platform
 import subprocess
 import sys
 from collections.abc import Callable
@@ -17,8 +16,7 @@ import pytest
 
 import sph
 from sph.jobs.progress import compiling
-from sph.solver.compiled.inlined import InlinedLibrary
-from sph.solver.compiled.jit import COMPILED, OPTIONS, before_compiling, compile_lock, jit
+from sph.solver.compiled.jit import COMPILED, before_compiling, compile_lock
 
 PACKAGE = Path(sph.__file__).parent
 
@@ -98,18 +96,6 @@ def test_cache_folder_follows_the_environment(tmp_path: Path, name: str, relativ
     assert Path(used).parent == Path(folder) == place
     assert own == "", "the user's own functions are cached where they were"
     assert [path.name for path in tmp_path.iterdir()] == ["place"]
-
-
-@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="other processors have no such instructions to leave out")
-def test_no_gather_instructions_unless_the_user_says_what_the_processor_has() -> None:
-    def features(**chosen: str) -> str:
-        text = "import sph.solver.compiled.jit, numba; print(numba.config.CPU_FEATURES)"
-        given = {name: value for name, value in environment(PACKAGE.parent).items() if name != "NUMBA_CPU_FEATURES"} | chosen
-        return subprocess.run([sys.executable, "-c", text], env=given, check=True, capture_output=True, text=True).stdout.strip()
-
-    assert features(NUMBA_CPU_FEATURES="+sse2") == "+sse2"
-    own = features().split(",")
-    assert "+prefer-no-gather" in own and "+sse2" in own
 
 
 # ---------------------------------------------------------------- the race
@@ -301,24 +287,6 @@ def cached(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[..., 
 def test_compiled_and_loaded_code_give_the_same_bits(cached: Cached) -> None:
     """The first process on a machine compiles, the others of a study load."""
     assert cached.run() == ("0", cached.digest)
-
-
-def test_what_is_inlined_gets_no_machine_code_of_its_own() -> None:
-    @jit
-    def inner(x):  # type: ignore[no-untyped-def]
-        return 2.0 * x + 1.0
-
-    @numba.jit(**OPTIONS)
-    def outer(x):  # type: ignore[no-untyped-def]
-        return inner(x)
-
-    assert outer(3.0) == 7.0
-    (inlined,), (called,) = inner.overloads.values(), outer.overloads.values()
-    engine = called.library.codegen._engine
-    assert engine.is_symbol_defined(called.fndesc.llvm_func_name)
-    assert isinstance(inlined.library, InlinedLibrary)
-    assert not engine.is_symbol_defined(inlined.fndesc.llvm_func_name)
-    assert inlined.fndesc.llvm_func_name not in called.library.get_llvm_str(), "inlined everywhere"
 
 
 # ---------------------------------------------------------------- the folder

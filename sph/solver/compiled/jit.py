@@ -16,34 +16,25 @@ import gc
 import hashlib
 import json
 import os
-import platform
 import tempfile
 import time as clock
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
-from functools import cache, update_wrapper
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import llvmlite.binding
 import numba
 import numpy as np
 from filelock import FileLock
 from numba.core import event
-from numba.core.codegen import get_host_cpu_features
-from numba.core.registry import CPUDispatcher
 
-from sph.solver.compiled.inlined import InlinedCompiler
+from sph.solver.compiled.numba_internals import InlinedCompiler, SolverCompiler, cache_in, inlined_dispatcher
 from sph.solver.compiled.private import PRIVATE, for_user_alone, make_private, refuse_shared
 from sph.storage.sources import sources_digest
 
 FASTMATH = {"reassoc", "contract", "arcp", "nsz"}
 """Reordering of sums so that loops vectorise; NaN and infinity keep their meaning for the guard."""
-
-OVERLAP_CHECKS = 1000
-"""How many pairs of arrays LLVM may test for overlap before a loop in order to vectorise it; the loop over the stress
-state touches some twenty arrays, and with the usual limit of 8 stays scalar."""
-
 
 PACKAGE = Path(__file__).resolve().parents[2]
 SOURCES = ("scene", "solver", "storage/trajectory.py")
@@ -88,44 +79,25 @@ def cache_folder() -> Path:
     return home.absolute() / compiled_digest()
 
 
-if numba.config.CPU_FEATURES is None and platform.machine() in ("x86_64", "AMD64"):  # type: ignore[attr-defined]
-    # Eight single loads are faster than the processor's own gather of eight (by a third on Zen 4), and half vectors fill more rows.
-    numba.config.CPU_FEATURES = f"{get_host_cpu_features()},+prefer-no-gather,+prefer-256-bit"  # type: ignore[attr-defined, no-untyped-call]
-llvmlite.binding.set_option("sph", f"-runtime-memory-check-threshold={OVERLAP_CHECKS}")
-# One vector a turn: rows of neighbours are short, and what does not fill a turn is done one by one (a fifth at 19 neighbours).
-llvmlite.binding.set_option("sph", "-force-vector-interleave=1")
-OPTIONS: dict[str, Any] = {"nopython": True, "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True}
+OPTIONS: dict[str, Any] = {
+    "nopython": True, "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True, "pipeline_class": SolverCompiler,
+}  # fmt: skip
 """Sums may be reordered, division by zero gives infinity; everything is inlined.
 
 Inlining makes code compiled here and code loaded from the cache give the same bits; without it they differ in rounding from the first
 step (a test compares them), probably because a function called from the cached object is optimised apart from the one compiled
 here, with sums in another order.
 """
-INLINED: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-"""For what is compiled into its callers and has no calls from Python or C."""
+INLINED: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": InlinedCompiler}
+"""For what is compiled into its callers: wrappers for calls from Python would take more time to compile than the functions themselves
+(measured: a variant of ``advance`` takes 26 s, with wrappers 63 s)."""
 _uncached: list[Any] = []
 """Entries whose compiled code is not kept yet."""
 
 
-class _Part(CPUDispatcher):
-    """A function compiled into those that call it.
-
-    A wrapper for calls from Python would take more time to compile than the function itself (measured: a variant of ``advance``
-    takes 26 s, with wrappers 63 s).  A call from Python makes one then.
-    """
-
-    def __call__(self, *arguments: Any) -> Any:
-        return self.__dict__.setdefault("_outer", numba.jit(**OPTIONS)(lambda *given: self(*given)))(*arguments)
-
-
 def jit(function: Callable[..., Any]) -> Any:
     """Compile for the solver, into the functions that call this one; from Python it can be called too, but is compiled in each process."""
-    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-        return function
-    return update_wrapper(
-        _Part(function, targetoptions=OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}, pipeline_class=InlinedCompiler),
-        function,
-    )
+    return function if numba.config.DISABLE_JIT else inlined_dispatcher(function, INLINED, OPTIONS)  # type: ignore[attr-defined]
 
 
 def entry(function: Callable[..., Any]) -> Any:
@@ -209,7 +181,7 @@ def _cache(variant: str) -> Iterator[None]:
     try:
         make_private(folder)
         refuse_shared(folder)
-        with FileLock(folder / "lock", mode=PRIVATE), for_user_alone():
+        with _alone(folder):
             _keep_in(folder)
         with ExitStack() as stack:
             if variant:
@@ -236,26 +208,11 @@ def _keep_in(folder: Path) -> None:
     """Have numba cache every entry there; where it could not write, it would choose another place without a word: OSError."""
     for place in (folder, *folder.glob("*/")):
         tempfile.TemporaryFile(dir=place).close()
-    earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
     while _uncached:
-        compiled = _uncached.pop()
-        compiled.enable_caching()
-        compiled._cache._cache_file = _OneAtATime(compiled._cache._cache_file, folder)
-    numba.config.CACHE_DIR = earlier  # type: ignore[attr-defined]
+        cache_in(_uncached.pop(), folder, lambda: _alone(folder))
 
 
-class _OneAtATime:
-    """numba's files of an entry, for one process at a time: it reads the list of variants, adds its own and writes it again."""
-
-    def __init__(self, files: Any, folder: Path) -> None:
-        self.files, self.folder = files, folder
-
-    def load(self, key: Any) -> Any:
-        """The code of a variant, None if it is not there."""
-        with FileLock(self.folder / "lock", mode=PRIVATE):
-            return self.files.load(key)
-
-    def save(self, key: Any, data: Any) -> None:
-        """Add the code of a variant."""
-        with FileLock(self.folder / "lock", mode=PRIVATE), for_user_alone():
-            self.files.save(key, data)
+@contextmanager
+def _alone(folder: Path) -> Iterator[None]:
+    with FileLock(folder / "lock", mode=PRIVATE), for_user_alone():
+        yield

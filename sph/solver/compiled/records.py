@@ -21,6 +21,8 @@ from numba.core import cgutils
 from numba.core.typing.templates import AttributeTemplate
 from numba.extending import NativeValue, infer_getattr, lower_getattr_generic, models, register_model, typeof_impl, unbox
 
+from sph.solver.compiled.numba_internals import describe_array
+
 
 class Record(types.Type):
     """Type of a record by the class of the named tuple and the types of its fields.
@@ -107,7 +109,7 @@ def _from_python(record, value, c):  # type: ignore[no-untyped-def]
     for index, member in enumerate(record.types):
         item, place = c.pyapi.tuple_getitem(value, index), _place(builder, table, index)
         if isinstance(member, types.Array):
-            wrong = cgutils.is_not_null(builder, _describe_array(c, item, place))
+            wrong = cgutils.is_not_null(builder, describe_array(c, item, place))
         else:
             native = c.unbox(member, item)
             assert native.cleanup is None, f"{record}: {member} cannot be taken by reference"
@@ -118,10 +120,3 @@ def _from_python(record, value, c):  # type: ignore[no-untyped-def]
     pointer = builder.bitcast(table, c.pyapi.voidptr)
     known = builder.asm(ir.FunctionType(pointer.type, [pointer.type]), "", "=r,0,~{memory}", [pointer], side_effect=True)
     return NativeValue(known, is_error=failed)
-
-
-def _describe_array(c: Any, array: Any, place: Any) -> Any:
-    """Write an array's place and shape, without owning it, by numba's own function; not 0 for what is no array."""
-    kind = ir.FunctionType(ir.IntType(32), [c.pyapi.pyobj, c.pyapi.voidptr])
-    describe = cgutils.get_or_insert_function(c.builder.module, kind, "numba_adapt_ndarray")
-    return c.builder.call(describe, [array, c.builder.bitcast(place, c.pyapi.voidptr)])

@@ -12,7 +12,6 @@ from typing import Any
 import numba
 from numba.extending import overload
 
-from sph.solver.compiled.inlined import InlinedCompiler
 from sph.solver.compiled.jit import INLINED, OPTIONS
 
 Function = Callable[..., Any]
@@ -35,7 +34,7 @@ def slot(function: Function) -> Any:
     def of(record: type) -> Callable[[Function], Function]:
         return lambda body: own.setdefault(record, body)
 
-    overload(from_python, jit_options=INLINED | {"pipeline_class": InlinedCompiler})(choose)  # type: ignore[arg-type]
+    overload(from_python, jit_options=INLINED)(choose)  # type: ignore[arg-type]
     from_python.of = of  # type: ignore[attr-defined]
     return from_python
 
