@@ -237,10 +237,10 @@ def resolved_claim_lines() -> Iterator[tuple[str, ...]]:
 def slip_level_lines() -> Iterator[tuple[str, ...]]:
     """Rows (slope, S_R, slip at the residual strength, bracket at each spacing) of the critical amplitude."""
     table = read_levels()
-    table = table[table["slip_at_residual"].notna()].fillna({"S_R": ""})
-    for (study, ratio, slip), rows in table.groupby(["study", "S_R", "slip_at_residual"], sort=False):
+    table = table[table["slip_at_residual"].notna()]
+    for (study, ratio, slip), rows in table.groupby(["study", "S_R", "slip_at_residual"], sort=False, dropna=False):
         brackets = {row["case"]: _bracket(row) for row in rows.to_dict("records")}
-        said = f"{ratio:.2f}" if isinstance(ratio, float) else ""
+        said = "" if math.isnan(float(str(ratio))) else f"{ratio:.2f}"
         yield str(study), said, f"{1e3 * float(str(slip)):.0f} mm", *(brackets.get(case, "") for case in SLIP_CASES)
 
 
@@ -253,7 +253,7 @@ def slip_choice_lines() -> Iterator[tuple[str, ...]]:
 
 
 def _bracket(row: Mapping[Any, Any]) -> str:
-    return f"{row['lower']:.4g} to {row['upper']:.4g}"
+    return f"above {row['lower']:.4g}" if math.isnan(row["upper"]) else f"{row['lower']:.4g} to {row['upper']:.4g}"
 
 
 def solid_state_lines() -> Iterator[tuple[str, ...]]:
