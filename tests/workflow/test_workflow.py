@@ -298,7 +298,7 @@ def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "workflow" / "rules").glob("*.smk")), ids=lambda path: path.stem)
 def test_every_result_in_snakemakes_report_has_a_caption_a_category_and_a_label(path: Path) -> None:
     """With one key of labels throughout: Snakemake shows bare file names in a category where one is missing."""
-    if path.stem == "tables":  # whose words are those of the registry and of the steps
+    if path.stem == "common":  # whose words are those of the registry and of the steps
         assert (path.parents[1] / "report" / "about.rst").is_file()
         assert all(each.title and each.about and any(table.shows for table in each.tables.values()) for each in EXPERIMENTS.values())
         return
