@@ -14,7 +14,7 @@ FEWEST_IN_LENGTH = 3
 """Spacings in the length over which plastic strain is averaged before soil fails."""
 SHORTEST_ZONE = 3.0
 """Zone over which slip develops, over the height, from which on the critical amplitude no longer changes with the spacing: measured, with
-zones of 0.8 and 1.3 heights it falls by 28 and 7 %, with 4 and more by 3 % at most (docs/model/softening.md)."""
+a zone of 0.8 heights it falls by 30 %, with 4 and more by 3 % at most from 20 rows over the height on (docs/model/softening.md)."""
 
 
 def slip_zone(scene: Scene, soil: Soil, layer: Layer | None) -> float:
