@@ -1,8 +1,15 @@
 # Purpose: the reference cases: does the solver give the numbers that are known? (`snakemake --cores 2 validation`)
 # Inputs:  config/validation.yaml (config: experiments); the sources of solver, analysis and drawing.
 # Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv, book.md, book.pdf
-from sph.validation.suite import FOLDER as VALIDATION
+import functools
 
+from sph.validation.suite import FOLDER as VALIDATION, load_suite
+
+# Read and checked once a rule of the suite is asked for.
+SUITE = functools.cache(
+    functools.partial(load_suite, PLAN.study.file_of("validation"), PLAN, FOLDERS)
+)
+RUN_OF[VALIDATION] = lambda name: SUITE().runs[name]
 VALIDATING = DRAWING + sources("validation/*.py")
 
 
@@ -19,7 +26,7 @@ rule validation:
         lambda wildcards: expand(
             "{validation}/figures/{case}.{kind}",
             validation=VALIDATION,
-            case=CATALOGUE.suite.cases,
+            case=SUITE().cases,
             kind=["png", "pdf"],
         ),
 
@@ -28,7 +35,7 @@ rule validation_case:
     """Measure a case on all its levels, and draw it."""
     input:
         runs=lambda wildcards: [
-            run.file for run in CATALOGUE.suite.files(wildcards.case)
+            f"{VALIDATION}/runs/{run}.nc" for run in SUITE().files(wildcards.case)
         ],
     output:
         csv=f"{VALIDATION}/cases/{{case}}.csv",
@@ -43,7 +50,7 @@ rule validation_case:
         f"{VALIDATION}/logs/{{case}}.log",
     params:
         sources=SEARCHING + VALIDATING,
-        suite=lambda wildcards: CATALOGUE.suite.plan(wildcards.case),
+        suite=lambda wildcards: SUITE().plan(wildcards.case),
     script:
         "../scripts/validation/measure_case.py"
 
@@ -54,7 +61,7 @@ rule validation_table:
         lambda wildcards: expand(
             "{validation}/cases/{case}.csv",
             validation=VALIDATION,
-            case=CATALOGUE.suite.cases,
+            case=SUITE().cases,
         ),
     output:
         report(
@@ -74,14 +81,14 @@ rule validation_book:
     input:
         table=f"{VALIDATION}/validation.csv",
         runs=lambda wildcards: [
-            run.file
-            for case in CATALOGUE.suite.cases
-            for run in CATALOGUE.suite.files(case)
+            f"{VALIDATION}/runs/{run}.nc"
+            for case in SUITE().cases
+            for run in SUITE().files(case)
         ],
         pictures=lambda wildcards: expand(
             "{validation}/figures/{case}.png",
             validation=VALIDATION,
-            case=CATALOGUE.suite.cases,
+            case=SUITE().cases,
         ),
     output:
         f"{VALIDATION}/book.md",
@@ -90,8 +97,6 @@ rule validation_book:
         f"{VALIDATION}/logs/book.log",
     params:
         sources=SEARCHING + VALIDATING,
-        plans=lambda wildcards: [
-            CATALOGUE.suite.plan(case) for case in CATALOGUE.suite.cases
-        ],
+        plans=lambda wildcards: [SUITE().plan(case) for case in SUITE().cases],
     script:
         "../scripts/validation/write_book.py"
