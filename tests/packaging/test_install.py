@@ -99,10 +99,7 @@ def test_it_is_the_installed_package_that_is_tested(installed: Path, elsewhere: 
     [
         ("--help", "yield-acceleration"),
         ("info slope.yaml", "particles"),
-        ("reference scene", "`geometry`"),
-        ("reference trade", "`fidelity: paper`"),
-        ("reference limits", "`as it is`"),
-        ("reference validation", "`V1`"),
+        ("schema scene", '"geometry"'),
         ("advise --error 50%", "command line"),
         ("newmark slope.yaml --ay 0.1g", "m"),
     ],
