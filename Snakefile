@@ -16,8 +16,8 @@ from sph.study.plan import claim_results
 from sph.study.planned import contents, planned, sources
 from sph.study.preflight import MOST_SCENES, preflight_searches
 from sph.study.sampling import chosen_study
-from sph.study.searches import SAFETY, SLOPE_LIMITS, searched_limit
-from sph.experiments.trigger.design import load_trigger, plan_of
+from sph.study.searches import SAFETY
+from sph.jobs.catalogue import ALONE, Catalogue
 from sph.scene.configuration import check_files
 from sph.solver.compiled.jit import solver_digest
 
@@ -44,12 +44,8 @@ PLAN = load_study(
 RESULTS = PLAN.folder
 # What the page shows: of these files every study has some, one over the paper's dimensions its claims and Figures 1-7.
 SECTIONS = sections_of(PLAN.study)
-# Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
-RUN = "{folder}/runs/{run}.nc"
-TRIGGER = functools.cache(
-    lambda: load_trigger(PLAN.experiment_file("trigger"), PLAN, FOLDERS)
-)
-PLANS = functools.partial(plan_of, PLAN, TRIGGER)
+# Every run that there is to make; configurations of experiments are read once a rule of theirs is asked for.
+CATALOGUE = Catalogue(PLAN, FOLDERS, check=workflow.is_main_process)
 # Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
 SOLVER = solver_digest()
 SEARCHING = SOLVER + sources("stability/*.py")
@@ -68,9 +64,11 @@ report: "workflow/report/workflow.rst"
 
 
 wildcard_constraints:
-    gravity="gravity(_[^/]+)?",
-    pre_failure="pre_failure(_[^/]+)?",
-    folder=f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+)?",
+    folder="|".join(
+        [f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+|/sensitivity)?"]
+        + list(map(re.escape, ALONE))
+    ),
+    run=".+",
 
 
 rule all:
@@ -85,21 +83,23 @@ rule all:
 onstart:
     if workflow.is_main_process:
         claim_results(PLAN)
+        CATALOGUE.write()
 
 
 onsuccess:
+    if workflow.is_main_process:
+        CATALOGUE.write()
     if os.path.isfile(f"{RESULTS}/report.html"):
         print(f"{RESULTS}/report.html: the study on one page", file=sys.stderr)
 
 
-include: "workflow/rules/resources.smk"
+include: "workflow/rules/common.smk"
+include: "workflow/rules/run.smk"
 include: "workflow/rules/study.smk"
+include: "workflow/rules/tables.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/paper.smk"
+include: "workflow/rules/rounds.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/experiments.smk"
 include: "workflow/rules/validation.smk"
-include: "workflow/rules/sensitivity.smk"
-include: "workflow/rules/trigger.smk"
 include: "workflow/rules/docs.smk"
-include: "workflow/rules/simulate.smk"  # the last: it runs the experiments that those above have named

@@ -29,8 +29,8 @@ ORDER = (
     ("page",),
 )
 """The folders of the package from the lowest to the highest; those of one row do not know each other either."""
-KNOW_THE_PAPER = {"__init__.py", "command/schema.py", "command/status.py", "page/paper.py"}
-"""The modules outside ``sph/paper`` that import from it: where a study's file is read and its page made."""
+KNOW_THE_PAPER = {"__init__.py", "command/schema.py", "command/status.py", "jobs/tables/paper.py", "page/paper.py"}
+"""The modules outside ``sph/paper`` that import from it: where a study's file is read, its page and its tables made."""
 
 
 def imports(path: Path) -> set[str]:
@@ -83,7 +83,7 @@ def test_jobs_do_not_load_the_command_line() -> None:
 
 def test_a_job_loads_of_scipy_what_it_uses() -> None:
     """``scipy.signal`` and ``scipy.stats`` take as long to load as everything else that a simulation needs."""
-    script = SPH.parent / "workflow" / "scripts" / "simulate" / "simulate.py"
+    script = SPH.parent / "workflow" / "scripts" / "simulate.py"
     code = "import runpy, sys\nrunpy.run_path(sys.argv[1])\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code, str(script)], cwd=SPH.parent, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())

@@ -13,11 +13,12 @@ import pandas as pd
 import xarray as xr
 from pydantic import model_validator
 
-from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, checked, file_name
+from sph.experiments.base import Cases, Experiment, Label, Overrides, Table, Trace, check_file_names, checked, file_name
 from sph.measures.metrics import METRIC_BY_NAME, PROBE, MetricSettings, measure
 from sph.scene.configuration import found_file, key, merge, read_scene, read_yaml, validated
 from sph.storage.trajectory import Variable
 from sph.study.plan import Plan
+from sph.study.runs import Run
 from sph.study.tables import ROW, read_csv
 
 SHIPPED = Path(__file__).with_name("measured") / "limits.csv"
@@ -27,7 +28,7 @@ QUANTITIES = ("displacement_magnitude", "runout")
 LIMITS: tuple[Variable, ...] = (
     Variable("change", ROW, "str", "1", "what differs from the scene as it is"),
     Variable("case", ROW, "str", "1", "point of the study"),
-    *(METRIC_BY_NAME[name]._replace(dims=ROW) for name in ("collapse_class", *QUANTITIES)),
+    *(METRIC_BY_NAME[name] for name in ("collapse_class", *QUANTITIES)),
     *(
         Variable(f"{name}_change", ROW, "f8", "1", f"{name} over that of the scene as it is, minus 1; NaN where that is 0")
         for name in QUANTITIES
@@ -107,4 +108,5 @@ EXPERIMENT = Experiment(
     load_limits,
     _measure,
     {"limits.csv": Table(LIMITS, "every change")},
+    Trace(("change", "case"), lambda design: {row: [run_name(*row)] for row in design.rows}, measure),
 )

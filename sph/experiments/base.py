@@ -20,6 +20,7 @@ from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
 from sph.storage.trajectory import Variable
 from sph.study.plan import Plan
+from sph.study.runs import Run
 from sph.study.schema import NAME
 
 Overrides = dict[str, Any]
@@ -41,23 +42,12 @@ class Cases(Section):
         return self
 
 
-class Run(NamedTuple):
-    """A run of an experiment: whole, from the start to the end, on one core."""
-
-    scene: dict[str, Any]
-    """as a mapping"""
-    by: str = "simulation"
-    """or the search that makes many runs of the scene (``sph.stability.record.SEARCHES``)"""
-    enforce_limit: bool = True
-    """whether a time step above its limit is refused"""
-
-
 class Design(Protocol):
     """An experiment with its configuration read and its scenes checked."""
 
     @property
     def runs(self) -> Mapping[str, Run]:
-        """By file name without suffix."""
+        """By name, each whole, from the start to the end, on one core."""
 
     @property
     def parameters(self) -> Any:
@@ -70,6 +60,17 @@ class Table(NamedTuple):
     columns: Sequence[Variable]
     shows: str = ""
     """what it is called in Snakemake's report; empty: it is not in there"""
+
+
+class Trace(NamedTuple):
+    """How the rows of the table <name>.csv are traced to their runs (``sph explain``)."""
+
+    named: Sequence[str]
+    """columns that tell rows apart"""
+    runs: Callable[[Any], Mapping[tuple[str, ...], Sequence[str]]]
+    """names of a row's runs by the values of these columns, from the design"""
+    measure: Callable[[xr.Dataset, MetricSettings], Mapping[str, Any]]
+    """columns that the first of these runs gives again"""
 
 
 class Experiment(NamedTuple):
@@ -89,11 +90,17 @@ class Experiment(NamedTuple):
     """the tables by file name, from the design's parameters, what reads a run by its name, and the study's thresholds"""
     tables: Mapping[str, Table]
     """by file name, .csv or .nc, one of them <name>.csv; figures are drawn from all that are .csv (``sph.figures.experiment_figures``)"""
+    trace: Trace | None = None
+    """None where a row is no single run"""
 
     @property
     def folder(self) -> str:
         """Where the results go, relative to the working folder."""
         return f"results/{self.name}"
+
+    def rows(self, design: Design) -> dict[str, Run]:
+        """The runs of its design, in its folder, by name."""
+        return {name: run._replace(id=name, folder=self.folder, target=self.name, group=self.name) for name, run in design.runs.items()}
 
 
 def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> Scene:

@@ -17,7 +17,7 @@ import scipy  # type: ignore[import-untyped]
 import xarray as xr
 from pydantic import Field, model_validator
 
-from sph.experiments.base import Cases, Experiment, Label, Overrides, Run, Table, check_file_names, file_name
+from sph.experiments.base import Cases, Experiment, Label, Overrides, Table, Trace, check_file_names, file_name
 from sph.measures.linked import largest_mass
 from sph.measures.metrics import MetricSettings, energy_gap, outline_area
 from sph.scene.configuration import Section, dotted, found_file, key, merge, read_scene, read_yaml, validated
@@ -28,6 +28,7 @@ from sph.solver.particles import SOIL
 from sph.solver.time_step import check_time_step, limits
 from sph.storage.trajectory import Variable, scene_of
 from sph.study.plan import Plan
+from sph.study.runs import Run
 from sph.study.tables import ROW, number_column, read_csv
 
 TIME_STEP = "time step over limit"
@@ -280,4 +281,9 @@ EXPERIMENT = Experiment(
     load_extremes,
     _measure,
     {"extremes.csv": Table(EXTREMES, "every run")},
+    Trace(
+        ("sweep", "value", "case"),
+        lambda design: {(row.sweep, row.value, row.case): row.runs for row in design.rows},
+        lambda run, settings: {name: value for name, value in measure_extreme(run, False).items() if name != "asymmetry"},
+    ),
 )

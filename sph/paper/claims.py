@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Hashable, Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +19,6 @@ from sph.measures.metrics import COLLAPSE, DAMAGED, MINOR, UNDETERMINED
 from sph.scene.configuration import Section, key
 from sph.scene.units import Acceleration
 from sph.storage.trajectory import Status
-from sph.study.tables import write_csv
 from sph.study.verdicts import FAILS, HOLDS, NOT_COVERED, NOT_YET
 
 COLUMNS = ("claim", "statement", "test", "measured", "verdict")
@@ -397,10 +395,3 @@ def _critical_text(S_R: float, row: Mapping[Hashable, Any] | None) -> str:
     still = ["lower end still moving"] if row["lower_still_moving"] else []
     text = f"S_R {S_R:.2f}: {row['critical_intensity']:.4g} ± {row['resolution_error']:.3g} m/s²"
     return text + (f" ({', '.join(more + still)})" if more + still else "")
-
-
-def write_claims(study: xr.Dataset, path: Path | str, settings: ClaimSettings | None = None) -> pd.DataFrame:
-    """Decide the claims and write them to a CSV atomically; returns the table."""
-    claims = decide_claims(study, settings)
-    write_csv(claims, path)
-    return claims

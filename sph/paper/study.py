@@ -62,6 +62,11 @@ class PaperStudy(AnyStudy):
         shown = {f"fig{number}": [self.name_of(point) for _, point in self.figure_runs(number)] for number in FIGURES}
         return dict.fromkeys(INPUT_FIGURES, shown["fig4"][:1]) | shown
 
+    def figure_titles(self, figure: str) -> list[list[str]]:
+        """Titles of the runs of Figs. 4-7: panel, where there are several, and curve."""
+        of = {f"fig{number}": number for number in FIGURES}
+        return [list(titles) for titles, _ in self.figure_runs(of[figure])] if figure in of else []
+
     def figure_runs(self, number: int) -> Iterator[tuple[tuple[str, ...], Point]]:
         """Titles (panel, then curve) and point of every run of one of ``FIGURES``; ValueError where the study lacks one."""
         cases = self.figures

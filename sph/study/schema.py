@@ -196,6 +196,10 @@ class Study(Section):
         """
         return dict.fromkeys((*INPUT_FIGURES, MOBILISED), list(self.runs)[:1]) | {PROFILES: self.profile_runs}
 
+    def figure_titles(self, figure: str) -> list[list[str]]:
+        """Titles of the runs of a figure: its panel, if it has several, and its curve or profile; none where it shows one run."""
+        return []
+
     @property
     def profile_runs(self) -> list[str]:
         """Names of the runs whose profiles are drawn."""

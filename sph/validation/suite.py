@@ -12,11 +12,12 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import model_validator
 
-from sph.experiments.base import Label, Name, Overrides, Run, check_file_names, checked, file_name
+from sph.experiments.base import Label, Name, Overrides, check_file_names, checked, file_name
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.names import check_known
 from sph.study.plan import Plan
 from sph.study.planned import planned
+from sph.study.runs import Run
 from sph.validation import CASES, PROBES
 
 FOLDER = "results/validation"
@@ -94,7 +95,8 @@ class Suite:
                     if len(built.probes) < PROBES.get(name, 0):
                         raise ValueError(f"{where}: probes: {len(built.probes)}, this case measures at the first {PROBES[name]}")
                     path = f"{name}/{run}/{file_name(level)}"
-                    self.runs[path] = Run(scene, case.by)
+                    if case.by != "computation":
+                        self.runs[path] = Run(scene, path, folder=FOLDER, by=case.by, group=name, target="validation")
                     self._of[name][path] = Planned(run, level, scene)
                 section, field = case.size.split(".")
                 self._sizes[name, level] = float(getattr(getattr(built, section), field))
@@ -103,9 +105,9 @@ class Suite:
         """The runs of a case, by file name."""
         return self._of[case]
 
-    def files(self, case: str) -> list[str]:
-        """File names of the case's runs; a case of functions alone leaves none."""
-        return [] if self.cases[case].by == "computation" else list(self.of(case))
+    def files(self, case: str) -> list[Run]:
+        """The case's runs that leave files; a case of functions alone leaves none."""
+        return [self.runs[run] for run in self.of(case) if run in self.runs]
 
     def sizes(self, case: str) -> list[float]:
         """Spacing (m) or time step (s) of the case's levels, in their order."""

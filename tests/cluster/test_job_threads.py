@@ -42,7 +42,7 @@ def test_a_jobs_threads_are_the_solvers(
     teams: list[int] = []
     go = Run.go
     monkeypatch.setattr(Run, "go", lambda self, *arguments: (teams.append(len(self.simulation.team)), go(self, *arguments))[1])
-    spec = importlib.util.spec_from_file_location("simulate", ROOT / "workflow" / "scripts" / "simulate" / "simulate.py")
+    spec = importlib.util.spec_from_file_location("simulate", ROOT / "workflow" / "scripts" / "simulate.py")
     assert spec and spec.loader
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)

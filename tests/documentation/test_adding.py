@@ -75,8 +75,8 @@ from tools.reference import TABLES
 from sph.experiments.registry import EXPERIMENTS
 from sph.measures.metrics import MetricSettings
 done = subprocess.run([sys.executable, "-m", "snakemake", "--dry-run", "duration"], capture_output=True, text=True, check=True)
-assert re.findall(r"^(experiment_run|duration_table|duration) +([0-9]+)$", done.stdout[done.stdout.rindex("Job stats:"):], re.M) == [
-    ("experiment_run", "6"), ("duration_table", "1"), ("duration", "1")
+assert re.findall(r"^(simulate|duration_table|duration) +([0-9]+)$", done.stdout[done.stdout.rindex("Job stats:"):], re.M) == [
+    ("simulate", "6"), ("duration_table", "1"), ("duration", "1")
 ]
 assert "results/duration/runs/S_R-0.25/5-s.nc" in done.stdout and "results/duration/duration.csv" in done.stdout
 rows = [("S_R-0.25/5-s", "S_R 0.25", 5.0)]

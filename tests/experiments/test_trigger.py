@@ -27,7 +27,7 @@ from sph.experiments.trigger.critical import (
     critical_table,
     read_critical,
 )
-from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger, plan_of
+from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger
 from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, read_shares
 from sph.experiments.trigger.points import MEASURED, measured_points, names, no_points, point_columns, read_points, wanted_points
 from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
@@ -108,10 +108,6 @@ def test_a_case_that_changes_nothing_shares_the_studys_stages(tmp_path: Path) ->
     own, slip = (trigger.plans[folder] for folder in trigger.searched.values())
     assert own.scene() == study.scene() and own.scene(amplitude="4.0") == study.scene(amplitude="4.0")
     assert slip.built().walls.sides == "free_slip" and slip.built().numerics == own.built().numerics
-    assert plan_of(study, lambda: trigger, study.folder) is study
-    assert plan_of(study, lambda: trigger, slip.folder) is slip
-    with pytest.raises(ValueError, match="results/paper/fine: nothing is configured"):
-        plan_of(study, lambda: trigger, "results/paper/fine")
 
 
 def test_numbers_are_written_as_the_study_writes_them(tmp_path: Path) -> None:
@@ -144,12 +140,14 @@ def test_any_dimensions_are_searched(tmp_path: Path) -> None:
     line = plan.lattices("trigger")[1]
     assert line.labels((0.5,)) == ("1", "5", "fixed")
     own = plan.plans[plan.searched["as it is"]]
-    run = "amplitude-1_layers.clay.soil.cohesion-5_walls.sides-free_slip"
-    scene = own.built(**own.point(run))
+    point = dict(zip(plan.names, ("1", "5", "free_slip"), strict=True))
+    (run,) = plan.runs_at([("as it is", point)])
+    scene = make_scene(run.scene)
+    assert run.file == f"{own.folder}/runs/amplitude-1_layers.clay.soil.cohesion-5_walls.sides-free_slip.nc"
     assert (scene.motion.amplitude, scene.layers["clay"].soil.cohesion, scene.walls.sides) == (1.0, 5.0, "free_slip")
-    stages = own.stages(run)
-    assert stages.gravity == "gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip" == own.gravity_of(stages.pre_failure)
-    assert own.stage(stages.pre_failure)["motion"]["amplitude"] == 1.0
+    shared = own.runs_at({run.id: point})
+    assert [stage.id for stage in shared.gravities] == ["gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip"]
+    assert [(stage.parent, stage.point["amplitude"]) for stage in shared.pre_failures] == [(shared.gravities[0].file, "1")]
     files = {at: search.file.removeprefix(f"{own.folder}/stages/") for at, search in plan.searches.items()}
     assert files["as it is", "5", "fixed"] == "yield_acceleration_layers.clay.soil.cohesion-5_walls.sides-fixed.nc" and len(files) == 4
     units = {found.name: found.unit for found in plan.dimensions.all}

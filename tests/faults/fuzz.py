@@ -234,10 +234,10 @@ def study(data: Any, folder: Path) -> str:
     """Load a study; its results stay where they belong."""
     plan = load_study(write(folder / "study.yaml", data), [folder])
     _stays(plan.folder, "results")
-    for name in (*plan.study.runs, *plan.gravities, *plan.pre_failures):
-        _stays(f"{plan.folder}/runs/{name}.nc", f"{plan.folder}/runs")
-    for name in plan.study.runs:
-        assert plan.gravity_of(plan.stages(name).pre_failure) == plan.stages(name).gravity
+    rows = {run.file: run for run in plan.shared}
+    for run in rows.values():
+        _stays(run.file, f"{plan.folder}/{run.place}")
+        assert run.parent is None or rows[run.parent].kind in ("gravity", "pre_failure")
     assert len(plan.layout.names) == len(set(plan.layout.names))
     return "accepted"
 

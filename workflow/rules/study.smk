@@ -1,7 +1,7 @@
 # Purpose: what is found before any run; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
-# Outputs: preflight.csv, stages/yield_acceleration*.nc, parts/*.csv, study.nc, study.csv;
-#          stages/factor_of_safety*.nc where they are asked for, which the page then shows
+# Outputs: preflight.csv, parts/*.csv, study.nc, study.csv
+from sph.study.searches import slope_searches
 
 
 rule preflight:
@@ -23,7 +23,7 @@ rule preflight:
     params:
         sources=SEARCHING + ANALYSIS,
         scenes=lambda wildcards: {
-            name: planned(PLAN.run_scene(name))
+            name: planned(PLAN.shared.runs[name].scene)
             for name in PLAN.study.shown_runs(MOST_SCENES)
         },
         size=len(PLAN.study.runs),
@@ -32,36 +32,17 @@ rule preflight:
         "../scripts/study/preflight.py"
 
 
-rule slope_limit:
-    """Search a limit of a slope: its yield acceleration, which the sliding block beside its runs has, or its factor of safety; extrapolated."""
-    output:
-        "{folder}/stages/{limit}.nc",
-    log:
-        "{folder}/logs/{limit}.log",
-    benchmark:
-        "{folder}/benchmarks/{limit}.tsv"
-    wildcard_constraints:
-        limit=f"({'|'.join(SLOPE_LIMITS)})(_[^/]+)?",
-    resources:
-        **asked(stage_scene, lambda wildcards: searched_limit(wildcards.limit)),
-    params:
-        sources=SEARCHING,
-        scene=lambda wildcards: planned(stage_scene(wildcards)),
-        by=lambda wildcards: searched_limit(wildcards.limit),
-        extrapolates=True,
-    script:
-        "../scripts/simulate/simulate.py"
-
-
 rule measure:
     """Measure the runs of a part of the study."""
     input:
         yields=lambda wildcards: sorted(
-            {search.file for search in PLAN.part_searches(wildcards.part).values()}
+            {
+                PLAN.searches[run.id].file
+                for run in PLAN.part(wildcards.part)
+                if PLAN.searches
+            }
         ),
-        runs=lambda wildcards: expand(
-            RUN, folder=RESULTS, run=PLAN.part(wildcards.part)
-        ),
+        runs=lambda wildcards: [run.file for run in PLAN.part(wildcards.part)],
     output:
         f"{RESULTS}/parts/{{part}}.csv",
     log:
@@ -72,11 +53,19 @@ rule measure:
         part="[0-9]+",
     params:
         sources=SEARCHING + ANALYSIS,
-        points=lambda wildcards: PLAN.part(wildcards.part),
+        points=lambda wildcards: {
+            run.id: run.point for run in PLAN.part(wildcards.part)
+        },
         scenes=lambda wildcards: [
-            planned(PLAN.run_scene(run)) for run in PLAN.part(wildcards.part)
+            planned(run.scene) for run in PLAN.part(wildcards.part)
         ],
-        searches=lambda wildcards: PLAN.part_searches(wildcards.part),
+        searches=lambda wildcards: slope_searches(
+            {
+                run.id: PLAN.searches[run.id]
+                for run in PLAN.part(wildcards.part)
+                if PLAN.searches
+            }
+        ),
         layout=lambda wildcards: PLAN.layout._replace(labels=()),
         settings=PLAN.study.metrics.model_dump(),
     script:
@@ -86,9 +75,7 @@ rule measure:
 rule study:
     """Put the metrics of all runs into one table, as netCDF and CSV."""
     input:
-        run=lambda wildcards: RUN.format(
-            folder=RESULTS, run=next(iter(PLAN.study.runs))
-        ),
+        run=lambda wildcards: PLAN.part("0001")[0].file,
         parts=lambda wildcards: expand(
             "{results}/parts/{part}.csv", results=RESULTS, part=PLAN.parts
         ),
@@ -106,7 +93,7 @@ rule study:
         f"{RESULTS}/benchmarks/study.tsv"
     params:
         sources=ANALYSIS,
-        scene=lambda wildcards: planned(PLAN.run_scene(next(iter(PLAN.study.runs)))),
+        scene=lambda wildcards: planned(PLAN.part("0001")[0].scene),
         layout=lambda wildcards: PLAN.layout,
         name=PLAN.study.study,
         fidelity=PLAN.study.fidelity,

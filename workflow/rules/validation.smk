@@ -1,15 +1,8 @@
 # Purpose: the reference cases: does the solver give the numbers that are known? (`snakemake --cores 2 validation`)
 # Inputs:  config/validation.yaml (config: experiments); the sources of solver, analysis and drawing.
 # Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/*.csv, figures/*, validation.csv, book.md, book.pdf
-import functools
+from sph.validation.suite import FOLDER as VALIDATION
 
-from sph.validation.suite import FOLDER as VALIDATION, load_suite
-
-# Read and checked once a rule of the suite is asked for.
-SUITE = functools.cache(
-    functools.partial(load_suite, PLAN.study.file_of("validation"), PLAN, FOLDERS)
-)
-RUN_OF[VALIDATION] = lambda name: SUITE().runs[name]
 VALIDATING = DRAWING + sources("validation/*.py")
 
 
@@ -26,7 +19,7 @@ rule validation:
         lambda wildcards: expand(
             "{validation}/figures/{case}.{kind}",
             validation=VALIDATION,
-            case=SUITE().cases,
+            case=CATALOGUE.suite.cases,
             kind=["png", "pdf"],
         ),
 
@@ -35,7 +28,7 @@ rule validation_case:
     """Measure a case on all its levels, and draw it."""
     input:
         runs=lambda wildcards: [
-            f"{VALIDATION}/runs/{run}.nc" for run in SUITE().files(wildcards.case)
+            run.file for run in CATALOGUE.suite.files(wildcards.case)
         ],
     output:
         csv=f"{VALIDATION}/cases/{{case}}.csv",
@@ -50,7 +43,7 @@ rule validation_case:
         f"{VALIDATION}/logs/{{case}}.log",
     params:
         sources=SEARCHING + VALIDATING,
-        suite=lambda wildcards: SUITE().plan(wildcards.case),
+        suite=lambda wildcards: CATALOGUE.suite.plan(wildcards.case),
     script:
         "../scripts/validation/measure_case.py"
 
@@ -61,7 +54,7 @@ rule validation_table:
         lambda wildcards: expand(
             "{validation}/cases/{case}.csv",
             validation=VALIDATION,
-            case=SUITE().cases,
+            case=CATALOGUE.suite.cases,
         ),
     output:
         report(
@@ -81,14 +74,14 @@ rule validation_book:
     input:
         table=f"{VALIDATION}/validation.csv",
         runs=lambda wildcards: [
-            f"{VALIDATION}/runs/{run}.nc"
-            for case in SUITE().cases
-            for run in SUITE().files(case)
+            run.file
+            for case in CATALOGUE.suite.cases
+            for run in CATALOGUE.suite.files(case)
         ],
         pictures=lambda wildcards: expand(
             "{validation}/figures/{case}.png",
             validation=VALIDATION,
-            case=SUITE().cases,
+            case=CATALOGUE.suite.cases,
         ),
     output:
         f"{VALIDATION}/book.md",
@@ -97,6 +90,8 @@ rule validation_book:
         f"{VALIDATION}/logs/book.log",
     params:
         sources=SEARCHING + VALIDATING,
-        plans=lambda wildcards: [SUITE().plan(case) for case in SUITE().cases],
+        plans=lambda wildcards: [
+            CATALOGUE.suite.plan(case) for case in CATALOGUE.suite.cases
+        ],
     script:
         "../scripts/validation/write_book.py"

@@ -15,13 +15,14 @@ from typing import Any, Literal, NamedTuple
 
 from pydantic import model_validator
 
-from sph.experiments.base import Cases, Label, Name, Overrides, Run, check_file_names, checked, file_name
+from sph.experiments.base import Cases, Label, Name, Overrides, check_file_names, checked, file_name
 from sph.measures.metrics import PROBE
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.study.plan import Plan
+from sph.study.runs import Run
 
 FIDELITY = "fidelity"
 """Parameter whose variants are the study's fidelities."""

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pandas as pd
 import xarray as xr
 
-from sph.experiments.base import Experiment, Table
+from sph.experiments.base import Experiment, Table, Trace
 from sph.experiments.cost_accuracy.convergence import CONVERGENCE, convergence_table
 from sph.experiments.cost_accuracy.design import Trade, TradeParameters, load_trade
 from sph.experiments.cost_accuracy.table import TRADE, measured_run, trade_table
@@ -17,6 +17,14 @@ from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset
 
 TIMING = "solver's loop of whole runs on one core each, side by side on as many cores as the workflow was given; median of the repeats"
+
+OF_ALL = {"wall_time", "particle_steps_per_second"}
+"""Columns that are medians over repeats."""
+TRACE = Trace(
+    ("parameter", "variant", "case"),
+    lambda design: {(row.parameter, row.variant, row.case): row.runs for row in design.rows},
+    lambda run, settings: {name: value for name, value in measured_run(run, settings).items() if name not in OF_ALL},
+)
 
 
 def _measure(
@@ -42,7 +50,7 @@ def _experiment(name: str, title: str, about: str) -> Experiment:
         "convergence.csv": Table(CONVERGENCE, "order of convergence"),
     }
     about = f"{about} Every column is defined in docs/experiments/cost-accuracy.md."
-    return Experiment(name, title, about, Trade, load_trade, functools.partial(_measure, name), tables)
+    return Experiment(name, title, about, Trade, load_trade, functools.partial(_measure, name), tables, TRACE)
 
 
 EXPERIMENT = _experiment(

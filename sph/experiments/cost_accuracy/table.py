@@ -27,7 +27,7 @@ WORDS = {"displacement": "A's displacement", "runout": "run-out"}
 
 
 def _metric(name: str) -> Variable:
-    return METRIC_BY_NAME[name]._replace(dims=ROW)
+    return METRIC_BY_NAME[name]
 
 
 TRADE: tuple[Variable, ...] = (

@@ -23,5 +23,5 @@ if __name__ == "__main__":
             snakemake.params.experiment,
             snakemake.params.figure,
             snakemake.input,
-            [snakemake.output.png, snakemake.output.pdf],
+            snakemake.output,
         )

@@ -37,5 +37,5 @@ if __name__ == "__main__":
             snakemake.params.scenes,
             snakemake.params.titles,
             snakemake.params.fidelity,
-            [snakemake.output.png, snakemake.output.pdf],
+            snakemake.output,
         )

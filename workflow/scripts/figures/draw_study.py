@@ -31,5 +31,5 @@ if __name__ == "__main__":
             snakemake.params.dimensions,
             snakemake.params.probe,
             snakemake.params.note,
-            [snakemake.output.png, snakemake.output.pdf],
+            snakemake.output,
         )

@@ -10,6 +10,7 @@ from sph.stability.record import search_to_file
 from sph.study.finding import codes
 from sph.study.findings import findings
 from sph.study.planned import Planned
+from sph.study.runs import SIMULATION
 
 
 def simulate(
@@ -54,11 +55,10 @@ def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO, extr
 
 if __name__ == "__main__":
     snakemake: Job
-    scene, by = snakemake.params.scene, snakemake.params.get("by", "simulation")
+    params, out = snakemake.params, snakemake.output[0]
     with job_log(snakemake.log[0]) as log:
-        if by == "simulation":
-            enforce = snakemake.params.get("enforce_limit", True)
-            earlier, out = snakemake.input.get("restart"), snakemake.output[0]
-            simulate(scene, snakemake.params.until, earlier, out, log, enforce, snakemake.threads)
+        if params.by == SIMULATION:
+            earlier = snakemake.input.get("restart") or None
+            simulate(params.scene, params.until, earlier, out, log, params.enforce_limit, snakemake.threads)
         else:
-            find_limit(scene, by, snakemake.output[0], log, snakemake.params.get("extrapolates", False))
+            find_limit(params.scene, params.by, out, log, params.extrapolates)
