@@ -266,9 +266,9 @@ def sensitivity(data: Any, folder: Path) -> str:
     plan = load_sensitivity("sensitivity.yaml", load_study(STUDY, [folder]), [folder])
     chosen = [axis.name for axis in plan.axes]
     for design in ("morris", "tornado", "sobol", "confirm"):
-        for run in plan.design(design, chosen):
-            _stays(f"results/s/a/sensitivity/runs/{design}/{run}.nc", f"results/s/a/sensitivity/runs/{design}")
-            make_scene(plan.scene(design, run, chosen))
+        for run in plan.rows(design, chosen):
+            _stays(run.file, f"results/s/a/sensitivity/runs/{design}")
+            make_scene(run.scene)
     return "accepted"
 
 

@@ -94,9 +94,11 @@ def test_rows_hold_every_level(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_suite_gives_a_scene_a_run_and_level(tmp_path: Path) -> None:
     suite = load_suite(write(tmp_path, runs={"a": {}, "b": {"duration": 1.0}}), study_plan(), [tmp_path])
-    assert list(suite.runs) == ["V14/a/1-m", "V14/b/1-m", "V14/a/0.5-m", "V14/b/0.5-m"]
+    runs = suite.of("V14")
+    assert list(runs) == ["V14/a/1-m", "V14/b/1-m", "V14/a/0.5-m", "V14/b/0.5-m"]
     assert suite.sizes("V14") == [1.0, 0.5]
-    assert suite.runs["V14/b/0.5-m"].scene["duration"] == 1.0 and suite.runs["V14/b/0.5-m"].scene["numerics"]["spacing"] == 0.5
+    assert runs["V14/b/0.5-m"].scene["duration"] == 1.0 and runs["V14/b/0.5-m"].scene["numerics"]["spacing"] == 0.5
+    assert not suite.runs and not suite.files("V14"), "a case of functions alone leaves no file"
 
 
 @pytest.mark.parametrize(
