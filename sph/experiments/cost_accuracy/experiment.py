@@ -49,7 +49,7 @@ def _experiment(name: str, title: str, about: str) -> Experiment:
         f"{name}.csv": Table(TRADE, "every variant"),
         "convergence.csv": Table(CONVERGENCE, "order of convergence"),
     }
-    about = f"{about} Every column is defined in docs/experiments/cost-accuracy.md."
+    about = f"{about} Every column is defined in docs/reference/files.md."
     return Experiment(name, title, about, Trade, load_trade, functools.partial(_measure, name), tables, TRACE)
 
 

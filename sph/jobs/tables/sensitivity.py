@@ -122,7 +122,7 @@ def analyse_back(
     observations: Sequence[Observation],
 ) -> tuple[pd.DataFrame, xr.Dataset, pd.DataFrame, xr.Dataset]:
     """Values of the parameters that agree with what was observed, by the surrogate of the sensitivity analysis: median, 90 % interval and
-    best point. Every column is defined in docs/experiments/sensitivity.md.
+    best point. Every column is defined in docs/reference/files.md.
 
     One row a factor, twice; the points to be confirmed by runs; the points of the posterior.
     """
@@ -146,7 +146,7 @@ def confirm_back(
     fidelity: str,
 ) -> tuple[pd.DataFrame, Figure]:
     """Runs at the best point of a back-analysis and at the ends of the intervals, beside what was predicted there. Every column is defined
-    in docs/experiments/sensitivity.md.
+    in docs/reference/files.md.
     """
     problem = problem_of(axes, sought or factors, observations)
     confirmed = confirmed_table(confirmable, confirming, problem)

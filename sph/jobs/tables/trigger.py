@@ -61,7 +61,7 @@ def trigger_table(
     facts: Mapping[str, str],
 ) -> tuple[xr.Dataset, pd.DataFrame]:
     """Critical intensity of every case, value of the other dimensions and class: the bracket that the search left, with the pseudo-static
-    estimate and that of a sliding block. Every column is defined in docs/experiments/trigger.md.
+    estimate and that of a sliding block. Every column is defined in docs/reference/files.md.
 
     By case and these values: the ``scenes``, shaken at the ``highest`` intensity, and the ``searches`` for their yield accelerations.
     """
@@ -75,7 +75,7 @@ def trigger_table(
 def fragility_table(critical: pd.DataFrame, searched: Searched, note: str) -> tuple[pd.DataFrame, pd.DataFrame, Figure]:
     """Probability that the slope reaches a class at an intensity, over the motions of the search: lognormal fits to the brackets, with
     intervals, and how many motions never reach the class, diverged or are not monotone. Every column is defined in
-    docs/experiments/trigger.md.
+    docs/reference/files.md.
     """
     fits, curves = fragility(critical, searched.intensity.shown_unit)
     return fits, curves, figure_fragility(critical, fits, curves, searched, note)
@@ -85,7 +85,7 @@ def fragility_measures(
     critical: pd.DataFrame, scenes: Mapping[Key, Planned], periods: Sequence[float], highest: float, searched: Searched
 ) -> pd.DataFrame:
     """Fragility in other measures of the shaking than the intensity that is searched, the most efficient first. Every column is defined in
-    docs/experiments/trigger.md.
+    docs/reference/files.md.
 
     From the scenes shaken at the ``highest`` intensity.
     """
@@ -95,14 +95,14 @@ def fragility_measures(
 
 def fragility_annual(critical: pd.DataFrame, hazard: Hazard, span: tuple[float, float], searched: Searched) -> pd.DataFrame:
     """How often a year each class is reached, from the fragility and the hazard of the site, of a search between the ends of a span of
-    intensities. Every column is defined in docs/experiments/trigger.md.
+    intensities. Every column is defined in docs/reference/files.md.
     """
     return annual_table(critical, hazard, *span, searched.intensity.shown_unit)
 
 
 def reach(points: pd.DataFrame, scenes: Mapping[Key, Planned], searched: Searched, note: str) -> tuple[pd.DataFrame, Figure]:
     """Share of the motions whose run-out or displacement exceeds a length, at every intensity at which all motions were run; a diverged run
-    counts in the upper share alone. Every column is defined in docs/experiments/trigger.md.
+    counts in the upper share alone. Every column is defined in docs/reference/files.md.
 
     The figure has the section of the cases whose scenes, by case and other values, have one ground.
     """
