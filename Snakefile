@@ -10,7 +10,7 @@ import sph
 from sph.figures import STUDY_FIGURES, caption as caption_of
 from sph.page.paper import sections_of
 from sph.page.sections import certain
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.study.plan import claim_results
 from sph.study.planned import contents, digest, planned, sources
 from sph.study.preflight import MOST_SCENES, preflight_searches

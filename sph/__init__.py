@@ -62,7 +62,7 @@ _HOMES = {
         "sph.storage.trajectory": "read_run scene_of",
         "sph.measures.metrics": "measure MetricSettings",
         "sph.figures.overview": "plot",
-        "sph.experiments.paper.design": "load_study",
+        "sph.experiments.registry": "load_study",
         "sph.study.plan": "Plan",
         "sph.study.tables": "read_study read_table",
         "sph.stability.safety": "factor_of_safety critical_strength_ratio yield_acceleration",
@@ -76,7 +76,7 @@ _HOMES = {
 """Where the public names live.  They are imported when they are first used: ``sph --help`` needs none of them."""
 
 if TYPE_CHECKING:
-    from sph.experiments.paper.design import load_study as load_study
+    from sph.experiments.registry import load_study as load_study
     from sph.figures.overview import plot as plot
     from sph.measures.metrics import MetricSettings as MetricSettings
     from sph.measures.metrics import measure as measure

@@ -27,8 +27,8 @@ ORDER = (
     ("page",),
 )
 """The folders of the package from the lowest to the highest; those of one row do not know each other either."""
-KNOW_THE_PAPER = {"__init__.py", "command/schema.py", "command/status.py", "page/paper.py"}
-"""The modules outside ``sph/experiments/paper`` that import from it: where a study's file is read and its page made."""
+KNOW_THE_PAPER = {"page/paper.py"}
+"""The modules outside ``sph/experiments/paper`` that import from it: where its page is made."""
 
 
 def imports(path: Path) -> set[str]:

@@ -7,14 +7,13 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from sph.experiments.paper.design import AnyStudy
-from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.registry import EXPERIMENTS, STUDY
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 
 MODELS: dict[str, type[BaseModel]] = {
     "scene": Scene,
-    "study": AnyStudy,
+    "study": STUDY,
     **{name: each.keys for name, each in EXPERIMENTS.items() if each.keys},
 }
 """What the files hold, by the name of the schema; that of an experiment is the name of its file."""

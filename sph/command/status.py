@@ -29,7 +29,7 @@ from rich.live import Live
 from rich.text import Text
 
 import sph
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.jobs.catalogue import Catalogue
 from sph.jobs.log import read_log
 from sph.scene.configuration import merge, read_yaml, without_files

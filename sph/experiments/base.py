@@ -20,7 +20,7 @@ from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
 from sph.storage.trajectory import Variable
 from sph.study.plan import Plan
-from sph.study.schema import NAME
+from sph.study.schema import NAME, Study
 
 Overrides = dict[str, Any]
 Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
@@ -79,6 +79,8 @@ class Experiment(NamedTuple):
     """in the names of its files, with what each may be"""
     uses: Sequence[str] = ()
     """other experiments on whose modules it depends"""
+    study: type[Study] | None = None
+    """a study with the keys that it adds to those of any"""
 
     @property
     def alone(self) -> bool:

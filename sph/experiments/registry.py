@@ -2,9 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from importlib import import_module
+from pathlib import Path
+from typing import Any
 
 from sph.experiments.base import Experiment
+from sph.study.plan import Plan
+from sph.study.plan import load_study as load
+from sph.study.schema import Study
 
 NAMES = (
     "trade",
@@ -21,3 +27,13 @@ EXPERIMENTS: dict[str, Experiment] = {name: import_module(f"{__package__}.{name}
 """By name; the workflow makes what is listed here (``workflow/rules/experiments.smk``)."""
 CONFIGURED = [name for name, each in EXPERIMENTS.items() if each.keys]
 """Those with a file of their own, which a study may name."""
+STUDY: type[Study] = next((each.study for each in EXPERIMENTS.values() if each.study), Study)
+"""The configuration of the workflow: a study, with the keys that an experiment adds."""
+
+
+def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
+    """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
+
+    ``folders`` are searched in order for the scene file and a file of cases.
+    """
+    return load(config, folders, check, STUDY)

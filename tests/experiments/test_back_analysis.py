@@ -12,7 +12,7 @@ import pytest
 import yaml
 from test_sensitivity import CONFIG, METRIC, ROOT, SHIPPED, planned, sample_of, space_filling, unit_axes
 
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.back_analysis import (
     ALONE,
     BACK_ANALYSIS,

@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 import yaml
 
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.critical import BRACKETED, UNDECIDED
 from sph.experiments.trigger.design import Searched, load_trigger
 from sph.experiments.trigger.efficiency import ARIAS, MEASURE_COLUMNS, PGA, PGV, measures_table, motion_measures

@@ -12,7 +12,7 @@ import pytest
 import yaml
 from scipy.integrate import quad  # type: ignore[import-untyped]
 
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.annual import annual_columns, annual_table
 from sph.experiments.trigger.critical import BRACKETED, NEVER
 from sph.experiments.trigger.design import TriggerPlan, load_trigger

@@ -11,7 +11,7 @@ import yaml
 from small_scenes import SLOPE, study_plan
 
 from sph.experiments.limits.design import load_limits
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import load_sensitivity
 from sph.experiments.trade.design import load_trade
 from sph.experiments.trigger.design import load_trigger

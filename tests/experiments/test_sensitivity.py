@@ -14,7 +14,7 @@ from SALib.analyze import morris as salib_morris
 from scipy.stats import qmc
 from synthetic import synthetic, translation
 
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import BASE, SAMPLE, Axis, Quantity, SensitivityPlan, SobolSettings, load_sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS, elementary_effects, influential, morris_table
 from sph.experiments.sensitivity.figures import figure_cross_validation, figure_morris, figure_sobol, figure_tornado

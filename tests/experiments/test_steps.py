@@ -15,8 +15,7 @@ import yaml
 from matplotlib.figure import Figure
 
 from sph.experiments.base import Experiment
-from sph.experiments.paper.design import load_study
-from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.experiments.steps import Step, make, steps
 from sph.scene.configuration import read_yaml
 

@@ -13,7 +13,7 @@ import yaml
 from overprint import overprints
 
 from sph.experiments.paper.claims import decide_trigger
-from sph.experiments.paper.design import load_study
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,

@@ -57,7 +57,8 @@ from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.experiments.limits.design import Limits, load_limits
-from sph.experiments.paper.design import AnyStudy, load_study
+from sph.experiments.paper.design import AnyStudy
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
 from sph.experiments.trade.advice import shipped_table
 from sph.experiments.trade.design import Trade, load_trade

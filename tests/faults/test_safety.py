@@ -15,7 +15,8 @@ from small_scenes import study_plan
 
 from sph.experiments.base import file_name
 from sph.experiments.limits.design import load_limits
-from sph.experiments.paper.design import AnyStudy, load_study
+from sph.experiments.paper.design import AnyStudy
+from sph.experiments.registry import load_study
 from sph.experiments.trade.design import load_trade
 from sph.experiments.validation.design import load_suite
 from sph.scene.configuration import found_file, merge, validated

@@ -9,7 +9,8 @@ import pytest
 import yaml
 
 from sph.experiments.paper import figures
-from sph.experiments.paper.design import AnyStudy, PaperStudy, load_study, paper_study
+from sph.experiments.paper.design import AnyStudy, PaperStudy, paper_study
+from sph.experiments.registry import load_study
 from sph.figures import RUN_FIGURES
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene

@@ -1,20 +1,14 @@
-"""The paper's study: a grid over its three dimensions, at one amplitude of which its claims are decided and Figs. 4-7 drawn.
-
-``load_study`` is how the workflow and the command read the file of a study, the paper's or any other.
-"""
+"""The paper's study: a grid over its three dimensions, at one amplitude of which its claims are decided and Figs. 4-7 drawn."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from sph.experiments.base import Experiment
 from sph.experiments.paper.claims import ClaimSettings
 from sph.scene.configuration import key, validated
 from sph.study.dimensions import SHORT_NAMES, value_of
-from sph.study.plan import Plan
-from sph.study.plan import load_study as load
 from sph.study.schema import INPUT_FIGURES, Axis, FigureCases, Number, Point, Study
 
 DIMENSIONS = tuple(SHORT_NAMES)
@@ -50,6 +44,12 @@ class AnyStudy(Study):
         "decided and its Figures 1 to 7 drawn; null: neither",
         default=None,
     )
+
+    @classmethod
+    def read(cls, data: Mapping[str, Any], origin: str) -> Study:
+        """Validate the keys of a study, the paper's where its dimensions are those; ValueError names ``origin``, key and value."""
+        study = validated(AnyStudy, data, origin)
+        return validated(PaperStudy, data, origin) if study.claims is not None and study.is_grid_over(DIMENSIONS) else study
 
 
 class PaperStudy(AnyStudy):
@@ -91,20 +91,6 @@ class PaperStudy(AnyStudy):
         raise ValueError(f"grid.{name}: {value} is needed by the figures, the grid has {', '.join(self.values[name])}")
 
 
-def read_study(data: Mapping[str, Any], origin: str) -> AnyStudy:
-    """Validate the keys of a study, the paper's where its dimensions are those; ValueError names ``origin``, key and value."""
-    study = validated(AnyStudy, data, origin)
-    return validated(PaperStudy, data, origin) if study.claims is not None and study.is_grid_over(DIMENSIONS) else study
-
-
-def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
-    """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
-
-    ``folders`` are searched in order for the scene file and a file of cases.
-    """
-    return load(config, folders, check, read_study)
-
-
 def paper_study(study: Study, what: str) -> PaperStudy:
     """The study, where it is the paper's; ValueError, which says ``what`` needs it, where not."""
     study.needs_grid_over(DIMENSIONS, what)
@@ -120,4 +106,5 @@ EXPERIMENT = Experiment(
     targets={"trigger": lambda study: ["trigger/claim.csv"] * isinstance(study, PaperStudy)},
     place="{folder}",
     uses=["trigger"],
+    study=AnyStudy,
 )
