@@ -14,7 +14,7 @@ from sph.experiments.registry import load_study
 from sph.study.plan import claim_results
 from sph.study.planned import contents, digest, planned, sources
 from sph.study.preflight import MOST_SCENES, preflight_searches
-from sph.study.sampling import chosen_study
+from sph.study.sampling import chosen_study, keys_of
 from sph.study.searches import SAFETY
 from sph.jobs.catalogue import ALONE, Catalogue
 from sph.scene.configuration import check_files
@@ -27,10 +27,7 @@ configfile: "config/config.yaml"
 
 
 # Snakemake reads 030 as 24, and of two equal keys the last.  Files of which another workflow hands on a part hold more than is known here.
-outermost = workflow.modifier
-while outermost.parent_modifier:
-    outermost = outermost.parent_modifier
-check_files(workflow.configfiles if outermost.globals["config"] is config else [])
+check_files(path for path in workflow.configfiles if keys_of(path) <= {*config})
 # Where the library lies that is imported, also when this workflow is a module of another one.
 SPH = Path(os.path.abspath(sph.__file__)).parent
 FOLDERS = [Path.cwd(), SPH.parent]
