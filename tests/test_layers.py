@@ -20,17 +20,15 @@ ORDER = (
     ("measures",),
     ("stability",),
     ("study",),
-    ("experiments",),
     ("figures",),
-    ("paper",),
-    ("validation",),
+    ("experiments",),
     ("jobs",),
     ("command",),
     ("page",),
 )
 """The folders of the package from the lowest to the highest; those of one row do not know each other either."""
-KNOW_THE_PAPER = {"__init__.py", "command/schema.py", "command/status.py", "jobs/tables/paper.py", "page/paper.py"}
-"""The modules outside ``sph/paper`` that import from it: where a study's file is read, its page and its tables made."""
+KNOW_THE_PAPER = {"page/paper.py"}
+"""The modules outside ``sph/experiments/paper`` that import from it: where its page is made."""
 
 
 def imports(path: Path) -> set[str]:
@@ -65,8 +63,8 @@ def test_no_upward_imports(path: Path) -> None:
 
 def test_what_knows_the_paper() -> None:
     paths = {path.relative_to(SPH).as_posix(): imports(path) for path in SPH.rglob("*.py")}
-    knowing = {path for path, names in paths.items() if any(name.startswith("sph.paper") for name in names)}
-    assert {path for path in knowing if not path.startswith("paper/")} == KNOW_THE_PAPER
+    knowing = {path for path, names in paths.items() if any(name.startswith("sph.experiments.paper") for name in names)}
+    assert {path for path in knowing if not path.startswith("experiments/paper/")} == KNOW_THE_PAPER
 
 
 def test_the_check_sees_imports() -> None:

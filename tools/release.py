@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 import sph
-from sph.paper.claims import COLUMNS
-from sph.paper.study import DIMENSIONS
+from sph.experiments.paper.claims import COLUMNS
+from sph.experiments.paper.design import DIMENSIONS
 from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import count_column, number_column, read_csv, read_table, text_column, write_csv
 from sph.study.verdicts import NOT_YET

@@ -448,8 +448,8 @@ def advise(
     """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
     with refusals("reading the table"):
         from sph.command.advise import lines
-        from sph.experiments.cost_accuracy import advice
-        from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, against, read_trade
+        from sph.experiments.trade import advice
+        from sph.experiments.trade.table import QUANTITIES, WORDS, against, read_trade
         from sph.scene.scheme import SCHEMES
 
         limit = parse_error(error)

@@ -18,7 +18,7 @@ import pandas as pd
 import xarray as xr
 
 from sph.command.status import located as located_study
-from sph.experiments.base import Experiment, Trace
+from sph.experiments.base import Trace
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY_FOLDER
 from sph.experiments.sensitivity.tables import sample_columns
@@ -116,23 +116,23 @@ class Project:
                 lambda row: [runs[row["run"]]],
                 lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], plan.study.metrics)},
             )
-        for name, experiment in EXPERIMENTS.items():
-            if experiment.trace is not None and file == f"{experiment.folder}/{name}.csv":
-                return self._alone(experiment, experiment.trace)
-        alone = ", ".join(f"{name}.csv" for name, experiment in EXPERIMENTS.items() if experiment.trace is not None)
+        traced = {f"{folder}/{name}.csv": name for folder, name in ALONE.items() if EXPERIMENTS[name].traced}
+        if file in traced:
+            return self._alone(traced[file], EXPERIMENTS[traced[file]].measuring.TRACE)
+        alone = ", ".join(f"{name}.csv" for name in traced.values())
         raise ValueError(
             f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
             "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
             f"sensitivity/samples/*.csv, {alone} in their folders"
         )
 
-    def _alone(self, experiment: Experiment, trace: Trace) -> Table:
-        rows, settings = self.catalogue.alone(experiment.name), self.plan.study.metrics
-        of = trace.runs(self.catalogue.design(experiment.name))
+    def _alone(self, name: str, trace: Trace) -> Table:
+        design, settings = self.catalogue.design(name), self.plan.study.metrics
+        of = trace.runs(design)
         return Table(
-            experiment.tables[f"{experiment.name}.csv"].columns,
+            trace.columns,
             trace.named,
-            lambda row: [rows[run].file for run in of[tuple(row[name] for name in trace.named)]],
+            lambda row: [design.runs[run].file for run in of[tuple(row[name] for name in trace.named)]],
             lambda runs: trace.measure(runs[0], settings) if runs else {},
         )
 

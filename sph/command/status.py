@@ -29,9 +29,9 @@ from rich.live import Live
 from rich.text import Text
 
 import sph
+from sph.experiments.registry import load_study
 from sph.jobs.catalogue import Catalogue
 from sph.jobs.log import read_log
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml, without_files
 from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.strict_json import finite, parse_json

@@ -7,26 +7,24 @@ the sensitivity analysis also from the tables that they have written so far.  Th
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from sph.experiments.registry import EXPERIMENTS
-from sph.experiments.sensitivity.design import BACK_FILE, FACTORS_FILE, SensitivityPlan, load_sensitivity
+from sph.experiments.registry import CONFIGURED, EXPERIMENTS
+from sph.experiments.sensitivity.design import BACK_FILE, FACTORS_FILE, SensitivityPlan
 from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY
 from sph.experiments.trigger.design import FOLDER as TRIGGER
-from sph.experiments.trigger.design import TriggerPlan, load_trigger
+from sph.experiments.trigger.design import TriggerPlan
+from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 from sph.storage.files import whole
 from sph.study.plan import Plan
 from sph.study.runs import Run
-from sph.validation.suite import FOLDER as VALIDATION
-from sph.validation.suite import Suite, load_suite
 
 FILE = "plan.json"
 """In the folder of results: the runs that are planned there."""
-ALONE = {**{each.folder: name for name, each in EXPERIMENTS.items()}, VALIDATION: "validation"}
+ALONE = {each.folder: name for name, each in EXPERIMENTS.items() if each.alone}
 """Experiments whose results belong to no study, by the folder of these."""
 
 
@@ -34,40 +32,36 @@ class Catalogue:
     """The runs of a study's configuration and of those that it names, each read when it is asked for."""
 
     def __init__(self, plan: Plan, folders: Sequence[Path], base: Path = Path(), check: bool = True) -> None:
+        check_known("config: experiments", plan.study.experiments, CONFIGURED)
         self.plan, self.base, self._folders, self._check = plan, base, folders, check
         self._known: dict[str, tuple[tuple[tuple[Path, int], ...], dict[str, Run]]] = {}
         self._designs: dict[str, Any] = {}
 
-    @functools.cached_property
-    def trigger(self) -> TriggerPlan:
-        """The searches for critical intensities."""
-        return load_trigger(self.plan.experiment_file("trigger"), self.plan, self._folders, self._check)
-
-    @functools.cached_property
-    def sensitivity(self) -> SensitivityPlan:
-        """The designs of the sensitivity analysis."""
-        return load_sensitivity(self.plan.experiment_file("sensitivity"), self.plan, self._folders, self._check)
-
-    @functools.cached_property
-    def suite(self) -> Suite:
-        """The reference cases."""
-        return load_suite(self.plan.study.file_of("validation"), self.plan, self._folders)
-
     def design(self, name: str) -> Any:
-        """A stand-alone experiment of the registry, with its configuration read."""
+        """An experiment with its configuration read; ValueError names file, key and value."""
         if name not in self._designs:
-            self._designs[name] = EXPERIMENTS[name].load(self.plan.study.file_of(name), self.plan, self._folders)
+            experiment = EXPERIMENTS[name]
+            file = self.plan.study.file_of(name) if experiment.alone or not experiment.keys else self.plan.experiment_file(name)
+            self._designs[name] = experiment.plan(file, self.plan, self._folders, self._check or experiment.alone)
         return self._designs[name]
 
-    def alone(self, name: str) -> dict[str, Run]:
-        """The runs of a stand-alone experiment, by name."""
-        return self.suite.runs if name == "validation" else EXPERIMENTS[name].rows(self.design(name))
+    @property
+    def trigger(self) -> TriggerPlan:
+        """The searches for critical intensities."""
+        found: TriggerPlan = self.design("trigger")
+        return found
+
+    @property
+    def sensitivity(self) -> SensitivityPlan:
+        """The designs of the sensitivity analysis."""
+        found: SensitivityPlan = self.design("sensitivity")
+        return found
 
     def row(self, file: str) -> Run:
         """The row of a file, relative to the working folder; ValueError where none is."""
         folder = next((folder for folder in ALONE if file.startswith(f"{folder}/runs/")), None)
         if folder is not None:
-            return _among(self._rows(folder, (), lambda: self.alone(ALONE[folder]).values()), file)
+            return _among(self._rows(folder, (), lambda: self.design(ALONE[folder]).runs.values()), file)
         if file.startswith(f"{self.plan.folder}/{SENSITIVITY}/runs/"):
             return _among(self.sampled, file)
         return self.own[file] if file in self.own else _among(self.searched, file)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.experiments.trade.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.sides import BACK

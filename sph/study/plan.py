@@ -9,7 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +20,7 @@ from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, title_of, value_of
 from sph.study.runs import Kind, Run, SharedRuns, laid_over
 from sph.study.sampling import read_cases
-from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study, read_study
+from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study
 from sph.study.tables import MOST_SLOPES, Layout
 
 PART = 500
@@ -194,18 +194,18 @@ def load_study(
     config: Mapping[str, Any] | Path | str,
     folders: Sequence[Path] = (Path(),),
     check: bool = True,
-    read: Callable[[Mapping[str, Any], str], Study] = read_study,
+    kind: type[Study] = Study,
 ) -> Plan:
     """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
 
-    ``folders`` are searched in order for the scene file and a file of cases; ``read`` makes the study of the keys, of any kind.
+    ``folders`` are searched in order for the scene file and a file of cases; ``kind`` says which keys a study may have.
     """
     origin = "config" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(config)
     cases = data["cases"] if isinstance(data.get("cases"), str) else None
     if cases is not None:
         data = {**data, "cases": read_cases(folders, cases)}
-    study = read(data, origin)
+    study = kind.read(data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
     plan = Plan(study, read_scene(scene), str(scene))
     if check:

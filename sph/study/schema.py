@@ -205,7 +205,7 @@ class Study(Section):
         """Names of the runs whose profiles are drawn."""
         return self.shown_runs(FEW_PROFILES if not self.figures.runs else 0, self.figures.runs)
 
-
-def read_study(data: Mapping[str, Any], origin: str) -> Study:
-    """Validate the keys of a study; ValueError names ``origin``, key and value."""
-    return validated(Study, data, origin)
+    @classmethod
+    def read(cls, data: Mapping[str, Any], origin: str) -> Study:
+        """Validate the keys of a study; ValueError names ``origin``, key and value."""
+        return validated(cls, data, origin)

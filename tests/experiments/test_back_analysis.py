@@ -12,6 +12,7 @@ import pytest
 import yaml
 from test_sensitivity import CONFIG, METRIC, ROOT, SHIPPED, planned, sample_of, space_filling, unit_axes
 
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.back_analysis import (
     ALONE,
     BACK_ANALYSIS,
@@ -30,11 +31,10 @@ from sph.experiments.sensitivity.back_analysis import (
     problem_of,
 )
 from sph.experiments.sensitivity.design import Axis, Observation, Quantity, SobolSettings, chosen_points, load_sensitivity
+from sph.experiments.sensitivity.figures_back import figure_back_analysis
 from sph.experiments.sensitivity.posterior import CONFIDENCE, Prediction, Predictor, Target, alone, posterior, predictor
 from sph.experiments.sensitivity.surrogate import TRUSTED, sobol_tables
-from sph.figures.back_analysis import figure_back_analysis
 from sph.page.tables import csv_table
-from sph.paper.study import load_study
 from sph.scene.configuration import read_yaml
 from sph.study.tables import read_csv, write_csv
 

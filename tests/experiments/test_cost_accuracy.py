@@ -21,13 +21,13 @@ from typer.testing import CliRunner, Result
 from sph.command.advise import options
 from sph.command.cli import app
 from sph.command.options import parse_settings
-from sph.experiments.cost_accuracy import advice
-from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
-from sph.experiments.cost_accuracy.convergence import convergence_table
-from sph.experiments.cost_accuracy.design import VariantRow, is_mean, load_trade, scheme
-from sph.experiments.cost_accuracy.table import COLUMNS, against, measured_run, non_dominated, read_trade, summary, trade_table
-from sph.experiments.cost_accuracy.table import TRADE as VARIABLES
-from sph.figures.trade import figure_convergence, figure_tradeoff
+from sph.experiments.trade import advice
+from sph.experiments.trade.advice import advise, expected_error, expected_sentence
+from sph.experiments.trade.convergence import convergence_table
+from sph.experiments.trade.design import VariantRow, is_mean, load_trade, scheme
+from sph.experiments.trade.figures import figure_convergence, figure_tradeoff
+from sph.experiments.trade.table import COLUMNS, against, measured_run, non_dominated, read_trade, summary, trade_table
+from sph.experiments.trade.table import TRADE as VARIABLES
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, load_scene, make_scene

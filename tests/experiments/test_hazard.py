@@ -12,12 +12,12 @@ import pytest
 import yaml
 from scipy.integrate import quad  # type: ignore[import-untyped]
 
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.annual import annual_columns, annual_table
 from sph.experiments.trigger.critical import BRACKETED, NEVER
 from sph.experiments.trigger.design import TriggerPlan, load_trigger
 from sph.experiments.trigger.fragility import Lognormal
 from sph.experiments.trigger.hazard import Hazard, annual_frequency, read_hazard
-from sph.paper.study import load_study
 from sph.scene.configuration import read_yaml
 from sph.study.tables import read_csv, write_csv
 

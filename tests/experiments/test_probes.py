@@ -10,14 +10,14 @@ import pytest
 import yaml
 from small_scenes import SLOPE, study_plan
 
-from sph.experiments.assumptions import load_limits
-from sph.experiments.cost_accuracy.design import load_trade
+from sph.experiments.limits.design import load_limits
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import load_sensitivity
+from sph.experiments.trade.design import load_trade
 from sph.experiments.trigger.design import load_trigger
-from sph.paper.study import load_study
+from sph.experiments.validation.design import load_suite
 from sph.scene.configuration import read_yaml
 from sph.study.plan import Plan
-from sph.validation.suite import load_suite
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = read_yaml(ROOT / "config" / "config.yaml") | {"fidelity": "draft"}

@@ -14,8 +14,10 @@ from SALib.analyze import morris as salib_morris
 from scipy.stats import qmc
 from synthetic import synthetic, translation
 
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import BASE, SAMPLE, Axis, Quantity, SensitivityPlan, SobolSettings, load_sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS, elementary_effects, influential, morris_table
+from sph.experiments.sensitivity.figures import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL, TRUSTED, sobol_tables
 from sph.experiments.sensitivity.tables import (
     CONFIRMED,
@@ -27,9 +29,7 @@ from sph.experiments.sensitivity.tables import (
     sample_row,
     tornado_table,
 )
-from sph.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
 from sph.measures.metrics import MetricSettings
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.schema import make_scene
 from sph.solver.particles import locate_probes, place_particles

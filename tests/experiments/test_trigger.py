@@ -12,6 +12,8 @@ import pytest
 import yaml
 from overprint import overprints
 
+from sph.experiments.paper.claims import decide_trigger
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,
@@ -28,12 +30,10 @@ from sph.experiments.trigger.critical import (
     read_critical,
 )
 from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger
+from sph.experiments.trigger.figures import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, read_shares
 from sph.experiments.trigger.points import MEASURED, measured_points, names, no_points, point_columns, read_points, wanted_points
-from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.measures.metrics import MetricSettings, class_displacement
-from sph.paper.claims import decide_trigger
-from sph.paper.study import load_study
 from sph.scene.configuration import dotted, merge, read_yaml
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import make_scene

@@ -56,20 +56,21 @@ from small_scenes import study_plan
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.assumptions import Limits, load_limits
-from sph.experiments.cost_accuracy.advice import shipped_table
-from sph.experiments.cost_accuracy.design import Trade, load_trade
-from sph.experiments.cost_accuracy.table import summary
+from sph.experiments.limits.design import Limits, load_limits
+from sph.experiments.paper.design import AnyStudy
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
+from sph.experiments.trade.advice import shipped_table
+from sph.experiments.trade.design import Trade, load_trade
+from sph.experiments.trade.table import summary
 from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
-from sph.paper.study import AnyStudy, load_study
+from sph.experiments.validation.design import Validation, load_suite
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.run import Run
 from sph.solver.terms import wanted_terms
 from sph.stability.search import Trial
 from sph.stability.standing import FailureRule
-from sph.validation.suite import Validation, load_suite
 
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS = 600
@@ -198,7 +199,7 @@ def scene(data: Any, folder: Path) -> str:
     columns, rows = loaded.lattice
     if columns * rows > MANY:
         return "accepted, too large to run here"
-    with warnings.catch_warnings(), mock.patch("sph.experiments.cost_accuracy.advice.summary", lambda _: RUNGS):
+    with warnings.catch_warnings(), mock.patch("sph.experiments.trade.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
         call("check", path)

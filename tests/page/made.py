@@ -11,11 +11,11 @@ import xarray as xr
 from PIL import Image
 from synthetic import Displacement, study_row, synthetic
 
+from sph.experiments.paper.claims import decide_claims
 from sph.measures.metrics import METRIC_BY_NAME, measure
 from sph.page.build import StudyFiles
 from sph.page.paper import PAPER_SECTIONS
 from sph.page.sections import certain, existing
-from sph.paper.claims import decide_claims
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import CASE, Dimension

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from synthetic import study_of, study_row
 
-from sph.paper.claims import CLAIMS, ClaimSettings, decide_claims
+from sph.experiments.paper.claims import CLAIMS, ClaimSettings, decide_claims
 from sph.study.tables import write_csv
 
 Point = tuple[str, str, str]

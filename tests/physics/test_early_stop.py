@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from sph.experiments.paper.figures import figure_strength_histories
 from sph.figures import figure_geometry, figure_motion, figure_profiles, plot_trajectory
 from sph.measures.metrics import measure
-from sph.paper.figures import figure_strength_histories
 from sph.scene.schema import Scene
 from sph.solver.early_stop import rest_reason
 from sph.solver.particles import place_particles

@@ -18,7 +18,7 @@ from sph.scene.scheme import RESOLVED
 from sph.storage import trajectory
 from sph.storage.files import content_digest
 from sph.storage.trajectory import text_digest
-from sph.study.planned import Planned, planned
+from sph.study.planned import Planned, digest, planned
 
 GROUND: dict[str, Any] = merge(SLOPE, {"geometry": {"shape": "ground_line", "file": "ground.csv", "base": 430.0}})
 LINES = ("100,440\n150,440\n165,465\n200,465\n", "100,440\n150,440\n165,460\n200,460\n")
@@ -41,14 +41,14 @@ def as_planned(scene: dict[str, Any]) -> Planned:
 
 
 def test_the_parameter_is_told_by_contents_alone(place: Path) -> None:
-    first = repr(as_planned(GROUND))
+    first = digest(as_planned(GROUND))
     os.utime(place / "ground.csv", (1e9, 1e9))
-    assert repr(as_planned(GROUND)) == first == repr(as_planned(dict(reversed(GROUND.items()))))
+    assert digest(as_planned(GROUND)) == first == digest(as_planned(dict(reversed(GROUND.items()))))
     stat = (place / "ground.csv").stat()
     (place / "ground.csv").write_text(LINES[1])
     os.utime(place / "ground.csv", (stat.st_atime, stat.st_mtime))
     assert (place / "ground.csv").stat().st_size == stat.st_size
-    assert repr(as_planned(GROUND)) != first != repr(as_planned(merge(GROUND, {"soil": {"cohesion": 1.0}})))
+    assert digest(as_planned(GROUND)) != first != digest(as_planned(merge(GROUND, {"soil": {"cohesion": 1.0}})))
     assert len(first) < 40, "whatever the scene holds: Snakemake keeps it with every result"
 
 

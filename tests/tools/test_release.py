@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import sph
-from sph.paper.claims import CLAIMS
+from sph.experiments.paper.claims import CLAIMS
 from sph.study.tables import VALUES, Layout, write_csv
 from sph.study.verdicts import HOLDS, NOT_YET
 from tools import release

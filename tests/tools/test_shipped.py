@@ -10,13 +10,13 @@ import netCDF4
 import numpy as np
 import pytest
 
+from sph.experiments.validation.measure import SHIPPED_VALIDATION
 from sph.scene.schema import Scene
 from sph.scene.scheme import RESOLVED
 from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
 from sph.stability.record import search_to_file
 from sph.storage.trajectory import read
-from sph.validation.table import SHIPPED_VALIDATION
 from tools import shipped
 from tools.shipped import (
     CURRENT,

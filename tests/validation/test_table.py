@@ -7,17 +7,18 @@ import math
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 from small_scenes import study_plan
 
+from sph.experiments.validation.cases import CASES
+from sph.experiments.validation.design import Case, load_suite
+from sph.experiments.validation.level import Found, Result
+from sph.experiments.validation.measure import case_rows, observed_order, verdict
 from sph.scene.schema import make_scene
-from sph.validation import CASES, table
-from sph.validation.level import Found, Result
-from sph.validation.suite import Case, load_suite
-from sph.validation.table import case_rows, observed_order, verdict
 
 SCENE: dict[str, Any] = {"scheme": "paper", "name": "small", "duration": 0.5, "geometry": {"shape": "block", "width": 4.0, "height": 4.0}}
 SUITE: dict[str, Any] = {
@@ -80,7 +81,7 @@ def test_rows_hold_every_level(monkeypatch: pytest.MonkeyPatch) -> None:
     levels = {}
     for label, overrides in case.levels.items():
         scene = make_scene(SCENE | overrides)
-        levels[label] = {"run": Result(scene, table.pd.DataFrame().to_xarray().assign_attrs(wall_time_s=2.0))}
+        levels[label] = {"run": Result(scene, pd.DataFrame().to_xarray().assign_attrs(wall_time_s=2.0))}
     (row,) = case_rows("V14", case, levels, [1.0, 0.5])
     assert row["computed"] == pytest.approx(1.01) and row["error"] == pytest.approx(0.01) and row["order"] == pytest.approx(2.0)
     assert (row["levels"], row["errors"], row["cost"], row["verdict"]) == ("1 m, 0.5 m", "0.04, 0.01", 4.0, "holds")

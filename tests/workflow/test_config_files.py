@@ -12,7 +12,7 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.paper.study import load_study
+from sph.experiments.registry import load_study
 from sph.scene.schema import Scene, make_scene
 
 OTHER = """

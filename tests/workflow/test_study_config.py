@@ -8,9 +8,10 @@ from typing import Any
 import pytest
 import yaml
 
+from sph.experiments.paper import figures
+from sph.experiments.paper.design import AnyStudy, PaperStudy, paper_study
+from sph.experiments.registry import load_study
 from sph.figures import RUN_FIGURES
-from sph.paper import figures
-from sph.paper.study import AnyStudy, PaperStudy, load_study, paper_study
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart

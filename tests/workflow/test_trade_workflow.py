@@ -15,7 +15,7 @@ from test_workflow import ROOT, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.cost_accuracy.table import COLUMNS, read_trade
+from sph.experiments.trade.table import COLUMNS, read_trade
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 

@@ -11,10 +11,10 @@ import pytest
 import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
 
-from sph.experiments.assumptions import read_limits
+from sph.experiments.limits.measure import read_limits
+from sph.experiments.validation.measure import read_validation
 from sph.scene.schema import Scene
 from sph.storage import trajectory
-from sph.validation.table import read_validation
 
 pytestmark = pytest.mark.long
 

@@ -23,6 +23,7 @@ from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.steps import steps
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json
@@ -300,7 +301,9 @@ def test_every_result_in_snakemakes_report_has_a_caption_a_category_and_a_label(
     """With one key of labels throughout: Snakemake shows bare file names in a category where one is missing."""
     if path.stem == "common":  # whose words are those of the registry and of the steps
         assert (path.parents[1] / "report" / "about.rst").is_file()
-        assert all(each.title and each.about and any(table.shows for table in each.tables.values()) for each in EXPERIMENTS.values())
+        listed = {each.name: steps(each).values() for each in EXPERIMENTS.values()}
+        assert all(each.title and any(any(step.writes.values()) for step in listed[each.name]) for each in EXPERIMENTS.values())
+        assert all(step.about for of_one in listed.values() for step in of_one)
         return
     for marked in path.read_text(encoding="utf-8").split("report(")[1:]:
         written = marked.partition("),\n")[0]

@@ -1,28 +1,34 @@
 # Purpose: figures of a study: of some of its runs (what goes in, the strength used before the shaking, profiles, those of the paper) and of all.
 # Inputs:  the runs each figure shows (config: figures, claims), study.csv; the drawing code.
 # Outputs: figures/*, PNG and PDF
-from sph.paper.figures import FIGURES as DRAWN
+from sph.experiments.steps import run_figures
+
+RUN_FIGURES = run_figures()
 
 
 rule figure:
     """Draw a figure of one run, or of some."""
     input:
-        runs=lambda wildcards: [run.file for run in figure_runs(wildcards)],
+        runs=lambda wildcards: [run.file for run in PLAN.figure_runs(wildcards.figure)],
     output:
         list(made(RESULTS, "Figures", {"figures/{figure}": "{figure}"})),
     log:
         f"{RESULTS}/logs/{{figure}}.log",
     wildcard_constraints:
-        figure="|".join([*RUN_FIGURES, *PAPER_FIGURES]),
+        figure="|".join(RUN_FIGURES),
     params:
-        sources=lambda wildcards: (
-            SOLVER + DRAWING + PAPER * (wildcards.figure in PAPER_FIGURES)
+        **told(
+            lambda wildcards: {
+                "name": wildcards.figure,
+                "scenes": [
+                    planned(run.scene) for run in PLAN.figure_runs(wildcards.figure)
+                ],
+                "titles": PLAN.figure_titles(wildcards.figure),
+                "fidelity": PLAN.study.fidelity,
+            }
         ),
-        figure=lambda wildcards: wildcards.figure,
-        about=lambda wildcards: caption_of((RUN_FIGURES | DRAWN)[wildcards.figure]),
-        scenes=lambda wildcards: [planned(run.scene) for run in figure_runs(wildcards)],
-        titles=lambda wildcards: PLAN.figure_titles(wildcards.figure),
-        fidelity=PLAN.study.fidelity,
+        sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
+        about=lambda wildcards: caption_of(RUN_FIGURES[wildcards.figure]),
     script:
         "../scripts/figures/draw_figure.py"
 
@@ -38,11 +44,16 @@ rule study_figure:
     wildcard_constraints:
         figure="|".join(STUDY_FIGURES),
     params:
+        **told(
+            lambda wildcards: {
+                "name": wildcards.figure,
+                "layout": PLAN.layout._replace(labels=()),
+                "dimensions": PLAN.dimensions,
+                "probe": PLAN.study.metrics.probe,
+                "note": PLAN.note,
+            }
+        ),
         sources=DRAWING,
         about=lambda wildcards: caption_of(STUDY_FIGURES[wildcards.figure]),
-        layout=lambda wildcards: PLAN.layout._replace(labels=()),
-        dimensions=lambda wildcards: PLAN.dimensions,
-        probe=PLAN.study.metrics.probe,
-        note=lambda wildcards: PLAN.note,
     script:
         "../scripts/figures/draw_study.py"

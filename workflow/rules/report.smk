@@ -35,24 +35,29 @@ rule page:
     log:
         f"{RESULTS}/logs/page.log",
     params:
+        **told(
+            lambda wildcards: {
+                "scenes": [
+                    planned(run.scene) for run in PLAN.page_runs + PLAN.page_stages
+                ],
+                "names": [run.id for run in PLAN.page_runs],
+                "name": PLAN.study.study,
+                "fidelity": PLAN.study.fidelity,
+                "layout": PLAN.layout,
+                "dimensions": PLAN.dimensions,
+                "size": len(PLAN.study.runs),
+                "stages": [
+                    (PLAN.shared.gravity_of(run.id).file, run.parent)
+                    for run in PLAN.page_runs
+                ],
+                "probe": PLAN.study.metrics.probe,
+                "shown": {
+                    figure: [run.file for run in PLAN.figure_runs(figure)]
+                    for figure in PLAN.study.figure_files
+                },
+                "sections": SECTIONS,
+            }
+        ),
         sources=SOLVER + PAGE,
-        name=PLAN.study.study,
-        fidelity=PLAN.study.fidelity,
-        layout=lambda wildcards: PLAN.layout,
-        dimensions=lambda wildcards: PLAN.dimensions,
-        size=lambda wildcards: len(PLAN.study.runs),
-        names=lambda wildcards: [run.id for run in PLAN.page_runs],
-        scenes=lambda wildcards: [
-            planned(run.scene) for run in PLAN.page_runs + PLAN.page_stages
-        ],
-        stages=lambda wildcards: [
-            (PLAN.shared.gravity_of(run.id).file, run.parent) for run in PLAN.page_runs
-        ],
-        probe=PLAN.study.metrics.probe,
-        shown=lambda wildcards: {
-            figure: [run.file for run in PLAN.figure_runs(figure)]
-            for figure in PLAN.study.figure_files
-        },
-        sections=lambda wildcards: SECTIONS,
     script:
         "../scripts/report/write_page.py"

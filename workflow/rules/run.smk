@@ -3,6 +3,15 @@
 # Outputs: stages/*.nc and runs/**/*.nc in the folder of a study, of a case of its trigger, or of an experiment
 from sph.study.runs import SIMULATION
 
+
+def asked_of(row):
+    """What the job of a row is given."""
+    settings = ("until", "by", "extrapolates", "enforce_limit")
+    return {"scene": planned(row.scene)} | {
+        name: getattr(row, name) for name in settings
+    }
+
+
 for place, name, first in (("stages", "stage", 10), ("runs", "simulate", 0)):
     # The row of a job in the catalogue.
     row_of = lambda wildcards, place=place: CATALOGUE.row(
@@ -28,13 +37,9 @@ for place, name, first in (("stages", "stage", 10), ("runs", "simulate", 0)):
                 lambda wildcards, of=row_of: of(wildcards).needs,
             ),
         params:
+            **told(lambda wildcards, of=row_of: asked_of(of(wildcards))),
             sources=lambda wildcards, of=row_of: (
                 SOLVER if of(wildcards).by == SIMULATION else SEARCHING
             ),
-            scene=lambda wildcards, of=row_of: planned(of(wildcards).scene),
-            until=lambda wildcards, of=row_of: of(wildcards).until,
-            by=lambda wildcards, of=row_of: of(wildcards).by,
-            extrapolates=lambda wildcards, of=row_of: of(wildcards).extrapolates,
-            enforce_limit=lambda wildcards, of=row_of: of(wildcards).enforce_limit,
         script:
             "../scripts/simulate.py"

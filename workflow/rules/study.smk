@@ -4,6 +4,12 @@
 from sph.study.searches import slope_searches
 
 
+def searched_in(part):
+    """The searches of the slopes of a part's runs, by run."""
+    runs = PLAN.part(part) if PLAN.searches else []
+    return {run.id: PLAN.searches[run.id] for run in runs}
+
+
 rule preflight:
     """Look at the scenes and test the slope unshaken: the first job of a study."""
     output:
@@ -21,13 +27,17 @@ rule preflight:
     resources:
         **asked(lambda wildcards: PLAN.slope, lambda wildcards: SAFETY),
     params:
+        **told(
+            lambda wildcards: {
+                "planned": {
+                    name: planned(PLAN.shared.runs[name].scene)
+                    for name in PLAN.study.shown_runs(MOST_SCENES)
+                },
+                "size": len(PLAN.study.runs),
+                "searches": preflight_searches(bool(PLAN.searches)),
+            }
+        ),
         sources=SEARCHING + ANALYSIS,
-        scenes=lambda wildcards: {
-            name: planned(PLAN.shared.runs[name].scene)
-            for name in PLAN.study.shown_runs(MOST_SCENES)
-        },
-        size=len(PLAN.study.runs),
-        searches=lambda wildcards: preflight_searches(bool(PLAN.searches)),
     script:
         "../scripts/study/preflight.py"
 
@@ -36,11 +46,7 @@ rule measure:
     """Measure the runs of a part of the study."""
     input:
         yields=lambda wildcards: sorted(
-            {
-                PLAN.searches[run.id].file
-                for run in PLAN.part(wildcards.part)
-                if PLAN.searches
-            }
+            {search.file for search in searched_in(wildcards.part).values()}
         ),
         runs=lambda wildcards: [run.file for run in PLAN.part(wildcards.part)],
     output:
@@ -52,22 +58,16 @@ rule measure:
     wildcard_constraints:
         part="[0-9]+",
     params:
-        sources=SEARCHING + ANALYSIS,
-        points=lambda wildcards: {
-            run.id: run.point for run in PLAN.part(wildcards.part)
-        },
-        scenes=lambda wildcards: [
-            planned(run.scene) for run in PLAN.part(wildcards.part)
-        ],
-        searches=lambda wildcards: slope_searches(
-            {
-                run.id: PLAN.searches[run.id]
-                for run in PLAN.part(wildcards.part)
-                if PLAN.searches
+        **told(
+            lambda wildcards: {
+                "points": {run.id: run.point for run in PLAN.part(wildcards.part)},
+                "scenes": [planned(run.scene) for run in PLAN.part(wildcards.part)],
+                "searches": slope_searches(searched_in(wildcards.part)),
+                "layout": PLAN.layout._replace(labels=()),
+                "settings": PLAN.study.metrics.model_dump(),
             }
         ),
-        layout=lambda wildcards: PLAN.layout._replace(labels=()),
-        settings=PLAN.study.metrics.model_dump(),
+        sources=SEARCHING + ANALYSIS,
     script:
         "../scripts/study/measure_study.py"
 
@@ -92,10 +92,16 @@ rule study:
     benchmark:
         f"{RESULTS}/benchmarks/study.tsv"
     params:
+        **told(
+            lambda wildcards: {
+                "planned": planned(PLAN.part("0001")[0].scene),
+                "layout": PLAN.layout,
+                "attrs": {
+                    "title": PLAN.study.study,
+                    "fidelity": PLAN.study.fidelity,
+                },
+            }
+        ),
         sources=ANALYSIS,
-        scene=lambda wildcards: planned(PLAN.part("0001")[0].scene),
-        layout=lambda wildcards: PLAN.layout,
-        name=PLAN.study.study,
-        fidelity=PLAN.study.fidelity,
     script:
         "../scripts/study/join_study.py"

@@ -55,10 +55,10 @@ def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO, extr
 
 if __name__ == "__main__":
     snakemake: Job
-    params, out = snakemake.params, snakemake.output[0]
+    given, out = snakemake.params.given, snakemake.output[0]
     with job_log(snakemake.log[0]) as log:
-        if params.by == SIMULATION:
+        if given["by"] == SIMULATION:
             earlier = snakemake.input.get("restart") or None
-            simulate(params.scene, params.until, earlier, out, log, params.enforce_limit, snakemake.threads)
+            simulate(given["scene"], given["until"], earlier, out, log, given["enforce_limit"], snakemake.threads)
         else:
-            find_limit(params.scene, params.by, out, log, params.extrapolates)
+            find_limit(given["scene"], given["by"], out, log, given["extrapolates"])

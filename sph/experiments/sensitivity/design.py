@@ -20,7 +20,7 @@ import pandas as pd
 import scipy  # type: ignore[import-untyped]
 from pydantic import Field, model_validator
 
-from sph.experiments.base import Label, Overrides, checked
+from sph.experiments.base import Experiment, Label, Overrides, checked
 from sph.measures.fields import check_probe
 from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, found_file, key, merge, read_yaml, validated
@@ -320,6 +320,15 @@ class SensitivityPlan:
         points = self.design(design, chosen)
         return [pattern._replace(id=f"{design}/{run}", point=self._written(point)) for run, point in points.items()]
 
+    def known_by(self, design: str) -> str:
+        """The file that must be there before the runs of a design are known; empty for one that varies every factor."""
+        return "" if design in self._designs else f"{self.folder}/{BACK_FILE if design == BACK else FACTORS_FILE}"
+
+    def chosen(self, design: str) -> Chosen:
+        """What a design varies beside those that vary all, by that file."""
+        path = self.known_by(design)
+        return () if not path else chosen_points(path, self.axes) if design == BACK else chosen_factors(path)
+
     def so_far(self, base: Path) -> list[Run]:
         """The runs that are known by what lies in the folder of results, below a working folder."""
         factors, points = (base / self.folder / name for name in (FACTORS_FILE, BACK_FILE))
@@ -437,3 +446,22 @@ def load_sensitivity(path: str, study: Plan, folders: Sequence[Path] = (Path(),)
     if check:
         found.check()
     return found
+
+
+def _targets(design: SensitivityPlan) -> list[str]:
+    """Tables and figures of the analysis, with those of a back-analysis that the configuration asks for."""
+    figures = [f"figures/{name}" for name in ("morris", "tornado", "sobol", "cross_validation")]
+    asked = ["confirm.csv"] * bool(design.confirmed) + BACK_MADE * bool(design.settings.back_analysis)
+    return ["sample.csv", *figures, *asked]
+
+
+BACK_MADE = ["back_analysis.csv", "back_analysis.nc", "back_confirmed.csv", "figures/back_analysis"]
+EXPERIMENT = Experiment(
+    "sensitivity",
+    "Sensitivity",
+    load_sensitivity,
+    Sensitivity,
+    {"sensitivity": _targets, "back_analysis": lambda design: BACK_MADE},
+    f"{{results}}/{FOLDER}",
+    {"design": "morris|tornado|sobol|confirm|back"},
+)

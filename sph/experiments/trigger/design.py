@@ -18,7 +18,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 import pandas as pd
 from pydantic import BeforeValidator, Field, model_validator
 
-from sph.experiments.base import Label, Overrides, check_file_names, file_name
+from sph.experiments.base import Experiment, Label, Overrides, check_file_names, file_name
 from sph.experiments.trigger.hazard import Hazard, read_hazard
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES
@@ -327,9 +327,13 @@ class TriggerPlan:
         """The last round of a search."""
         return self.maps.levels if search == "maps" else self.trigger.levels
 
+    def file(self, name: str, **at: str) -> str:
+        """A file of the searches, by its name in their folder, with values of wildcards in it."""
+        return f"{self.folder}/{FOLDER}/{name}".format(**at)
+
     def points(self, search: str, number: int | None = None) -> str:
         """File of the points up to a round of a search, or to its last."""
-        return f"{self.folder}/{FOLDER}/rounds/{search}-{self.levels(search) if number is None else number}-points.csv"
+        return self.file(f"rounds/{search}-{self.levels(search) if number is None else number}-points.csv")
 
     def wanted(self, path_to_points: Path | str, fidelity: str | None = None) -> list[Run]:
         """The runs of a table of points, in its order, at the searching fidelity or another."""
@@ -412,11 +416,6 @@ class TriggerPlan:
         return f"{self.trigger.tolerance:g} {self.dimensions.intensity.shown_unit}".rstrip()
 
     @property
-    def settings(self) -> dict[str, Any]:
-        """The study's thresholds of the metrics."""
-        return self._study.study.metrics.model_dump()
-
-    @property
     def facts(self) -> dict[str, str]:
         """Study and fidelity, for the table's attributes."""
         return {"title": f"{self._study.study.study}: critical intensities", "fidelity": self.fidelity}
@@ -452,3 +451,27 @@ def names_in(columns: Iterable[str]) -> list[str]:
 def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> TriggerPlan:
     """Validate the configuration and, with ``check``, scenes at the ends of its lattices; ValueError names file, key and value."""
     return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path, folders, check)
+
+
+MAP_FIGURES = ("shares", "map-class", "map-displacement", "map-runout", "map-failed")
+"""Figures of the maps by the names of their files."""
+EXPERIMENT = Experiment(
+    "trigger",
+    "Trigger",
+    load_trigger,
+    Trigger,
+    {
+        "trigger": lambda design: ["trigger.nc", "trigger.csv", "points.csv", "figures/trigger"],
+        "fragility": lambda design: [
+            *["trigger.csv", "points.csv", "fragility_fit.csv", "fragility_measures.csv", "exceedance.csv"],
+            *["fragility_annual.csv"] * bool(design.trigger.hazard),
+        ],
+        "confirm": lambda design: ["confirm.csv"],
+        "maps": lambda design: [
+            *["maps.csv", "cells.csv", "shares.csv"],
+            *[f"figures/{name}" for name in MAP_FIGURES],
+        ],
+    },
+    f"{{folder}}/{FOLDER}",
+    {"search": "|".join(SEARCHED.values()), "round": "[0-9]+"},
+)

@@ -15,8 +15,8 @@ from small_scenes import SLOPE
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.experiments.registry import load_study
 from sph.page.tables import key_rows
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_scene, scene_files
 from sph.scene.ground_motion import motion_of
 from sph.scene.ground_motion.measures import measure
