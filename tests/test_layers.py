@@ -61,6 +61,11 @@ def test_no_upward_imports(path: Path) -> None:
     assert not any(name.split(".")[0] in ("snakemake", "tools") for name in imports(path))
 
 
+def test_walls_know_the_physics_and_not_the_other_way_round() -> None:
+    physics = [*(SPH / "solver" / "physics").glob("*.py"), SPH / "solver" / "state.py"]
+    assert not {path.name for path in physics if any(name.startswith("sph.solver.boundaries") for name in imports(path))}
+
+
 def test_what_knows_the_paper() -> None:
     paths = {path.relative_to(SPH).as_posix(): imports(path) for path in SPH.rglob("*.py")}
     knowing = {path for path, names in paths.items() if any(name.startswith("sph.experiments.paper") for name in names)}

@@ -15,9 +15,10 @@ from sph.figures import figure_geometry, figure_motion, figure_profiles, plot_tr
 from sph.measures.metrics import measure
 from sph.scene.schema import Scene
 from sph.solver.early_stop import rest_reason
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.run import Result, run
-from sph.solver.state import FAILED, initial_state
+from sph.solver.state import FAILED
 from sph.storage import trajectory
 
 Builder = Callable[[dict[str, Any]], Scene]

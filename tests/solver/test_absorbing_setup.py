@@ -9,11 +9,12 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
-from sph.solver.boundaries.absorbing import lattice_rows, layer_weights, make_absorbing, make_free_field
-from sph.solver.integration import make_lists
+from sph.solver.boundaries.dashpots import make_absorbing
+from sph.solver.boundaries.free_field import lattice_rows, layer_weights, make_free_field
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import BASE, SIDE, SOIL, place_particles
 from sph.solver.physics.kernels import make_kernel
-from sph.solver.state import initial_state
+from sph.solver.renewal import make_lists
 from sph.solver.terms import make_terms
 
 SLOPE: dict[str, Any] = {

@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import Scene
-from sph.solver.integration import make_lists
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, update_stress
-from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State, initial_state
+from sph.solver.renewal import make_lists
+from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State
 from sph.solver.terms import make_terms
 
 Builder = Callable[[dict[str, Any]], Scene]

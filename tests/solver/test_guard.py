@@ -10,8 +10,9 @@ import pytest
 
 from sph.scene.schema import Scene
 from sph.solver.guard import PARTS, Fault, Trouble, likely_cause, trouble
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import locate_probes, place_particles
-from sph.solver.state import State, initial_state
+from sph.solver.state import State
 
 Builder = Callable[[dict[str, Any]], Scene]
 BOXED = {"walls.base": "fixed", "walls.sides": "fixed", "walls.layers": 2}

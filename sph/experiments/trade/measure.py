@@ -49,7 +49,7 @@ def cost_accuracy_tables(
 
 def measure_trade(*given: Any) -> Any:
     """What each saving of computing time costs: one row a variant and case, with deviations from the reference. Every column is defined in
-    docs/experiments/trade.md.
+    docs/reference/files.md.
     """
     return cost_accuracy_tables(*given)
 

@@ -15,8 +15,8 @@ from sph.measures.linked import linked_sets
 from sph.measures.metrics import energy_gap
 from sph.scene.geometry import RingBody
 from sph.scene.schema import Scene
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
-from sph.solver.state import initial_state
 
 # ---------------------------------------------------------------- V4: plate
 
