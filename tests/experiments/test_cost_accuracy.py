@@ -359,7 +359,7 @@ class TestAdvice:
         assert advise(frame, 0.25).variant.name == "fidelity: draft"
         draft = next(variant for variant in summary(frame) if variant.name == "fidelity: draft")
         assert draft.errors["displacement"] == pytest.approx(0.2) and draft.errors["runout"] == pytest.approx(1 - 13 / 16)
-        with pytest.raises(ValueError, match="fidelity: 'best' must be one of draft, paper"):
+        with pytest.raises(ValueError, match="fidelity: 'best' .*draft, paper"):
             against(trade_frame(), "best")
 
     def test_neither_the_reference_nor_a_variant_of_some_cases_is_an_answer(self) -> None:

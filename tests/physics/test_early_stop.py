@@ -139,7 +139,7 @@ def test_a_stopped_run_does_not_run_on(tmp_path: Path, small_slope: Builder, sto
 
 
 def test_another_early_stop_is_refused_once_it_could_have_acted(tmp_path: Path, small_slope: Builder, stopped: Result) -> None:
-    with pytest.raises(ValueError, match=r"early_stop\.speed: 0\.02 in the file, None in the scene"):
+    with pytest.raises(ValueError, match=r"early_stop\.speed: 0\.02 .*None"):
         run(small_slope(SLIDE), restart=written(tmp_path / "stopped.nc", stopped))
 
 

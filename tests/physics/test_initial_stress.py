@@ -173,5 +173,5 @@ def test_a_branch_equals_an_unbranched_run(tmp_path: Path, small_slope: Builder,
     for name in slide.restart.variables:
         assert branched.restart[name].values.tobytes() == slide.restart[name].values.tobytes(), name
     np.testing.assert_array_equal(branched.trajectory["dissipated_energy"].values, slide.trajectory["dissipated_energy"].values)
-    with pytest.raises(ValueError, match=r"gravity\.initial_stress: 'geostatic' in the file, 'none' in the scene"):
+    with pytest.raises(ValueError, match=r"gravity\.initial_stress: 'geostatic' .*'none'"):
         run(small_slope(SLIDE | {"gravity.initial_stress": "none"}), restart=tmp_path / "gravity.nc")

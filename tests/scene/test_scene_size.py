@@ -110,7 +110,7 @@ def test_numbers_beyond_what_the_model_can_do_are_refused(small_slope: Builder, 
 
 def test_an_adaptive_step_of_too_many_parts_is_refused(small_slope: Builder) -> None:
     stiff = {"numerics.adaptive_step": {}, "soil.density": 1e-3, "soil.youngs_modulus": 1e9}
-    with pytest.raises(ValueError, match=r"numerics.adaptive_step: the limit by .* makes more than 20,000,000 steps of duration: 3.0 s"):
+    with pytest.raises(ValueError, match=r"numerics.adaptive_step: .*20,000,000.*duration: 3.0 s"):
         check_time_step(small_slope(stiff))
     check_time_step(small_slope({"numerics.adaptive_step": {}}))
 
@@ -132,7 +132,7 @@ def test_a_ramp_next_to_nothing_is_a_step(small_slope: Builder) -> None:
 
 def test_a_search_in_next_to_no_gravity_is_refused(small_slope: Builder) -> None:
     for gravity in (5e-324, 1e-12):
-        with pytest.raises(ValueError, match=r"gravity.acceleration: .* observation: 10 sqrt"):
+        with pytest.raises(ValueError, match=r"gravity.acceleration: .*10 sqrt"):
             static_scene(small_slope({"gravity.acceleration": gravity, "numerics.spacing": 1.0}), FailureRule())
 
 

@@ -129,14 +129,14 @@ def test_a_solver_that_repeats_the_runs_makes_it_current(origins: Path, older: P
 def test_a_solver_of_other_answers_does_not(origins: Path, older: Path) -> None:
     with netCDF4.Dataset(older, "a") as data:
         data["kinetic_energy"][-1] = np.nextafter(data["kinetic_energy"][-1], np.inf)
-    with pytest.raises(ValueError, match="a.nc: made again, its numbers differ from those of solver earlier; run 'snakemake one'"):
+    with pytest.raises(ValueError, match="a.nc: .*differ.*solver earlier.*snakemake one"):
         repeat("one", origins)
     assert states(origins)["one"][0] == OLDER
 
 
 def test_a_table_of_other_runs_or_settings_is_not_repeated(origins: Path, older: Path) -> None:
     (origins.parent / "config" / "one.yaml").write_text("spacing: 2.0\n")
-    with pytest.raises(ValueError, match="one is older: solver earlier, now .*; configuration .*repeat only what a new solver alone"):
+    with pytest.raises(ValueError, match="one is older: solver earlier.*configuration"):
         repeat("one", origins)
 
 
@@ -171,7 +171,7 @@ def test_a_search_is_repeated_with_all_its_trials(
     with netCDF4.Dataset(path, "a") as data:
         data["displaced_area"][0] += 1e-9
     note("one", "earlier", origins)
-    with pytest.raises(ValueError, match="a.nc: made again, its numbers differ"):
+    with pytest.raises(ValueError, match="a.nc: .*differ"):
         repeat("one", origins)
 
 
@@ -186,7 +186,7 @@ def test_runs_of_several_solvers_or_of_none_are_refused(tmp_path: Path) -> None:
 
 def test_what_is_missing_is_named(origins: Path) -> None:
     (origins.parent / "results/one/one.csv").unlink()
-    with pytest.raises(ValueError, match="one.csv: no such file; run 'snakemake one'"):
+    with pytest.raises(ValueError, match="one.csv: .*snakemake one"):
         adopt("one", origins)
 
 
