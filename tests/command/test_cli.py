@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +12,18 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from calling import call
 from comparison import same_variables
 from killing import TIMINGS
 from PIL import Image
-from typer.testing import CliRunner, Result
+from small_scenes import SceneBuilder
+from typer.testing import CliRunner
 
 import sph.command.options
 from sph.command.cli import DIVERGED, REFUSED, app
 from sph.command.options import parse_settings
 from sph.scene.ground_motion import motion_of
-from sph.scene.schema import Scene, load_scene
+from sph.scene.schema import load_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Progress, Run
@@ -32,14 +34,10 @@ from sph.storage import trajectory
 
 
 @pytest.fixture
-def scene_file(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+def scene_file(tmp_path: Path, small_slope: SceneBuilder) -> Path:
     path = tmp_path / "slope.yaml"
     path.write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
     return path
-
-
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 def test_run_writes_what_plot_and_metrics_read(scene_file: Path, tmp_path: Path) -> None:

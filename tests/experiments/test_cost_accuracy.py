@@ -12,14 +12,13 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from calling import call
 from matplotlib.figure import Figure
 from small_scenes import study_plan
 from synthetic import PAPER, synthetic, translation
 from synthetic_trade import FIDELITIES, SCENE, TRADE, runs_of, trade_frame, trade_runs
-from typer.testing import CliRunner, Result
 
 from sph.command.advise import options
-from sph.command.cli import app
 from sph.command.options import parse_settings
 from sph.experiments.cost_accuracy import advice
 from sph.experiments.cost_accuracy.advice import advise, expected_error, expected_sentence
@@ -51,10 +50,6 @@ def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def absent(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A release without a measured table."""
     monkeypatch.setattr(advice, "SHIPPED", tmp_path / "absent.csv")
-
-
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 def scene(**settings: Any) -> Scene:

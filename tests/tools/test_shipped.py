@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene
 from sph.scene.scheme import RESOLVED
 from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
@@ -106,7 +104,7 @@ def test_a_table_edited_by_hand_has_no_origin(origins: Path) -> None:
 
 
 @pytest.fixture
-def older(origins: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+def older(origins: Path, small_slope: SceneBuilder) -> Path:
     """The one run of the release's table, made by an earlier solver."""
     path = origins.parent / "results/one/runs/a.nc"
     path.unlink()
@@ -154,9 +152,7 @@ def test_one_run_of_every_combination_of_terms_is_repeated_and_a_tenth_of_all(tm
     assert [path.stem for path in chosen_runs(runs)] == ["29", "28", "27", "26", "07", "03", "slow"]
 
 
-def test_a_search_is_repeated_with_all_its_trials(
-    origins: Path, small_slope: Callable[[dict[str, Any]], Scene], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_search_is_repeated_with_all_its_trials(origins: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
     path = origins.parent / "results/one/runs/a.nc"
     path.unlink()
     scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
