@@ -6,7 +6,6 @@ import json
 import math
 import os
 import platform
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,14 @@ import netCDF4
 import psutil
 import pytest
 import yaml
-from small_scenes import SLOPE
+from small_scenes import SLOPE, SceneBuilder
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
 from sph.command.status import State, estimate, located, look, look_at, sentence, watch
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
 from sph.jobs.progress import SECONDS, Lines, reporter
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import make_scene
 from sph.solver.run import Progress
 from sph.study.plan import Plan
 
@@ -70,7 +69,7 @@ PAPERS = {
 
 
 @pytest.fixture(params=[PAPERS], ids=[""])
-def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Folder:
+def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: SceneBuilder) -> Folder:
     config = {
         "study": "small",
         "scene": "slope.yaml",

@@ -257,7 +257,7 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"maps": {"over": {"gamma": {"lowest": 0.0}}}}, ["maps.over.gamma", "logarithmic"]),
         ({"maps": {"over": {"S_R": {"highest": 1.5}}}}, ["coupling.S_R", "1.5"]),
         ({"intensity": {"lowest": 7.9999}, "tolerance": 1e-5}, ["intensity", "too small for labels of six digits"]),
-        ({"at": {"soil.cohesion": ["100"]}}, ["maps.over", "S_R, gamma", "must be the dimensions of at (S_R, gamma, soil.cohesion)"]),
+        ({"at": {"soil.cohesion": ["100"]}}, ["maps.over", "S_R, gamma", "dimensions of at (S_R, gamma, soil.cohesion)"]),
         ({"at": {"amplitude": ["1"]}}, ["at.amplitude", "is the intensity that is searched"]),
         ({"at": {"S_R": ["0.1", "0.10"]}}, ["at.S_R", "one value twice"]),
         ({"at": {"soil.glue": ["1"]}}, ["at.soil.glue", "no such key in a scene"]),

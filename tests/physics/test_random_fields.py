@@ -126,7 +126,7 @@ def test_a_run_that_goes_on_keeps_its_field_and_another_seed_is_another_slope(sm
     same_bits(run(scene, restart=tmp_path / "pre_failure.nc"), whole)
     other = small_slope({"uncertain": varied() | {"seed": 2}})
     assert not np.array_equal(run(other).trajectory["displacement_x"], whole.trajectory["displacement_x"])
-    with pytest.raises(ValueError, match=r"uncertain\.seed: 1 in the file, 2 in the scene"):
+    with pytest.raises(ValueError, match=r"uncertain\.seed: 1 .*2"):
         run(other, restart=tmp_path / "pre_failure.nc")
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -21,8 +20,6 @@ from sph.solver.physics.coupling import cauchy_stress
 from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED, HELD, UNARMED
 from sph.solver.terms import KEYS, active_terms, make_terms, wanted_terms
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 BOX: dict[str, Any] = {
     "scheme": "paper",

@@ -140,5 +140,5 @@ def test_layers_count_where_they_meet_the_boundary() -> None:
 def test_sides_without_soil_are_refused() -> None:
     body = {"kind": "polygon", "points": [[0.0, 0.0], [10.0, 0.0], [10.0, 6.0], [0.0, 6.0]]}
     data = SLOPE | {"geometry": {"shape": "bodies", "width": 20.0, "height": 10.0, "bodies": [body]}}
-    with pytest.raises(ValueError, match=r"walls\.sides: absorbing needs soil at both sides"):
+    with pytest.raises(ValueError, match=r"walls\.sides: absorbing .*both sides"):
         place_particles(make_scene(data))

@@ -70,10 +70,10 @@ def test_a_file_that_changes_before_the_job_reads_it_is_refused(place: Path) -> 
     found = as_planned(GROUND)
     assert found.build() == make_scene(GROUND)
     (place / "ground.csv").write_text(LINES[1])
-    with pytest.raises(ValueError, match=r"^ground\.csv: has changed since this job was planned; give the same command again$"):
+    with pytest.raises(ValueError, match=r"^ground\.csv: has changed.*same command again$"):
         found.build()
     (place / "ground.csv").unlink()
-    with pytest.raises(ValueError, match=r"ground\.csv: there is no such file"):
+    with pytest.raises(ValueError, match=r"ground\.csv: .*no such file"):
         found.build()
 
 
@@ -119,7 +119,7 @@ def test_a_long_list_of_keys_is_cut() -> None:
 def test_a_file_is_read_and_checked(tmp_path: Path) -> None:
     trajectory.write(tmp_path / "run.nc", xr.Dataset(attrs=attrs(SLOPE)))
     assert planned(SLOPE).read(tmp_path / "run.nc").attrs["scene_digest"] == trajectory.scene_digest(make_scene(SLOPE))
-    with pytest.raises(ValueError, match=r"duration: 3\.0 in the file, 2\.5 planned"):
+    with pytest.raises(ValueError, match=r"duration: 3\.0 .*2\.5 planned"):
         planned(merge(SLOPE, {"duration": 2.5})).read(tmp_path / "run.nc")
 
 

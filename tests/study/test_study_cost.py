@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import json
 import statistics
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import netCDF4
 import pytest
 import yaml
+from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
 from sph.command.cost import coarse, speed_here, study_cost
 from sph.command.status import Job, located, look_at
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import make_scene
 from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
@@ -43,7 +43,7 @@ CONFIG: dict[str, Any] = {
 
 
 @pytest.fixture
-def config(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene], monkeypatch: pytest.MonkeyPatch) -> Path:
+def config(tmp_path: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(CONFIG))
@@ -98,7 +98,7 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     assert counted.left - study_cost(plan, catalogue.base, cores=1, speed=1.0).left == pytest.approx(seconds)
 
 
-def test_linear_reconstruction_takes_its_time(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_linear_reconstruction_takes_its_time(small_slope: SceneBuilder) -> None:
     steps = {"numerics.spacing": 2.5, "numerics.gradient_tolerance": 0.1}  # decide the cost, not samples and renewals
     viscosity = steps | {"numerics.artificial_viscosity": {"alpha": 0.1}}
     plain, linear = (
@@ -125,7 +125,7 @@ def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
     assert done.jobs_left == 0 and done.left == done.wall == 0.0 and done.computing > 0
 
 
-def test_the_speed_here(config: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_the_speed_here(config: Path, small_slope: SceneBuilder) -> None:
     assert 1e-3 < speed_here(small_slope({})) < 1e3
     told = CliRunner().invoke(app, ["cost", str(config)])
     assert told.exit_code == 0 and "measured here" in told.stdout and "core-hours" in told.stdout and "MiB of trajectories" in told.stdout
@@ -144,7 +144,7 @@ RECORD = {"kind": "record", "start": 1.0, "data": {"interval": 0.005, "x": [0.0,
     ],
     ids=["record of 0.005 s", "record between the steps", "record of 0.02 s", "short wave"],
 )
-def test_the_coarse_copy_resolves_the_motion(motion: dict[str, Any], step: float, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_the_coarse_copy_resolves_the_motion(motion: dict[str, Any], step: float, small_slope: SceneBuilder) -> None:
     scene = small_slope({}).model_dump() | {"motion": motion}
     assert coarse(make_scene(scene)).numerics.time_step == pytest.approx(step)
 

@@ -89,7 +89,7 @@ def test_rows_hold_every_level(monkeypatch: pytest.MonkeyPatch) -> None:
     (row,) = case_rows("V14", case, levels, [1.0, 0.5])
     assert row["verdict"] == "misses" and math.isnan(row["computed"]) and math.isnan(row["order"]) and row["errors"] == "0.04, nan"
     monkeypatch.setitem(CASES, "V14", (lambda level: {}, CASES["V14"][1]))
-    with pytest.raises(ValueError, match=r"V14: quantities \['overshoot'\] are asked for, \[\] are measured"):
+    with pytest.raises(ValueError, match="V14: .*overshoot"):
         case_rows("V14", case, levels, [1.0, 0.5])
 
 

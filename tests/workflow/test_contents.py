@@ -229,7 +229,7 @@ def another_solver(folder: Path) -> None:
     changed(folder, solver_digest="0123")
 
 
-@fault("made by the solver of a version that did not note it")
+@fault("version that did not note it")
 def an_older_version(folder: Path) -> None:
     changed(folder, solver_digest=None)
 

@@ -302,14 +302,14 @@ def test_refusals_of_free_studies_name_key_and_value(runs: dict[str, Any], wante
 
 def test_what_needs_the_papers_dimensions_says_so() -> None:
     chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]})
-    with pytest.raises(ValueError, match=r"need a grid over exactly S_R, gamma, amplitude; study 'paper' varies S_R, soil.cohesion"):
+    with pytest.raises(ValueError, match=r"S_R, gamma, amplitude; study 'paper' .*S_R, soil.cohesion"):
         paper_study(chosen.study, "the claims")
 
 
 def test_the_claims_of_the_paper_are_asked_for() -> None:
     other = load_study({name: value for name, value in GOOD.items() if name != "claims"}, [ROOT]).study
     assert type(other) is AnyStudy and other.is_grid_over(["S_R", "gamma", "amplitude"])
-    with pytest.raises(ValueError, match=r"the claims need the key claims in study 'paper'"):
+    with pytest.raises(ValueError, match=r"key claims in study 'paper'"):
         paper_study(other, "the claims")
 
 
@@ -317,7 +317,7 @@ def test_an_experiment_on_a_scene_of_ones_own_is_configured_by_ones_own_file() -
     own = {**read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml")}
     chosen = load_study(own, [ROOT])
     for name in ("trigger", "sensitivity"):
-        with pytest.raises(ValueError, match=rf"experiments\.{name}: study 'gentle_layered' has a scene of its own and must name the file"):
+        with pytest.raises(ValueError, match=rf"experiments\.{name}: study 'gentle_layered'"):
             chosen.experiment_file(name)
     assert load_study({**own, "experiments": {"trigger": "mine.yaml"}}, [ROOT]).experiment_file("trigger") == "mine.yaml"
     assert plan({}).experiment_file("trigger") == "config/trigger.yaml"
