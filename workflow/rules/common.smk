@@ -46,3 +46,9 @@ def made(place, title, files):
 def written(file):
     """Names of the files of a table or, without suffix, of a figure."""
     return [file] if Path(file).suffix else [f"{file}.png", f"{file}.pdf"]
+
+
+def searched_in(part):
+    """The searches of the slopes of a part's runs, by run."""
+    runs = PLAN.part(part) if PLAN.searches else []
+    return {run.id: PLAN.searches[run.id] for run in runs}

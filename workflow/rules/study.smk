@@ -4,12 +4,6 @@
 from sph.study.searches import slope_searches
 
 
-def searched_in(part):
-    """The searches of the slopes of a part's runs, by run."""
-    runs = PLAN.part(part) if PLAN.searches else []
-    return {run.id: PLAN.searches[run.id] for run in runs}
-
-
 rule preflight:
     """Look at the scenes and test the slope unshaken: the first job of a study."""
     output:
