@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import itertools
+import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -36,6 +37,8 @@ from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.study.dimensions import Dimension, is_number
 
 MARKERS = "osD^v<>p"
+MOST_LETTERS = 72
+"""Most characters of the titles of panels side by side, together."""
 GRID_POINTS = 241
 """Points along each side of a map's background."""
 
@@ -217,7 +220,9 @@ def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tupl
     figure = Figure(figsize=(WIDTH, 0.7 + 2.4 * len(cases)), layout="constrained")
     axes = figure.subplots(len(cases), len(planes), sharex=True, sharey=True, squeeze=False)
     pairs = [(case, plane) for case in cases for plane in planes]
-    label_panels(axes.flat, [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs])
+    titles = [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs]
+    letters = max(16, MOST_LETTERS // len(planes))
+    label_panels(axes.flat, ["\n".join(textwrap.wrap(title, letters, initial_indent="(a) "))[4:] for title in titles])
     for ax in axes[-1]:
         ax.set_xlabel(_axis(across))
     for ax in axes[:, 0]:
