@@ -64,12 +64,9 @@ class Closed:
             self.drift = np.maximum(self.drift, np.abs(momenta(self.particles, self.state) - self.start))
 
 
-PRECISIONS = ("mixed", pytest.param("double", marks=pytest.mark.long))
-
-
-@pytest.fixture(scope="module", params=PRECISIONS)
-def closed(free_block: Any, request: pytest.FixtureRequest) -> Closed:
-    return Closed(free_block, {"numerics.precision": request.param})
+@pytest.fixture(scope="module")
+def closed(free_block: Any) -> Closed:
+    return Closed(free_block, {})
 
 
 def test_every_pair_term_is_at_work(closed: Closed) -> None:
@@ -96,12 +93,11 @@ def test_angular_momentum_drift_is_bounded(closed: Closed) -> None:
     assert closed.drift[2] < 0.005 * closed.angular_scale
 
 
-@pytest.mark.parametrize("precision", PRECISIONS)
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])
-def test_linear_momentum_of_an_elastic_spin(free_block: Any, correction: dict[str, float] | None, precision: str) -> None:
+def test_linear_momentum_of_an_elastic_spin(free_block: Any, correction: dict[str, float] | None) -> None:
     # Without failure and friction, with either gradient: the same bound.
     elastic = {"soil.cohesion": 1e6, "soil.youngs_modulus": 2e5, "coupling.S_R": 1.0}
-    c = Closed(free_block, elastic | {"numerics.gradient_correction": correction, "numerics.precision": precision})
+    c = Closed(free_block, elastic | {"numerics.gradient_correction": correction})
     assert c.failed == 0
     assert c.drift[:2].max() < 1e-11 * c.scale
 

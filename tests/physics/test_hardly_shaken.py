@@ -71,7 +71,7 @@ def slope(seed: int) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("rows", ROWS)
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (2, 3, 5, 8, 10))])
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(seed, marks=pytest.mark.long) for seed in (3, 5, 10))])
 def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, rows: int) -> None:
     # A's permanent displacement, a millimetre at most, at every spacing.
     data = slope(seed)

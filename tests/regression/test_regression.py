@@ -12,7 +12,7 @@ from sph.scene.schema import Scene, load_scene
 
 CASES = load()
 OF_THEIR_OWN = ("literal_kernel", "wendland_corrected_no_repulsion", "capped")
-"""Cases whose combination of terms is compiled for them alone."""
+"""Cases whose combination of terms is compiled for them alone, and in one precision."""
 
 
 class Bounds(NamedTuple):
@@ -44,8 +44,13 @@ def bounds(scene: Scene) -> Bounds:
     return CHAOTIC if undamped else DAMPED[scene.numerics.precision]
 
 
-@pytest.mark.parametrize("precision", ["mixed", pytest.param("double", marks=pytest.mark.long)])
-@pytest.mark.parametrize("name", [pytest.param(name, marks=pytest.mark.long if name in OF_THEIR_OWN else ()) for name in CASES])
+@pytest.mark.parametrize(
+    ("name", "precision"),
+    [
+        *(pytest.param(name, "mixed", marks=pytest.mark.long if name in OF_THEIR_OWN else ()) for name in CASES),
+        *(pytest.param(name, "double", marks=pytest.mark.long) for name in CASES if name not in OF_THEIR_OWN),
+    ],
+)
 def test_metrics_are_those_before_the_optimisation(name: str, precision: str) -> None:
     settings = CASES[name]["settings"] | {"numerics.precision": precision}
     expected, found = CASES[name]["metrics"], measured(settings)
