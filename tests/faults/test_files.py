@@ -9,9 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
-import xarray as xr
 import yaml
 from comparison import same_files
 from typer.testing import CliRunner, Result
@@ -86,7 +84,7 @@ def fill(folder: Path, leave: int) -> Path:
 # ---------------------------------------------------------------- full and read-only disks
 
 
-@pytest.mark.parametrize("leave", [0, *(pytest.param(leave, marks=pytest.mark.long) for leave in (20_000, 60_000, 100_000))])
+@pytest.mark.parametrize("leave", [0, pytest.param(60_000, marks=pytest.mark.long)])
 def test_a_full_disk(scene_file: Path, small_disk: Path, leave: int) -> None:
     out = small_disk / "run.nc"
     (small_disk / "earlier.nc").write_bytes(b"an earlier result")
@@ -139,16 +137,6 @@ def test_a_folder_that_cannot_be_written(scene_file: Path, small_disk: Path, run
 # ---------------------------------------------------------------- damaged and foreign files
 
 
-@pytest.mark.parametrize("part", [0.0, 0.0001, 0.01, 0.3, 0.6, 0.9, 0.999])
-def test_a_truncated_file(tmp_path: Path, scene_file: Path, run_file: Path, part: float) -> None:
-    data = run_file.read_bytes()
-    damaged = tmp_path / "damaged.nc"
-    damaged.write_bytes(data[: int(part * len(data))])
-    for command in (("plot", damaged), ("metrics", damaged), ("run", scene_file, "--restart", damaged, "--out", tmp_path / "out.nc")):
-        refused(call(*command), damaged, "cannot be read", "delete it and run again")
-    assert not (tmp_path / "out.nc").exists()
-
-
 GARBLE = """
 import sys
 from pathlib import Path
@@ -177,28 +165,6 @@ def test_a_garbled_file_is_refused_or_read_as_it_was(tmp_path: Path, run_file: P
     """Fields are compressed, and carry a checksum by that."""
     command = [sys.executable, "-c", GARBLE, str(run_file), str(tmp_path / "garbled.nc"), "3", "40"]
     assert int(subprocess.run(command, check=True, capture_output=True, text=True).stdout) > 10
-
-
-@pytest.mark.parametrize("command", ["plot", "metrics"])
-def test_foreign_files(tmp_path: Path, run_file: Path, command: str) -> None:
-    xr.Dataset({"x": ("n", np.zeros(2))}).to_netcdf(tmp_path / "foreign.nc")
-    refused(call(command, tmp_path / "foreign.nc"), "foreign.nc", "not a trajectory of this program")
-    trajectory.write(tmp_path / "search.nc", xr.Dataset({"value": ("trial", [1.0])}, attrs=trajectory.read(run_file).attrs))
-    refused(call(command, tmp_path / "search.nc"), "search.nc", "not a trajectory of this version")
-    refused(call(command, tmp_path), tmp_path, "cannot be read")
-
-
-def test_a_restart_of_another_scene_or_version(tmp_path: Path, scene_file: Path, run_file: Path) -> None:
-    out = tmp_path / "out.nc"
-    other = call("run", scene_file, "--set", "soil.density=2000", "--restart", run_file, "--out", out)
-    assert other.exit_code == REFUSED and "run.nc" in other.stderr and "soil.density" in other.stderr
-    ds, restart = trajectory.read(run_file), trajectory.read_restart(run_file)
-    trajectory.write(tmp_path / "older.nc", ds, restart.drop_vars("mode_x"))
-    refused(call("run", scene_file, "--restart", tmp_path / "older.nc", "--out", out), "older.nc", "another version", "run it again")
-    del restart.attrs["step"]
-    trajectory.write(tmp_path / "older.nc", ds, restart)
-    refused(call("run", scene_file, "--restart", tmp_path / "older.nc", "--out", out), "older.nc", "another version", "run it again")
-    assert not out.exists()
 
 
 @pytest.mark.parametrize("fault", ["truncated", "foreign", "another scene", "another stage", "another restart", "no restart state"])
@@ -268,10 +234,10 @@ def test_a_name_that_is_too_long_is_refused_before_any_work(tmp_path: Path, scen
         result = call("run", scene_file, "--out", tmp_path / name)
         refused(result, "the name takes 25", "at most 255 are possible there; choose a shorter one")
         assert "of 3 s" not in result.stderr and [p.name for p in tmp_path.iterdir()] == [scene_file.name]
-    with pytest.raises(ValueError, match="the name takes 256 bytes"), whole(tmp_path / ("x" * 256)):
+    with pytest.raises(ValueError, match="256 bytes"), whole(tmp_path / ("x" * 256)):
         pytest.fail("the work has begun")
     plotted = call("check", scene_file, "--plot", tmp_path / f"{'x' * 252}.png")
-    refused(plotted, "the name takes 256 bytes")
+    refused(plotted, "256 bytes")
 
 
 # ---------------------------------------------------------------- two processes, clocks, logs

@@ -1,20 +1,23 @@
-"""A run or a study that is killed goes on by the same command, to the same bits; `kills.py` does it hundreds of times."""
+"""A run that is killed goes on by the same command, to the same bits; a study: `tests/workflow/test_workflow.py`."""
 
 from __future__ import annotations
 
 import os
 import random
 import signal
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import kills
 import pytest
+import yaml
 from comparison import same_bits, same_files
-from killing import start
+from killing import killed, start
+from small_scenes import SLOPE
 
+from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import run
@@ -26,39 +29,69 @@ from sph.storage.files import beside
 pytestmark = pytest.mark.long
 
 Builder = Callable[[dict[str, Any]], Scene]
+LONGER = merge(SLOPE, dotted({"duration": 4.0, "numerics.time_step": 1e-4, "outputs.frame_interval": 0.05}))
+"""The small slope for a second or two of computing, with a long history to write."""
+KILLS = 3
+
+
+def arguments(until: str) -> list[str]:
+    return [sys.executable, "-m", "sph.command.cli", "run", "slope.yaml", "--out", "run.nc", "--until", until]
+
+
+def scene_in(folder: Path) -> Path:
+    folder.mkdir()
+    (folder / "slope.yaml").write_text(yaml.safe_dump(LONGER))
+    return folder
+
+
+def finish(until: str, folder: Path, *options: str) -> Path:
+    process = start([*arguments(until), *options], folder)
+    assert process.wait(600) == 0, (folder / "output.log").read_text()
+    assert sorted(path.name for path in folder.iterdir()) == ["output.log", "run.nc", "slope.yaml"]
+    return folder / "run.nc"
+
+
+def whole_or_absent(folder: Path) -> None:
+    """What lies under a final name can be read."""
+    for path in (folder / "run.nc", beside(folder / "run.nc", "checkpoint")):
+        if path.exists():
+            trajectory.read_run(path)
+            trajectory.read_restart(path)
 
 
 def test_runs_killed_at_random_instants(tmp_path: Path) -> None:
-    reference, takes = kills.uninterrupted(tmp_path / "reference", "end")
-    hits = kills.killed_run(tmp_path / "run", reference, "end", random.Random(7), takes, most=3)
-    assert hits, "no kill came in time"
+    reference = finish("end", scene_in(tmp_path / "reference"), "--checkpoint", "0")
+    folder, instants = scene_in(tmp_path / "run"), random.Random(7)
+    began = time.monotonic()
+    same_files(finish("end", folder), reference)
+    takes = time.monotonic() - began
+    (folder / "run.nc").unlink()
+    kills = 0
+    while kills < KILLS and killed(start(arguments("end"), folder), instants.uniform(0.0, takes)):
+        whole_or_absent(folder)
+        kills += 1
+    assert kills, "no kill came in time"
+    same_files(finish("end", folder), reference)
 
 
-def waiting_for(path: Path, process: Any) -> None:
-    """Until a file appears."""
-    while not path.exists():
-        assert process.poll() is None, "the process ended before"
-        time.sleep(0.001)
+@pytest.fixture(scope="module")
+def to_first_failure(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return finish("first_failure", scene_in(tmp_path_factory.mktemp("whole") / "run"), "--checkpoint", "0")
 
 
 @pytest.mark.parametrize("name", ["..run.nc.checkpoint.part", ".run.nc.checkpoint", ".run.nc.part"])
-def test_a_run_killed_in_writing(tmp_path: Path, name: str) -> None:
+def test_a_run_killed_in_writing(tmp_path: Path, to_first_failure: Path, name: str) -> None:
     """As soon as a file is there: the first checkpoint half written, written, the result half written."""
-    reference, _ = kills.uninterrupted(tmp_path / "reference", "first_failure")
-    folder = tmp_path / "run"
-    folder.mkdir()
-    (folder / "slope.yaml").write_text((reference.parent / "slope.yaml").read_text())
-    arguments = kills.run_arguments("first_failure")
-    process = start(arguments, folder)
-    waiting_for(folder / name, process)
+    folder = scene_in(tmp_path / "run")
+    process = start(arguments("first_failure"), folder)
+    while not (folder / name).exists():
+        assert process.poll() is None, "the process ended before"
+        time.sleep(0.001)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
-    kills.whole_or_absent(folder)
-    kills.finish(arguments, folder)
-    same_files(folder / "run.nc", reference)
-    assert sorted(path.name for path in folder.iterdir()) == ["output.log", "run.nc", "slope.yaml"]
-    went_on = "goes on from this checkpoint" in (folder / "output.log").read_text()
-    assert went_on or "part" in name
+    whole_or_absent(folder)
+    same_files(finish("first_failure", folder), to_first_failure)
+    assert "part" in name or "goes on from this checkpoint" in (folder / "output.log").read_text()
 
 
 @pytest.mark.parametrize("until", ["end", "gravity", "first_failure"])

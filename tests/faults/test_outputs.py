@@ -20,7 +20,7 @@ from typer.testing import CliRunner, Result
 
 from sph.command.cli import REFUSED, app
 from sph.jobs.log import job_log
-from sph.scene.schema import Scene, load_scene
+from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.study.plan import load_study
 
@@ -141,7 +141,7 @@ def test_a_study_is_not_read_from_among_its_results(folder: Path, source: str) -
     cases.write_text("coupling.S_R\n0.2\n0.3\n")
     motion = {"kind": "record", "file": str(record), "start": 1.0}
     study = {"study": "hills", "scene": str(scene), "cases": str(cases), "fidelity": "f", "fidelities": {"f": {"motion": motion}}}
-    with pytest.raises(ValueError, match=rf"{place}.* lies in .*results/hills, where results are written over"):
+    with pytest.raises(ValueError, match=rf"{place}.*results/hills"):
         load_study(study, [folder])
     load_study(study | {"study": "hill"}, [folder])
     for path in (cases, record, *place.glob("*")):
@@ -220,40 +220,25 @@ def test_a_log_is_utf8_whatever_is_written(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("unbuffered", ["", pytest.param("1", marks=pytest.mark.long)])
-def test_a_reader_that_has_enough(unbuffered: str) -> None:
-    for command in (["schema", "scene"], ["--help"]):
-        reading, writing = os.pipe()
-        os.close(reading)
-        done = subprocess.run(
-            [sys.executable, "-m", "sph.command.cli", *command],
-            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
-            stdout=writing,
-            stderr=subprocess.PIPE,
-        )
-        os.close(writing)
-        assert (done.returncode, done.stderr) == (1, b"")
-
-
-@pytest.mark.parametrize("unbuffered", ["", pytest.param("1", marks=pytest.mark.long)])
-def test_output_that_is_lost_is_told(unbuffered: str) -> None:
-    with open("/dev/full", "wb") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "sph.command.cli", "schema", "scene"],
-            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
-            stdout=full,
-            stderr=subprocess.PIPE,
-        )
-    assert (done.returncode, done.stderr) == (REFUSED, b"sph: the output cannot be printed: No space left on device\n")
+def test_a_reader_that_has_enough_and_output_that_is_lost(unbuffered: str) -> None:
+    """The first ends the command without a word; the second is told."""
+    reading, writing = os.pipe()
+    os.close(reading)
+    full = os.open("/dev/full", os.O_WRONLY)
+    told = b"sph: the output cannot be printed: No space left on device\n"
+    for out, arguments, wanted in (
+        (writing, ["schema", "scene"], (1, b"")),
+        (writing, ["--help"], (1, b"")),
+        (full, ["schema", "scene"], (REFUSED, told)),
+    ):
+        command = [sys.executable, "-m", "sph.command.cli", *arguments]
+        done = subprocess.run(command, env=os.environ | {"PYTHONUNBUFFERED": unbuffered}, stdout=out, stderr=subprocess.PIPE)
+        assert (done.returncode, done.stderr) == wanted
+    os.close(writing)
+    os.close(full)
 
 
 # ---------------------------------------------------------------- odd values
-
-
-def test_a_record_without_a_name_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "slope.yaml"
-    path.write_text(yaml.safe_dump(SLOPE | {"motion": {"kind": "record", "file": "", "start": 1.0}}))
-    with pytest.raises(ValueError, match="motion.file: .*at least 1 character"):
-        load_scene(path)
 
 
 @pytest.mark.parametrize("tolerance", ["nan", "inf", "1.5"])

@@ -25,46 +25,30 @@ ROOT = Path(__file__).resolve().parents[2]
 STUDY: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
 PAPER = "config/scenes/paper.yaml"
 NAMES = [
-    "..",
-    "../x",
-    "/etc",
-    "a/b",
-    "a\\b",
-    "a\0b",
-    "a\nb",
-    "a\n",
-    "\n",
-    "",
-    " ",
-    ".hidden",
-    "-rf",
-    "~",
-    "$(id)",
-    "`id`",
-    "x" * 65,
-    "é",
-    "ａ",
-    "\u202e",
+    *("..", "../x", "/etc", "a/b", "a\\b", "a\0b", "a\nb", "a\n", "\n", "", " ", ".hidden", "-rf", "~", "$(id)", "`id`"),
+    *("x" * 65, "é", "\uff41", "\u202e"),
 ]
 LABELS = [
-    "..",
-    ".",
-    "...",
-    "../x",
-    "../../x",
-    "/etc",
-    "a/b",
-    ".hidden",
-    "..é..",
-    "\0",
-    "a\0b",
-    "x" * 60,
-    "é",
-    "‮a",
-    "{run}",
-    "*",
-    "~",
-    "; id",
+    *(
+        "..",
+        ".",
+        "...",
+        "../x",
+        "../../x",
+        "/etc",
+        "a/b",
+        ".hidden",
+        "..é..",
+        "\0",
+        "a\0b",
+        "x" * 60,
+        "é",
+        "\u202ea",
+        "{run}",
+        "*",
+        "~",
+        "; id",
+    ),
 ]
 """Labels may hold anything, since they are words in tables; the files that are named after them may not."""
 
@@ -144,7 +128,7 @@ def test_runs_named_after_labels_stay_in_their_folder(tmp_path: Path, kind: str,
 @pytest.mark.parametrize("kind", KINDS)
 def test_labels_with_one_file_name_are_refused(tmp_path: Path, kind: str) -> None:
     # Otherwise one run would be taken for the other without a word.
-    with pytest.raises(ValueError, match=r"'é' and 'ü' give the same file name '-'"):
+    with pytest.raises(ValueError, match="'é' and 'ü'.*'-'"):
         list(paths_of(tmp_path, kind, "é", "ü"))
 
 
@@ -157,15 +141,15 @@ def test_a_label_is_one_line_without_a_formula(tmp_path: Path, kind: str, label:
 
 def test_a_case_that_nothing_measures_is_refused(tmp_path: Path) -> None:
     case = {"title": "t", "scene": PAPER, "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
-    with pytest.raises(ValueError, match=r"c\.yaml: cases: 'V99' is not one of V1, .*, V15"):
+    with pytest.raises(ValueError, match=r"c\.yaml: cases: 'V99'.*V15"):
         load_suite(written(tmp_path / "c.yaml", {"cases": {"V99": case}}), study_plan(), [tmp_path, ROOT])
 
 
 def test_a_grid_has_an_end() -> None:
     axis = [str(number) for number in range(1, 101)]
-    with pytest.raises(ValueError, match=rf"the grid has 1,000,000 points, at most {MOST_RUNS:,}"):
+    with pytest.raises(ValueError, match=f"grid .*1,000,000.*{MOST_RUNS:,}"):
         validated(AnyStudy, merge(STUDY, {"grid": {"S_R": axis, "gamma": axis, "amplitude": axis}}), "config")
-    with pytest.raises(ValueError, match=r"grid\.gamma\.0: String should have at most 100 characters"):
+    with pytest.raises(ValueError, match=r"grid\.gamma\.0: .*100"):
         validated(AnyStudy, merge(STUDY, {"grid": {"gamma": ["0" * 300]}}), "config")
 
 

@@ -141,25 +141,6 @@ def test_an_error_inside_writing_leaves_nothing_where_nothing_was(tmp_path: Path
     assert list(tmp_path.iterdir()) == []
 
 
-def test_foreign_files_are_refused_by_name(tmp_path: Path) -> None:
-    text = tmp_path / "notes.nc"
-    text.write_text("not a netCDF file")
-    with pytest.raises(ValueError, match=r"notes\.nc"):
-        trajectory.read(text)
-    foreign = tmp_path / "foreign.nc"
-    xr.Dataset({"x": ("n", np.zeros(2))}).to_netcdf(foreign)
-    with pytest.raises(ValueError, match=r"foreign\.nc.*not a trajectory"):
-        trajectory.read(foreign)
-    with pytest.raises(ValueError, match=r"nowhere\.nc"):
-        trajectory.read(tmp_path / "nowhere.nc")
-
-
-def test_a_file_without_restart_is_refused_by_name(tmp_path: Path, stored: xr.Dataset) -> None:
-    trajectory.write(tmp_path / "plain.nc", stored)
-    with pytest.raises(ValueError, match=r"plain\.nc.*restart"):
-        trajectory.read_restart(tmp_path / "plain.nc")
-
-
 @pytest.mark.parametrize("group", [None, "restart"])
 def test_files_tell_their_format_and_newer_ones_are_refused(
     tmp_path: Path, stored: xr.Dataset, restart: xr.Dataset, group: str | None
@@ -176,7 +157,7 @@ def test_files_tell_their_format_and_newer_ones_are_refused(
     assert read(path).identical(own), "files of the version before had no format"
     with netCDF4.Dataset(path, "a") as ds:
         (ds if group is None else ds[group]).format = trajectory.FORMAT + 1
-    newer = rf"run\.nc: has format {trajectory.FORMAT + 1}, newer than {trajectory.FORMAT}, .*install a newer sph"
+    newer = rf"run\.nc: .*format {trajectory.FORMAT + 1}.*newer sph"
     with pytest.raises(ValueError, match=newer):
         read(path)
     with pytest.raises(ValueError, match=newer):
