@@ -9,7 +9,6 @@ import shutil
 import subprocess
 import sys
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -18,13 +17,14 @@ import pandas as pd
 import pytest
 import yaml
 from comparison import same_files, same_variables
+from forked import snakemake_in
 from killing import TIMINGS, killed, start
+from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.experiments.registry import EXPERIMENTS
 from sph.scene.ground_motion import motion_of
-from sph.scene.schema import Scene
 from sph.scene.strict_json import parse_json
 from sph.stability.newmark import sliding_block
 from sph.storage import trajectory
@@ -51,7 +51,7 @@ def snakemake_command(folder: Path, *arguments: str) -> list[str]:
 
 
 def snakemake(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(snakemake_command(folder, *arguments), capture_output=True, text=True, check=False, cwd=folder)
+    return snakemake_in(folder, *snakemake_command(folder, *arguments)[3:])
 
 
 def planned_jobs(folder: Path, *arguments: str) -> dict[str, int]:
@@ -72,7 +72,7 @@ def write_config(folder: Path, **changes: Any) -> tuple[str, str]:
 
 
 @pytest.fixture(scope="module")
-def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder) -> Path:
     """Folder of a finished small study."""
     folder = tmp_path_factory.mktemp("study")
     numerics = {"numerics.spacing": 2.5, "numerics.smoothing_ratio": 1.3, "numerics.time_step": 5e-4}
@@ -321,7 +321,7 @@ def test_snakemakes_own_report_takes_the_page_in(copied: Path) -> None:
 def test_a_study_killed_with_its_jobs_is_finished_by_the_same_command(
     finished: Path, copied: Path, removed: list[str], after: float
 ) -> None:
-    """After ``--unlock``, and with ``--rerun-incomplete``: Snakemake asks for these; `tests/faults/kills.py` does it many times."""
+    """After ``--unlock``, and with ``--rerun-incomplete``: Snakemake asks for these."""
     for pattern in ("study.*", *removed):
         for path in (copied / "results" / "small" / "draft").glob(pattern):
             path.unlink()
