@@ -141,6 +141,12 @@ def test_an_error_inside_writing_leaves_nothing_where_nothing_was(tmp_path: Path
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_file_without_a_scene_is_no_trajectory(tmp_path: Path) -> None:
+    xr.Dataset({"x": ("n", np.zeros(2))}).to_netcdf(tmp_path / "foreign.nc")
+    with pytest.raises(ValueError, match=r"foreign\.nc: not a trajectory"):
+        trajectory.read(tmp_path / "foreign.nc")
+
+
 @pytest.mark.parametrize("group", [None, "restart"])
 def test_files_tell_their_format_and_newer_ones_are_refused(
     tmp_path: Path, stored: xr.Dataset, restart: xr.Dataset, group: str | None
