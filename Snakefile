@@ -1,5 +1,4 @@
 # Slope failure over strength ratio x coupling x amplitude, or any keys of a scene: config/config.yaml -> results/<study>/<fidelity>.
-import functools
 import os
 import re
 import sys
@@ -8,16 +7,16 @@ from pathlib import Path
 from snakemake.utils import min_version
 
 import sph
-from sph.figures import RUN_FIGURES, STUDY_FIGURES, caption as caption_of
+from sph.figures import STUDY_FIGURES, caption as caption_of
 from sph.page.paper import sections_of
 from sph.page.sections import certain
-from sph.paper.study import load_study
+from sph.experiments.registry import load_study
 from sph.study.plan import claim_results
-from sph.study.planned import contents, planned, sources
+from sph.study.planned import contents, digest, planned, sources
 from sph.study.preflight import MOST_SCENES, preflight_searches
-from sph.study.sampling import chosen_study
-from sph.study.searches import SAFETY, SLOPE_LIMITS, searched_limit
-from sph.experiments.trigger.design import load_trigger, plan_of
+from sph.study.sampling import chosen_study, keys_of
+from sph.study.searches import SAFETY
+from sph.jobs.catalogue import ALONE, Catalogue
 from sph.scene.configuration import check_files
 from sph.solver.compiled.jit import solver_digest
 
@@ -28,10 +27,7 @@ configfile: "config/config.yaml"
 
 
 # Snakemake reads 030 as 24, and of two equal keys the last.  Files of which another workflow hands on a part hold more than is known here.
-outermost = workflow.modifier
-while outermost.parent_modifier:
-    outermost = outermost.parent_modifier
-check_files(workflow.configfiles if outermost.globals["config"] is config else [])
+check_files(path for path in workflow.configfiles if keys_of(path) <= {*config})
 # Where the library lies that is imported, also when this workflow is a module of another one.
 SPH = Path(os.path.abspath(sph.__file__)).parent
 FOLDERS = [Path.cwd(), SPH.parent]
@@ -44,33 +40,30 @@ PLAN = load_study(
 RESULTS = PLAN.folder
 # What the page shows: of these files every study has some, one over the paper's dimensions its claims and Figures 1-7.
 SECTIONS = sections_of(PLAN.study)
-# Stages and runs of the study, or of a case or fidelity of the trigger, lie in a folder: that of its plan.
-RUN = "{folder}/runs/{run}.nc"
-TRIGGER = functools.cache(
-    lambda: load_trigger(PLAN.experiment_file("trigger"), PLAN, FOLDERS)
-)
-PLANS = functools.partial(plan_of, PLAN, TRIGGER)
+# Every run that there is to make; configurations of experiments are read once a rule of theirs is asked for.
+CATALOGUE = Catalogue(PLAN, FOLDERS, check=workflow.is_main_process)
 # Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
 SOLVER = solver_digest()
 SEARCHING = SOLVER + sources("stability/*.py")
+FIGURES = "experiments/*/figures*.py"
 ANALYSIS = sources(
-    "measures/*.py",
-    "study/*.py",
-    "experiments/**/*.py",
+    *["measures/*.py", "study/*.py", "experiments/*.py", "experiments/trade/*.py"],
     "experiments/measured/*.csv",
+    without=FIGURES,
 )
 DRAWING = ANALYSIS + sources("figures/*.py") + contents("scene/walls.py")  # labels
-PAPER = sources("paper/*.py")
-PAGE = DRAWING + PAPER + sources("page/*.*")
+PAGE = DRAWING + sources("experiments/*/*.py", "page/*.*")
 
 
 report: "workflow/report/workflow.rst"
 
 
 wildcard_constraints:
-    gravity="gravity(_[^/]+)?",
-    pre_failure="pre_failure(_[^/]+)?",
-    folder=f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+)?",
+    folder="|".join(
+        [f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+|/sensitivity)?"]
+        + list(map(re.escape, ALONE))
+    ),
+    run=".+",
 
 
 rule all:
@@ -85,21 +78,20 @@ rule all:
 onstart:
     if workflow.is_main_process:
         claim_results(PLAN)
+        CATALOGUE.write()
 
 
 onsuccess:
+    if workflow.is_main_process:
+        CATALOGUE.write()
     if os.path.isfile(f"{RESULTS}/report.html"):
         print(f"{RESULTS}/report.html: the study on one page", file=sys.stderr)
 
 
-include: "workflow/rules/resources.smk"
+include: "workflow/rules/common.smk"
+include: "workflow/rules/run.smk"
 include: "workflow/rules/study.smk"
-include: "workflow/rules/figures.smk"
-include: "workflow/rules/paper.smk"
-include: "workflow/rules/report.smk"
 include: "workflow/rules/experiments.smk"
-include: "workflow/rules/validation.smk"
-include: "workflow/rules/sensitivity.smk"
-include: "workflow/rules/trigger.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/report.smk"
 include: "workflow/rules/docs.smk"
-include: "workflow/rules/simulate.smk"  # the last: it runs the experiments that those above have named

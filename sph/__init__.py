@@ -44,8 +44,8 @@ The way through the house:
 These names are the public interface and keep their meaning from version to version; `CHANGELOG.md` says where one does not.  The
 modules are open to read and to use without that promise.  A scene (`sph.scene`) goes through the solver (`sph.solver`, a term of physics
 and a kind of wall a file) into a trajectory (`sph.storage`), and from there into numbers (`sph.measures`).  `sph.study` and
-`sph.experiments` plan many runs, `sph.stability` searches, `sph.figures` draws, `sph.paper` holds the paper's study with its claims and
-figures, `sph.validation` the reference cases, `sph.page` writes the report, `sph.command` is the command.
+`sph.experiments` plan many runs (among them the paper's study with its claims and figures, and the reference cases), `sph.stability`
+searches, `sph.figures` draws, `sph.page` writes the report, `sph.command` is the command.
 """
 
 from importlib import import_module
@@ -62,7 +62,7 @@ _HOMES = {
         "sph.storage.trajectory": "read_run scene_of",
         "sph.measures.metrics": "measure MetricSettings",
         "sph.figures.overview": "plot",
-        "sph.paper.study": "load_study",
+        "sph.experiments.registry": "load_study",
         "sph.study.plan": "Plan",
         "sph.study.tables": "read_study read_table",
         "sph.stability.safety": "factor_of_safety critical_strength_ratio yield_acceleration",
@@ -76,10 +76,10 @@ _HOMES = {
 """Where the public names live.  They are imported when they are first used: ``sph --help`` needs none of them."""
 
 if TYPE_CHECKING:
+    from sph.experiments.registry import load_study as load_study
     from sph.figures.overview import plot as plot
     from sph.measures.metrics import MetricSettings as MetricSettings
     from sph.measures.metrics import measure as measure
-    from sph.paper.study import load_study as load_study
     from sph.scene.schema import Scene as Scene
     from sph.scene.schema import load_scene as load_scene
     from sph.scene.schema import make_scene as make_scene

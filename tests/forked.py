@@ -10,7 +10,7 @@ import tempfile
 from pathlib import Path
 
 SERVER = multiprocessing.get_context("forkserver")
-SERVER.set_forkserver_preload(["snakemake.cli", "sph.paper.study", "sph.experiments.trigger.design", "sph.figures", "sph.page.sections"])
+SERVER.set_forkserver_preload(["snakemake.cli", "sph.jobs.catalogue", "sph.figures", "sph.page.sections"])
 """What the Snakefile imports; a module that is not there any more costs time and nothing else."""
 
 

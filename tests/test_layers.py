@@ -20,17 +20,15 @@ ORDER = (
     ("measures",),
     ("stability",),
     ("study",),
-    ("experiments",),
     ("figures",),
-    ("paper",),
-    ("validation",),
+    ("experiments",),
     ("jobs",),
     ("command",),
     ("page",),
 )
 """The folders of the package from the lowest to the highest; those of one row do not know each other either."""
-KNOW_THE_PAPER = {"__init__.py", "command/schema.py", "command/status.py", "page/paper.py"}
-"""The modules outside ``sph/paper`` that import from it: where a study's file is read and its page made."""
+KNOW_THE_PAPER = {"page/paper.py"}
+"""The modules outside ``sph/experiments/paper`` that import from it: where its page is made."""
 
 
 def imports(path: Path) -> set[str]:
@@ -63,10 +61,15 @@ def test_no_upward_imports(path: Path) -> None:
     assert not any(name.split(".")[0] in ("snakemake", "tools") for name in imports(path))
 
 
+def test_walls_know_the_physics_and_not_the_other_way_round() -> None:
+    physics = [*(SPH / "solver" / "physics").glob("*.py"), SPH / "solver" / "state.py"]
+    assert not {path.name for path in physics if any(name.startswith("sph.solver.boundaries") for name in imports(path))}
+
+
 def test_what_knows_the_paper() -> None:
     paths = {path.relative_to(SPH).as_posix(): imports(path) for path in SPH.rglob("*.py")}
-    knowing = {path for path, names in paths.items() if any(name.startswith("sph.paper") for name in names)}
-    assert {path for path in knowing if not path.startswith("paper/")} == KNOW_THE_PAPER
+    knowing = {path for path, names in paths.items() if any(name.startswith("sph.experiments.paper") for name in names)}
+    assert {path for path in knowing if not path.startswith("experiments/paper/")} == KNOW_THE_PAPER
 
 
 def test_the_check_sees_imports() -> None:
@@ -83,7 +86,7 @@ def test_jobs_do_not_load_the_command_line() -> None:
 
 def test_a_job_loads_of_scipy_what_it_uses() -> None:
     """``scipy.signal`` and ``scipy.stats`` take as long to load as everything else that a simulation needs."""
-    script = SPH.parent / "workflow" / "scripts" / "simulate" / "simulate.py"
+    script = SPH.parent / "workflow" / "scripts" / "simulate.py"
     code = "import runpy, sys\nrunpy.run_path(sys.argv[1])\nprint(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code, str(script)], cwd=SPH.parent, capture_output=True, text=True, check=True)
     loaded = set(done.stdout.split())

@@ -22,29 +22,31 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from sph.command.schema import MODELS, schema_file, schema_text
-from sph.experiments.assumptions import QUANTITIES as LIMIT_QUANTITIES
-from sph.experiments.assumptions import read_limits
-from sph.experiments.cost_accuracy import advice
-from sph.experiments.cost_accuracy.advice import percent
-from sph.experiments.cost_accuracy.convergence import CONVERGENCE
-from sph.experiments.cost_accuracy.design import FIDELITY
-from sph.experiments.cost_accuracy.table import QUANTITIES, Summary, summary
+from sph.experiments.extremes.design import REFUSED, TIME_STEP
+from sph.experiments.extremes.measure import read_extremes
+from sph.experiments.limits.measure import QUANTITIES as LIMIT_QUANTITIES
+from sph.experiments.limits.measure import read_limits
+from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import EXPERIMENTS
-from sph.experiments.robustness import REFUSED, TIME_STEP, read_extremes
 from sph.experiments.sensitivity.back_analysis import BACK_ANALYSIS, MEASURED, PREDICTED
-from sph.experiments.sensitivity.design import SAMPLE, Sensitivity
+from sph.experiments.sensitivity.design import SAMPLE
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
+from sph.experiments.trade import advice
+from sph.experiments.trade.advice import percent
+from sph.experiments.trade.convergence import CONVERGENCE
+from sph.experiments.trade.design import FIDELITY
+from sph.experiments.trade.table import QUANTITIES, Summary, summary
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import confirm_columns, critical_columns
-from sph.experiments.trigger.design import Searched, Trigger
+from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.efficiency import MEASURE_COLUMNS
 from sph.experiments.trigger.exceedance import exceedance_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
-from sph.paper.study import AnyStudy
+from sph.experiments.validation.measure import SHIPPED_VALIDATION, VALIDATION, read_validation
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene
 from sph.scene.scheme import NEEDED, RESOLVED
@@ -56,8 +58,6 @@ from sph.study.machine import duration
 from sph.study.preflight import PREFLIGHT
 from sph.study.tables import VALUES
 from sph.study.verdicts import HOLDS, MISSES
-from sph.validation.suite import Validation
-from sph.validation.table import SHIPPED_VALIDATION, VALIDATION, read_validation
 from tools import shipped
 from tools.levels import read_levels
 from tools.release import BASELINE, READ_AT, STUDY_AT, read_measured
@@ -411,15 +411,13 @@ def _short(value: Any) -> str:
     )
 
 
-_KINDS = {each.keys: each for each in reversed(EXPERIMENTS.values())}.values()
+_KINDS = {each.keys: each for each in reversed(EXPERIMENTS.values()) if each.keys}
 """The first experiment of each kind of configuration."""
 TABLES: dict[str, Callable[[], Reference]] = {
     "scene": lambda: _keys(Scene),
     "study": lambda: _keys(AnyStudy),
-    **{f"{each.name}_keys": functools.partial(_keys, each.keys) for each in _KINDS},
-    **{f"{each.name}_variables": functools.partial(_variables, each.tables[f"{each.name}.csv"].columns) for each in _KINDS},
-    "validation_keys": lambda: _keys(Validation),
-    "sensitivity_keys": lambda: _keys(Sensitivity),
+    **{f"{each.name}_keys": functools.partial(_keys, keys) for keys, each in _KINDS.items()},
+    **{f"{each.name}_variables": functools.partial(_variables, each.measuring.TRACE.columns) for each in _KINDS.values() if each.traced},
     "failure_rule": lambda: _keys(FailureRule),
     "validation_variables": lambda: _variables(VALIDATION),
     "sample_variables": lambda: _variables(SAMPLE),
@@ -430,7 +428,6 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "confirmation_variables": lambda: _variables(CONFIRMED),
     "back_variables": lambda: _variables(BACK_ANALYSIS),
     "back_confirmed_variables": lambda: _variables((*PREDICTED, *MEASURED)),
-    "trigger_keys": lambda: _keys(Trigger),
     "trigger_variables": lambda: _variables(critical_columns(_searched())),
     "fragility_variables": lambda: _variables(fit_columns("m s-2")),
     "curves_variables": lambda: _variables(curve_columns("m s-2")),

@@ -16,8 +16,8 @@ import numpy as np
 import pandas as pd
 
 import sph
-from sph.measures.metrics import GRID
-from sph.paper.claims import COLUMNS
+from sph.experiments.paper.claims import COLUMNS
+from sph.experiments.paper.design import DIMENSIONS
 from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import count_column, number_column, read_csv, read_table, text_column, write_csv
 from sph.study.verdicts import NOT_YET
@@ -155,7 +155,7 @@ def compared_fidelities(study: Path) -> pd.DataFrame:
 
 def agreement(study: pd.DataFrame, baseline: pd.DataFrame) -> dict[str, float]:
     """Runs, those of the same class, and the largest relative difference of A's displacement (see ``FIDELITIES``) of two tables."""
-    both = study.merge(baseline, on=list(GRID), suffixes=("", "_baseline"), validate="one_to_one")
+    both = study.merge(baseline, on=list(DIMENSIONS), suffixes=("", "_baseline"), validate="one_to_one")
     if len(both) < len(baseline):
         raise ValueError(f"the study has {len(both)} of the {len(baseline)} runs that it is compared with")
     same = both["collapse_class"] == both["collapse_class_baseline"]

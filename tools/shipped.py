@@ -21,6 +21,7 @@ import pandas as pd
 import yaml
 
 import sph
+from sph.experiments.validation.measure import SHIPPED_VALIDATION
 from sph.scene.scheme import filled
 from sph.solver.compiled.jit import solver_digest
 from sph.solver.run import run
@@ -28,7 +29,6 @@ from sph.stability.record import run_search
 from sph.storage.files import content_digest
 from sph.storage.trajectory import Variable, read, scene_of
 from sph.study.tables import read_csv, text_column, write_csv
-from sph.validation.table import SHIPPED_VALIDATION
 
 ROOT = Path(__file__).parents[1]
 REPEATED = 0.1

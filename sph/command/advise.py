@@ -10,9 +10,9 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sph.experiments.cost_accuracy.advice import Advice, percent
-from sph.experiments.cost_accuracy.design import is_mean
-from sph.experiments.cost_accuracy.table import WORDS, summary
+from sph.experiments.trade.advice import Advice, percent
+from sph.experiments.trade.design import is_mean
+from sph.experiments.trade.table import WORDS, summary
 from sph.scene.configuration import flat
 
 MEAN = "mean of a run on each lattice: make numerics.lattice_shift a dimension of the study, and the rest its fidelity"

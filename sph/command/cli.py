@@ -344,18 +344,18 @@ def status(
 ) -> None:
     """Show from a second terminal how far a study is: what is done, running, failed and waiting, and the time left; nothing is changed."""
     with refusals():
-        from sph.command.status import Job, jobs, lines, located_plan, look, record, watch
-        from sph.command.targets import target_jobs
+        from sph.command.status import Job, State, lines, located, look_at, record, watch
 
-        plan, place = located_plan(folder, configfile)
+        catalogue = located(folder, configfile)
+        known: dict[str, Job] = {}
 
-        def listed() -> list[Job]:
-            return jobs(plan) + target_jobs(plan, place)
+        def look_again() -> list[State]:
+            return look_at([*catalogue.plan.jobs, *catalogue.started], catalogue.base, known)
 
         if watching and not as_json:
-            return watch(plan, place, listed)
-        states = [look(job, place) for job in listed()]
-    print(to_json(record(plan, states), indent=1) if as_json else "\n".join(lines(plan, states)))
+            return watch(catalogue.plan, look_again)
+        found = look_again()
+    print(to_json(record(catalogue.plan, found), indent=1) if as_json else "\n".join(lines(catalogue.plan, found)))
 
 
 @app.command(
@@ -448,8 +448,8 @@ def advise(
     """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
     with refusals("reading the table"):
         from sph.command.advise import lines
-        from sph.experiments.cost_accuracy import advice
-        from sph.experiments.cost_accuracy.table import QUANTITIES, WORDS, against, read_trade
+        from sph.experiments.trade import advice
+        from sph.experiments.trade.table import QUANTITIES, WORDS, against, read_trade
         from sph.scene.scheme import SCHEMES
 
         limit = parse_error(error)
@@ -515,15 +515,16 @@ def cost(
     """Predict what a study takes: core-hours, wall time, memory and disk, in total and for what is left."""
     with refusals("building the scenes of the study and measuring the speed of a core"):
         from sph.command.cost import lines, record, study_cost
-        from sph.command.status import located_plan
+        from sph.command.status import located
 
         if speed is not None and not 1e-3 <= speed <= 1e3:
             raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
-        plan, folder = located_plan(None, study)
+        catalogue = located(None, study)
+        plan = catalogue.plan
         if fidelity is not None:
             check_known("--fidelity", [fidelity], plan.study.fidelities)
-            plan, folder = plan.at(fidelity), folder.with_name(fidelity)
-        found = study_cost(plan, folder, cores or os.cpu_count() or 1, speed, start)
+            plan = plan.at(fidelity)
+        found = study_cost(plan, catalogue.base, cores or os.cpu_count() or 1, speed, start)
     print(to_json(record(found), indent=1) if as_json else "\n".join(lines(found)))
 
 

@@ -14,7 +14,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from sph.command.status import Kind, Stand, State, jobs, look
+from sph.command.status import Stand, State, look_at
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import Progress, Run
@@ -22,6 +22,7 @@ from sph.study.cost import COMPILE, START, Cost, cost, search_cost
 from sph.study.machine import duration
 from sph.study.plan import Plan
 from sph.study.preflight import MOST_SCENES, preflight_searches, preflight_seconds
+from sph.study.runs import Kind
 
 CALIBRATION, LONGEST, FEWEST = 1.0, 5.0, 400
 """Computing time of the measurement of a machine's speed, s; what ends it, s; and the particles of its scene."""
@@ -59,25 +60,25 @@ class StudyCost(NamedTuple):
     speed: Speed
 
 
-def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
+def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:
     """Predict a study on a number of cores; ``speed`` over the reference machine's, measured by default.
 
     ``start`` is the time of a job besides its computing, s: more on a cluster than on one machine.
     """
-    states = [look(job, folder) for job in jobs(plan)]
+    states = look_at(plan.jobs, base)
     known = Speed(speed, "as given") if speed else measured_speed(states)
     found = [(state, _part(state)) for state in states]
     times = [start + part.seconds / known.value for _, part in found]
     checked = start + preflight_seconds(_looked_at(plan), preflight_searches(elsewhere=bool(plan.searches))) / known.value
-    check_left = 0.0 if (folder / PREFLIGHT_FILE).exists() else checked
+    check_left = 0.0 if (base / plan.folder / PREFLIGHT_FILE).exists() else checked
     waits = [time for time, state in zip(times, states, strict=True) if state.state != Stand.DONE]
     slowest: dict[Kind, float] = {}
     for state, time in zip(states, times, strict=True):
         if state.state != Stand.DONE:
-            slowest[state.job.kind] = max(time, slowest.get(state.job.kind, 0.0))
+            slowest[state.job.run.kind] = max(time, slowest.get(state.job.run.kind, 0.0))
     search = slowest.pop(Kind.SEARCH, 0.0)
-    longest = max((part for state, part in found if state.job.kind == Kind.RUN), key=lambda part: part.seconds)
-    runs, at_once = sum(state.job.kind == Kind.RUN for state in states), min(cores, len(states))
+    longest = max((part for state, part in found if state.job.run.kind == Kind.RUN), key=lambda part: part.seconds)
+    runs, at_once = sum(state.job.run.kind == Kind.RUN for state in states), min(cores, len(states))
     after = (TABLES + TABLES_A_RUN * runs) / known.value
     left = sum(waits) + check_left + after * bool(waits)
     return StudyCost(
@@ -88,7 +89,7 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
         max(part.particles for _, part in found),
         longest.steps,
         longest.seconds / known.value,
-        sum(part.seconds for state, part in found if state.job.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
+        sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,
         sum(times) + checked + after,
         left,
         # One stage after another, however many cores there are; the search beside them.
@@ -102,17 +103,17 @@ def study_cost(plan: Plan, folder: Path, cores: int, speed: float | None = None,
 
 def _looked_at(plan: Plan) -> dict[str, Scene]:
     """The scenes that the preflight looks at, by run."""
-    return {name: plan.built(**plan.point(name)) for name in plan.study.shown_runs(MOST_SCENES)}
+    return {name: plan.built(**plan.study.runs[name]) for name in plan.study.shown_runs(MOST_SCENES)}
 
 
 def _part(state: State) -> Cost:
     """The part of its scene that a job computes."""
     scene, settled = state.job.scene, state.job.scene.gravity.duration
-    if state.job.kind == Kind.SEARCH:
+    if state.job.run.kind == Kind.SEARCH:
         return search_cost(scene)
-    if state.job.kind == Kind.RUN:
+    if state.job.run.kind == Kind.RUN:
         return cost(scene, since=settled)
-    return cost(scene, *((0.0, settled) if state.job.kind == Kind.GRAVITY else (settled, settled + scene.outputs.series_interval)))
+    return cost(scene, *((0.0, settled) if state.job.run.kind == Kind.GRAVITY else (settled, settled + scene.outputs.series_interval)))
 
 
 def measured_speed(states: Sequence[State]) -> Speed:
@@ -120,7 +121,7 @@ def measured_speed(states: Sequence[State]) -> Speed:
     ratios = [
         cost(state.job.scene).seconds / state.computed
         for state in states
-        if state.state == Stand.DONE and state.job.kind == Kind.RUN and state.computed > 0
+        if state.state == Stand.DONE and state.job.run.kind == Kind.RUN and state.computed > 0
     ]
     if ratios:
         return Speed(statistics.median(ratios), f"by {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")

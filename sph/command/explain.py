@@ -17,38 +17,26 @@ from typing import Any, NamedTuple
 import pandas as pd
 import xarray as xr
 
-import sph
-from sph.command.status import located_plan
-from sph.experiments.assumptions import LIMITS, run_name
-from sph.experiments.cost_accuracy.table import TRADE, measured_run
+from sph.command.status import located as located_study
+from sph.experiments.base import Trace
 from sph.experiments.registry import EXPERIMENTS
-from sph.experiments.robustness import EXTREMES, measure_extreme
-from sph.experiments.sensitivity.design import SensitivityPlan, load_sensitivity
+from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY_FOLDER
 from sph.experiments.sensitivity.tables import sample_columns
 from sph.experiments.study_row import run_values
 from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
-from sph.experiments.trigger.design import TriggerPlan, load_trigger
 from sph.experiments.trigger.points import point_columns
+from sph.jobs.catalogue import ALONE
 from sph.measures.metrics import measure
 from sph.scene.configuration import CONTENT_KEYS
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import make_scene
 from sph.solver.compiled.jit import solver_digest
 from sph.storage import trajectory
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, point_name, value_of
 from sph.study.plan import Plan
 from sph.study.planned import differing
-from sph.study.schema import Point
-from sph.study.searches import found_words, searched_limit
+from sph.study.searches import found_words
 from sph.study.tables import read_csv
-from sph.validation.suite import FOLDER as VALIDATION_FOLDER
-from sph.validation.suite import Suite, load_suite
-
-TRADE_FOLDER, LIMITS_FOLDER, EXTREMES_FOLDER = (EXPERIMENTS[name].folder for name in ("trade", "limits", "extremes"))
-ALONE = (*(each.folder for each in EXPERIMENTS.values()), VALIDATION_FOLDER)
-"""Folders of results that belong to no study."""
-OF_ALL = {"wall_time", "particle_steps_per_second"}
-"""Columns of its table that are medians over repeats."""
 
 
 class Content(NamedTuple):
@@ -106,134 +94,63 @@ class Table(NamedTuple):
 
 
 class Project:
-    """The configurations of a working folder, each read when it is asked for, and the scene that they plan for a file."""
+    """The runs of a working folder and the tables made of them."""
 
     def __init__(self, folder: Path, configfile: Path | None, results: Path | None = None) -> None:
-        self.folder, self.plan = folder, located_plan(results, configfile)[0]
-        self._folders = [folder, Path(sph.__file__).parents[1]]
-        self._known: dict[str, dict[str, Mapping[str, Any]]] = {}
-        self._designs: dict[str, Any] = {}
-
-    @functools.cached_property
-    def trigger(self) -> TriggerPlan:
-        """The searches for critical amplitudes."""
-        return load_trigger(self.plan.experiment_file("trigger"), self.plan, self._folders)
-
-    @functools.cached_property
-    def sensitivity(self) -> SensitivityPlan:
-        """The designs of the sensitivity analysis."""
-        return load_sensitivity(self.plan.experiment_file("sensitivity"), self.plan, self._folders, check=False)
-
-    def design(self, name: str) -> Any:
-        """An experiment whose runs stand alone, with its configuration read."""
-        if name not in self._designs:
-            self._designs[name] = EXPERIMENTS[name].load(self.plan.study.file_of(name), self.plan, self._folders)
-        return self._designs[name]
-
-    def _scenes(self, name: str) -> dict[str, Mapping[str, Any]]:
-        return {run: at.scene for run, at in self.design(name).runs.items()}
-
-    @functools.cached_property
-    def suite(self) -> Suite:
-        """The reference cases."""
-        return load_suite(self.plan.study.file_of("validation"), self.plan, self._folders)
-
-    def scene(self, file: str) -> Scene:
-        """The scene planned for a file, relative to the working folder; ValueError where none is."""
-        try:
-            return make_scene(self._mapping(file), file)
-        except KeyError as error:
-            raise ValueError("no such run is planned now") from error
-
-    def _mapping(self, file: str) -> Mapping[str, Any]:
-        """The scene planned for a file, looked up among those planned for all; KeyError where there is none."""
-        alone: dict[str, Callable[[], Mapping[str, Mapping[str, Any]]]] = {
-            each.folder: functools.partial(self._scenes, each.name) for each in EXPERIMENTS.values()
-        }
-        alone[VALIDATION_FOLDER] = lambda: {name: run.scene for name, run in self.suite.runs.items()}
-        alone[f"{self.plan.folder}/sensitivity"] = lambda: self.sensitivity.all_scenes(self.folder / self.plan.folder / "sensitivity")
-        for folder, runs in alone.items():
-            if Path(folder) in Path(file).parents:
-                if folder not in self._known:
-                    self._known[folder] = {f"{folder}/runs/{name}.nc": scene for name, scene in runs().items()}
-                return self._known[folder][file]
-        plan, point = self._own[file] if file in self._own else self._searched[file]
-        return plan.scene(**point)
-
-    @functools.cached_property
-    def _own(self) -> dict[str, tuple[Plan, Point]]:
-        """Plan and point of the stages, searches and runs of the study."""
-        return self._files(self.plan, {})
-
-    @functools.cached_property
-    def _searched(self) -> dict[str, tuple[Plan, Point]]:
-        """The same of what the search for critical amplitudes has asked for."""
-        if not any((self.folder / "results" / self.plan.study.study).glob(f"*/{TRIGGER_FOLDER}")):
-            return {}
-        asked: dict[str, dict[str, Point]] = {folder: {} for folder in self.trigger.plans}
-        for _, _, folder, point in self.trigger.asked(self.folder):
-            asked[folder][point_name(point)] = point
-        return {file: at for folder, points in asked.items() for file, at in self._files(self.trigger.plans[folder], points).items()}
-
-    def _files(self, plan: Plan, points: Mapping[str, Point]) -> dict[str, tuple[Plan, Point]]:
-        return {file: (plan, point) for file, point in plan.files(points).items()}
+        self.folder, self.catalogue = folder, located_study(results, configfile)
+        self.plan = self.catalogue.plan
 
     def table(self, file: str) -> Table:
         """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
-        plan, settings = self.plan, self.plan.study.metrics
-        place, name = str(Path(file).parent), Path(file).name
+        plan, place = self.plan, str(Path(file).parent)
         if file == f"{plan.folder}/study.csv":
             return self._study()
-        if Path(place).parts[-1:] == (TRIGGER_FOLDER,) and name in ("points.csv", "maps.csv") and place.startswith("results/"):
-            trigger, fidelity = self.trigger, self.trigger.fidelity
+        if Path(place).parts[-1:] == (TRIGGER_FOLDER,) and Path(file).name in ("points.csv", "maps.csv") and place.startswith("results/"):
+            return self._searched()
+        sampled = f"{plan.folder}/{SENSITIVITY_FOLDER}"
+        if file == f"{sampled}/sample.csv" or place == f"{sampled}/samples":
+            sensitivity, runs = self.catalogue.sensitivity, {run.id: run.file for run in self.catalogue.sampled.values()}
             return Table(
-                point_columns(trigger.dimensions.all),
-                ["case", *trigger.names],
-                lambda row: [f"{trigger.folders[fidelity, row['case']]}/runs/{point_name({axis: row[axis] for axis in trigger.names})}.nc"],
-                lambda runs: measure(runs[0], settings),
-            )
-        if file == f"{plan.folder}/sensitivity/sample.csv" or place == f"{plan.folder}/sensitivity/samples":
-            return Table(
-                sample_columns(self.sensitivity.axes, self.sensitivity.quantities),
+                sample_columns(sensitivity.axes, sensitivity.quantities),
                 ["run"],
-                lambda row: [f"{plan.folder}/sensitivity/runs/{row['run']}.nc"],
-                lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
+                lambda row: [runs[row["run"]]],
+                lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], plan.study.metrics)},
             )
-        if file == f"{TRADE_FOLDER}/trade.csv":
-            runs_of = {(variant.parameter, variant.variant, variant.case): variant.runs for variant in self.design("trade").rows}
-            return Table(
-                TRADE,
-                ["parameter", "variant", "case"],
-                lambda row: [f"{TRADE_FOLDER}/runs/{run}.nc" for run in runs_of[row["parameter"], row["variant"], row["case"]]],
-                lambda runs: {n: v for n, v in measured_run(runs[0], settings).items() if n not in OF_ALL},
-            )
-        if file == f"{LIMITS_FOLDER}/limits.csv":
-            return Table(
-                LIMITS,
-                ["change", "case"],
-                lambda row: [f"{LIMITS_FOLDER}/runs/{run_name(row['change'], row['case'])}.nc"],
-                lambda runs: measure(runs[0], settings),
-            )
-        if file == f"{EXTREMES_FOLDER}/extremes.csv":
-            rows = {(row.sweep, row.value, row.case): row for row in self.design("extremes").rows}
-            return Table(
-                EXTREMES,
-                ["sweep", "value", "case"],
-                lambda row: [f"{EXTREMES_FOLDER}/runs/{run}.nc" for run in rows[row["sweep"], row["value"], row["case"]].runs],
-                lambda runs: {n: v for n, v in measure_extreme(runs[0], False).items() if n != "asymmetry"} if runs else {},
-            )
+        traced = {f"{folder}/{name}.csv": name for folder, name in ALONE.items() if EXPERIMENTS[name].traced}
+        if file in traced:
+            return self._alone(traced[file], EXPERIMENTS[traced[file]].measuring.TRACE)
+        alone = ", ".join(f"{name}.csv" for name in traced.values())
         raise ValueError(
             f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
             "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
-            "sensitivity/samples/*.csv, trade.csv, limits.csv, extremes.csv in their folders"
+            f"sensitivity/samples/*.csv, {alone} in their folders"
         )
+
+    def _alone(self, name: str, trace: Trace) -> Table:
+        design, settings = self.catalogue.design(name), self.plan.study.metrics
+        of = trace.runs(design)
+        return Table(
+            trace.columns,
+            trace.named,
+            lambda row: [design.runs[run].file for run in of[tuple(row[name] for name in trace.named)]],
+            lambda runs: trace.measure(runs[0], settings) if runs else {},
+        )
+
+    def _searched(self) -> Table:
+        trigger, settings = self.catalogue.trigger, self.plan.study.metrics
+
+        def files(row: Mapping[str, str]) -> list[str]:
+            point = {axis: row[axis] for axis in trigger.names}
+            return [run.file for run in trigger.runs_at([(row["case"], point)])]
+
+        return Table(point_columns(trigger.dimensions.all), ["case", *trigger.names], files, lambda runs: measure(runs[0], settings))
 
     def _study(self) -> Table:
         plan, layout = self.plan, self.plan.layout
 
         def files(row: Mapping[str, str]) -> list[str]:
             name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
-            return [f"{plan.folder}/runs/{name}.nc", *([plan.searches[name].file] if name in plan.searches else [])]
+            return [plan.shared.runs[name].file, *([plan.searches[name].file] if name in plan.searches else [])]
 
         def values(runs: list[xr.Dataset]) -> Mapping[str, Any]:
             return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if len(runs) > 1 else math.nan)
@@ -250,7 +167,7 @@ def located(file: Path) -> tuple[Path, str, Path | None]:
         raise ValueError(f"{file}: lies in no folder 'results', so that nothing is planned for it; 'sph info {file}' shows its scene")
     folder = Path(*path.parts[:at])
     relative = path.relative_to(folder)
-    alone = str(Path(*relative.parts[:2])) in ALONE
+    alone = Path(*relative.parts[:2]).as_posix() in ALONE
     if alone and folder != Path.cwd():
         raise ValueError(f"{file}: belongs to no study; give the command in {folder}, where the configuration is")
     return folder, relative.as_posix(), None if alone else Path(*path.parts[: at + 3])
@@ -292,13 +209,15 @@ def origin(project: Project, file: str) -> tuple[Origin, xr.Dataset | None]:
     run = trajectory.read(path)
     made = trajectory.scene_of(run, file)
     digest, solver = trajectory.scene_digest(made), str(run.attrs.get("solver_digest", ""))
+    differs, planned = [], None
     try:
-        differs = differing(run.attrs, project.scene(file), file)
+        planned = project.catalogue.row(file)
+        differs = differing(run.attrs, make_scene(planned.scene, file), file)
     except ValueError as error:
         differs = [str(error)]
     if run.attrs.get("scene_digest", digest) != digest:
         differs.append(f"its scene has the digest {digest}, it says {run.attrs['scene_digest']}: the file has been changed")
-    if searched_limit(Path(file).stem) and Path(file).parent.name == "stages" and not run.attrs.get("extrapolates", 0):
+    if planned and planned.extrapolates and not run.attrs.get("extrapolates", 0):
         differs.append("searched at one spacing, by an earlier version: limits are now extrapolated from two")
     if solver != solver_digest():
         differs.append(f"made by the solver {solver or 'of a version that did not note it'}, installed is {solver_digest()}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.experiments.trade.advice import expected_sentence
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms

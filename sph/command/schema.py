@@ -7,21 +7,14 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from sph.experiments.registry import EXPERIMENTS
-from sph.experiments.sensitivity.design import Sensitivity
-from sph.experiments.trigger.design import Trigger
-from sph.paper.study import AnyStudy
+from sph.experiments.registry import EXPERIMENTS, STUDY
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
-from sph.validation.suite import Validation
 
 MODELS: dict[str, type[BaseModel]] = {
     "scene": Scene,
-    "study": AnyStudy,
-    **{name: each.keys for name, each in EXPERIMENTS.items()},
-    "sensitivity": Sensitivity,
-    "trigger": Trigger,
-    "validation": Validation,
+    "study": STUDY,
+    **{name: each.keys for name, each in EXPERIMENTS.items() if each.keys},
 }
 """What the files hold, by the name of the schema; that of an experiment is the name of its file."""
 

@@ -3,7 +3,7 @@
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
 with a reason, *stopped* when it was killed (it continues from its checkpoint), else *waiting*.  Whether edited sources ask for a
-rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.command.targets``).
+rerun is for ``snakemake -n`` to say.  Targets beside the study count once they have been started (``sph.jobs.catalogue``).
 
 The time left is that which finished jobs of the kind took by their benchmarks (runs: those that share their shaking up to the first
 failure, else all, else the gravity stage's time a simulated second), and what running ones say themselves, over the number at work.
@@ -29,29 +29,22 @@ from rich.live import Live
 from rich.text import Text
 
 import sph
+from sph.experiments.registry import load_study
+from sph.jobs.catalogue import Catalogue
 from sph.jobs.log import read_log
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml, without_files
 from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.strict_json import finite, parse_json
 from sph.storage.files import beside
 from sph.study.machine import duration
 from sph.study.plan import Plan
+from sph.study.runs import Kind, Run
 from sph.study.sampling import chosen_study
 
 REFRESH = 2.0
 """Wall time between looks of ``--watch``, s."""
 LISTED = 10
 """Most jobs of a state that are named."""
-
-
-class Kind(StrEnum):
-    """What a simulation is for."""
-
-    GRAVITY = "gravity"
-    PRE_FAILURE = "pre_failure"
-    RUN = "run"
-    SEARCH = "search"
 
 
 TITLES = {
@@ -75,25 +68,20 @@ class Stand(StrEnum):
 
 
 class Job(NamedTuple):
-    """A simulation of a study."""
+    """A run of the catalogue with its scene built."""
 
-    kind: Kind
-    group: str  # jobs of one group take about as long
-    name: str  # of its log and benchmark
-    file: str  # relative to its place
+    run: Run
     scene: Scene
-    place: str = ""  # folder of its logs and benchmarks, relative to that of the study
-    target: str = ""  # to which it belongs, where that is not the study itself
 
     @property
     def is_run(self) -> bool:
         """Whether it runs to the end of its scene, unlike a stage or a search."""
-        return self.kind == Kind.RUN
+        return self.run.kind == Kind.RUN
 
     @property
     def title(self) -> str:
         """What it is, in words: its row of the overview."""
-        return f"{TITLES[self.kind]} of {self.target}" if self.target else TITLES[self.kind]
+        return f"{TITLES[self.run.kind]} of {self.run.target}" if self.run.target else TITLES[self.run.kind]
 
 
 class State(NamedTuple):
@@ -108,8 +96,8 @@ class State(NamedTuple):
     computed: float = math.nan  # computing time by its file, without compiling, reading and writing, s
 
 
-def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Path]:
-    """The plan of a study and its folder; by default those of ``config/config.yaml`` in the working folder, as for ``snakemake``.
+def located(folder: Path | None, configfile: Path | None) -> Catalogue:
+    """The catalogue of a study; by default that of ``config/config.yaml`` in the working folder, as for ``snakemake``.
 
     ``folder`` is ``.../results/<study>/<fidelity>`` and decides the fidelity; the configuration of another study than that of
     ``config/config.yaml`` is found by its name.  ValueError names what does not fit.
@@ -131,8 +119,8 @@ def located_plan(folder: Path | None, configfile: Path | None) -> tuple[Plan, Pa
         if data.get("study") != place.parent.name:
             raise ValueError(f"{folder}: the configuration's study is {data.get('study')!r}; name that of this one by --configfile")
         data = {**data, "fidelity": place.name}
-    plan = load_study(data, [base, Path(sph.__file__).parents[1]])
-    return plan, base / plan.folder
+    folders = [base, Path(sph.__file__).parents[1]]
+    return Catalogue(load_study(data, folders), folders, base, check=False)
 
 
 def _configuration_of(study: str, base: Path) -> Path | None:
@@ -145,22 +133,18 @@ def _configuration_of(study: str, base: Path) -> Path | None:
     return found[0] if len(found) == 1 else None
 
 
-def jobs(plan: Plan) -> list[Job]:
-    """All simulations of a study, as the rules of ``workflow/rules`` make them."""
-    found = [Job(Kind.GRAVITY, "gravity", name, f"stages/{name}.nc", make_scene(plan.stage(name))) for name in plan.gravities]
-    for name in plan.pre_failures:
-        found.append(Job(Kind.PRE_FAILURE, "pre_failure", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
-    for name, point in plan.study.runs.items():
-        found.append(Job(Kind.RUN, f"runs of {plan.stages(name).pre_failure}", name, f"runs/{name}.nc", plan.built(**point)))
-    for name in dict.fromkeys(search.name for search in plan.searches.values()):
-        found.append(Job(Kind.SEARCH, "search", name, f"stages/{name}.nc", make_scene(plan.stage(name))))
-    return found
+def look_at(runs: Sequence[Run], base: Path, known: dict[str, Job] | None = None) -> list[State]:
+    """How runs stand, by what lies below the working folder; scenes that are ``known``, by file, are not built again."""
+    built = {} if known is None else known
+    for run in runs:
+        if run.file not in built or built[run.file].run is not run:
+            built[run.file] = Job(run, make_scene(run.scene, run.file))
+    return [look(built[run.file], base) for run in runs]
 
 
-def look(job: Job, folder: Path) -> State:
-    """How a job stands."""
-    folder = folder / job.place
-    path = folder / job.file
+def look(job: Job, base: Path) -> State:
+    """How a job stands, by what lies below the working folder."""
+    path = base / job.run.file
     try:
         scene, note, computed = _facts(path, path.stat().st_mtime_ns)
     except OSError as error:
@@ -172,10 +156,10 @@ def look(job: Job, folder: Path) -> State:
             job,
             Stand.DONE if same else Stand.OUTDATED,
             note if same else "of another scene",
-            took=_benchmark(folder, job),
+            took=_benchmark(base / job.run.benchmark),
             computed=computed,
         )
-    log = read_log(folder / "logs" / f"{job.name}.log")
+    log = read_log(base / job.run.log)
     if log is not None:
         time = log.time or 0.0
         left = math.nan if log.left is None else max(log.left - log.age, 0.0)
@@ -183,7 +167,7 @@ def look(job: Job, folder: Path) -> State:
             return State(job, Stand.FAILED, log.reason, time)
         if log.process is not None and log.process.alive(log.age):
             begun = "" if log.time is not None else "compiling or reading"
-            return State(job, Stand.RUNNING, f"{_trials(path)} trials so far" if job.kind == Kind.SEARCH else begun, time, left)
+            return State(job, Stand.RUNNING, f"{_trials(path)} trials so far" if job.run.kind == Kind.SEARCH else begun, time, left)
         if any(beside(path, role).exists() for role in ("run", "checkpoint")):
             return State(job, Stand.STOPPED, time=time)
     return State(job, Stand.WAITING)
@@ -219,10 +203,10 @@ def _content(scene: Scene | None) -> Any:
     return None if scene is None else without_files(scene.model_dump())
 
 
-def _benchmark(folder: Path, job: Job) -> float:
+def _benchmark(path: Path) -> float:
     """Wall time of a finished job, s; NaN if Snakemake has not (yet) written it."""
     try:
-        with (folder / "benchmarks" / f"{job.name}.tsv").open(encoding="utf-8", newline="") as file:
+        with path.open(encoding="utf-8", newline="") as file:
             return float(next(csv.DictReader(file, delimiter="\t"))["s"])
     except (OSError, ValueError, KeyError, TypeError, StopIteration, csv.Error):
         return math.nan
@@ -238,8 +222,8 @@ class Estimate(NamedTuple):
 
 def estimate(states: Sequence[State]) -> Estimate:
     """What the jobs left will take; see above."""
-    groups = {state.job.group for state in states}
-    costs = {group: _mean(state.took for state in states if state.job.group == group) for group in groups}
+    groups = {state.job.run.group for state in states}
+    costs = {group: _mean(state.took for state in states if state.job.run.group == group) for group in groups}
     any_run = _mean(state.took for state in states if state.job.is_run)
     scene = states[0].job.scene
     by_gravity = states[0].computed * (scene.duration / scene.gravity.duration - 1.0)
@@ -247,7 +231,7 @@ def estimate(states: Sequence[State]) -> Estimate:
     for state in states:
         if state.state == Stand.DONE:
             continue
-        known = (state.left, costs[state.job.group], *((any_run, by_gravity) if state.job.is_run else ()))
+        known = (state.left, costs[state.job.run.group], *((any_run, by_gravity) if state.job.is_run else ()))
         left = next((value for value in known if not math.isnan(value)), math.nan)
         if math.isnan(left):
             unknown += 1
@@ -289,7 +273,7 @@ def _line(state: State) -> str:
     if state.time and state.state in (Stand.RUNNING, Stand.STOPPED):
         until = state.job.scene.duration
         told.insert(0, f"{state.time / until:.0%}, {state.time:.2f} of {until:g} s" if state.job.is_run else f"at {state.time:.2f} s")
-    return f"  {state.state}: {state.job.name}{': ' if told else ''}{', '.join(told)}"
+    return f"  {state.state}: {state.job.run.id}{': ' if told else ''}{', '.join(told)}"
 
 
 def sentence(states: Sequence[State]) -> str:
@@ -315,7 +299,7 @@ def _number(count: int, what: str) -> str:
 def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
     """The overview for machines; numbers that are not known are null."""
     found = estimate(states)
-    rows = [state._asdict() | {"job": state.job.name, "kind": state.job.title, "duration": state.job.scene.duration} for state in states]
+    rows = [state._asdict() | {"job": state.job.run.id, "kind": state.job.title, "duration": state.job.scene.duration} for state in states]
     return {
         "study": plan.study.study,
         "fidelity": plan.study.fidelity,
@@ -327,13 +311,13 @@ def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
     }
 
 
-def watch(plan: Plan, folder: Path, listed: Callable[[], list[Job]]) -> None:
+def watch(plan: Plan, look_again: Callable[[], list[State]]) -> None:
     """Show the overview until all simulations are done: in place on a terminal, elsewhere whenever it has changed."""
     shown = [""]
     console = Console()
     with Live(console=console, auto_refresh=False, transient=False) as live:
         while True:
-            states = [look(job, folder) for job in listed()]
+            states = look_again()
             new = lines(plan, states)
             if console.is_terminal:
                 live.update(Text("\n".join(new)), refresh=True)

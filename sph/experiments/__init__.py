@@ -1,12 +1,15 @@
-"""Experiments: sets of runs designed to answer one question, and what they answer.
+"""Experiments: sets of runs designed to answer one question, and what they answer; each a folder by the name of its target.
 
-* ``cost_accuracy``: what each saving of computing time costs in accuracy (``snakemake trade``)
-* ``trigger``: the shaking at which a slope fails, and maps around it (``snakemake trigger``, ``maps``, ``confirm``)
-* ``sensitivity``: which parameters decide the results (``snakemake sensitivity``)
-* ``assumptions``: what the choices behind a scene do (``snakemake limits``)
-* ``robustness``: how far the solver can be pushed (``snakemake extremes``)
-* ``base``: what they share: what one is, keys, names of files, the check of every scene before any work
-* ``registry``: those whose runs stand alone, which the workflow makes by one file of rules
+* ``trade``, ``resolution``: what each saving of computing time costs in accuracy
+* ``trigger``: the shaking at which a slope fails, and maps around it (``snakemake trigger``, ``fragility``, ``maps``, ``confirm``)
+* ``sensitivity``: which parameters decide the results (``snakemake sensitivity``, ``back_analysis``)
+* ``limits``: what the choices behind a scene do
+* ``extremes``: how far the solver can be pushed
+* ``validation``: the reference cases
+* ``paper``: the source paper's study, its claims and figures
+* ``registry``: lists them, and reads the configuration of a study
+* ``base``: what one is, keys, names of files, the check of every scene before any work
+* ``steps``: the jobs that make their tables and figures
 * ``study_row``: the row of a study's table, with the error to expect
 * ``measured``: what they gave for the release
 """

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple, Protocol
+from typing import Annotated, Any, NamedTuple
 
-import pandas as pd
 import xarray as xr
 from pydantic import Field, model_validator
 
@@ -20,7 +20,7 @@ from sph.solver.particles import locate_probes, place_particles
 from sph.solver.time_step import check_time_step
 from sph.storage.trajectory import Variable
 from sph.study.plan import Plan
-from sph.study.schema import NAME
+from sph.study.schema import NAME, Study
 
 Overrides = dict[str, Any]
 Label = Annotated[str, Field(pattern=r"^[^\s\x00-\x1f$]([^\x00-\x1f$]{0,58}[^\s\x00-\x1f$])?$")]
@@ -41,59 +41,73 @@ class Cases(Section):
         return self
 
 
-class Run(NamedTuple):
-    """A run of an experiment: whole, from the start to the end, on one core."""
-
-    scene: dict[str, Any]
-    """as a mapping"""
-    by: str = "simulation"
-    """or the search that makes many runs of the scene (``sph.stability.record.SEARCHES``)"""
-    enforce_limit: bool = True
-    """whether a time step above its limit is refused"""
-
-
-class Design(Protocol):
-    """An experiment with its configuration read and its scenes checked."""
-
-    @property
-    def runs(self) -> Mapping[str, Run]:
-        """By file name without suffix."""
-
-    @property
-    def parameters(self) -> Any:
-        """What measuring needs beside the runs.  The job gets it pickled, and runs again when its ``repr`` changes."""
-
-
-class Table(NamedTuple):
-    """A table that an experiment writes."""
+class Trace(NamedTuple):
+    """How the rows of the table <name>.csv are traced to their runs (``sph explain``)."""
 
     columns: Sequence[Variable]
-    shows: str = ""
-    """what it is called in Snakemake's report; empty: it is not in there"""
+    """of the table"""
+    named: Sequence[str]
+    """columns that tell rows apart"""
+    runs: Callable[[Any], Mapping[tuple[str, ...], Sequence[str]]]
+    """names of a row's runs by the values of these columns, from the design"""
+    measure: Callable[[xr.Dataset, MetricSettings], Mapping[str, Any]]
+    """columns that the first of these runs gives again"""
 
 
 class Experiment(NamedTuple):
-    """An experiment whose runs stand alone; ``sph.experiments.registry`` lists them, and the workflow makes what is listed there."""
+    """An experiment: ``EXPERIMENT`` of the module ``design`` in the folder of its name, which ``sph.experiments.registry`` lists.
+
+    The module ``measure`` beside it holds its ``STEPS``, what reads their files (``READERS``) and, where a row of its table is a run, its
+    ``TRACE``.
+    """
 
     name: str
-    """the target, the folder below ``results`` and the file in ``config``"""
+    """of the folder below ``results`` and the file in ``config``"""
     title: str
     """its section in Snakemake's report"""
-    about: str
-    """what its results show: their caption in the report, but for those that have one of their own in ``workflow/report``"""
-    keys: type[Section]
-    """of its configuration"""
-    load: Callable[[str, Plan, Sequence[Path]], Design]
-    """from the file of its configuration, the study and the folders that are searched in order; ValueError names file, key and value"""
-    measure: Callable[[Any, Callable[[str], xr.Dataset], MetricSettings], Mapping[str, pd.DataFrame | xr.Dataset]]
-    """the tables by file name, from the design's parameters, what reads a run by its name, and the study's thresholds"""
-    tables: Mapping[str, Table]
-    """by file name, .csv or .nc, one of them <name>.csv; figures are drawn from all that are .csv (``sph.figures.experiment_figures``)"""
+    load: Callable[[str, Plan, Sequence[Path], bool], Any]
+    """its design, with runs by name or rows of its own, from the file of its configuration, the study, the folders that are searched in
+    order and whether every scene is checked; ValueError names file, key and value"""
+    keys: type[Section] | None = None
+    """of its configuration; None where it has no file of its own"""
+    targets: Mapping[str, Callable[[Any], Sequence[str]]] = {}
+    """what each target makes in its folder, from the design, as steps write it; none: one of its name, which makes all that its steps
+    write.  Where two experiments have one target, both make theirs"""
+    place: str = ""
+    """folder of its results, where they are below those of a study: ``{results}`` are those at its fidelity, ``{folder}`` those at any"""
+    wildcards: Mapping[str, str] = {}
+    """in the names of its files, with what each may be"""
+    uses: Sequence[str] = ()
+    """other experiments on whose modules it depends"""
+    study: type[Study] | None = None
+    """a study with the keys that it adds to those of any"""
+
+    @property
+    def alone(self) -> bool:
+        """Whether its results belong to no study."""
+        return not self.place
 
     @property
     def folder(self) -> str:
-        """Where the results go, relative to the working folder."""
-        return f"results/{self.name}"
+        """Where its results go, relative to the working folder."""
+        return self.place or f"results/{self.name}"
+
+    @property
+    def measuring(self) -> Any:
+        """Its module ``measure``, which loads what measures and draws."""
+        return import_module(f"{__package__}.{self.name}.measure")
+
+    @property
+    def traced(self) -> bool:
+        """Whether the rows of its table are single runs."""
+        return hasattr(self.measuring, "TRACE")
+
+    def plan(self, file: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> Any:
+        """Its design; where it stands alone, the runs of it in its folder."""
+        design = self.load(file, study, folders, check)
+        for name, run in design.runs.items() if self.alone else ():
+            design.runs[name] = run._replace(id=name, folder=self.folder, target=self.name, group=run.group or self.name)
+        return design
 
 
 def checked(scene: Mapping[str, Any], where: str, probe: str | None = None) -> Scene:

@@ -1,20 +1,39 @@
-"""The experiments that the workflow makes and configurations may name."""
+"""The experiments: every one is a folder here, and a line of ``NAMES``."""
 
 from __future__ import annotations
 
-from sph.experiments import assumptions, robustness
-from sph.experiments.base import Experiment
-from sph.experiments.cost_accuracy import experiment as cost_accuracy
+from collections.abc import Mapping, Sequence
+from importlib import import_module
+from pathlib import Path
+from typing import Any
 
-EXPERIMENTS: dict[str, Experiment] = {
-    each.name: each
-    for each in (
-        cost_accuracy.EXPERIMENT,
-        cost_accuracy.RESOLUTION,
-        assumptions.EXPERIMENT,
-        robustness.EXPERIMENT,
-    )
-}
-"""Experiments whose runs stand alone, by name: each is a target of that name (``workflow/rules/experiments.smk``)."""
-NAMES = (*EXPERIMENTS, "validation", "sensitivity", "trigger")
-"""All that have a file of their own; those of the last three have rules of their own."""
+from sph.experiments.base import Experiment
+from sph.study.plan import Plan
+from sph.study.plan import load_study as load
+from sph.study.schema import Study
+
+NAMES = (
+    "trade",
+    "resolution",
+    "limits",
+    "extremes",
+    "validation",
+    "sensitivity",
+    "trigger",
+    "paper",
+)
+"""Of their folders."""
+EXPERIMENTS: dict[str, Experiment] = {name: import_module(f"{__package__}.{name}.design").EXPERIMENT for name in NAMES}
+"""By name; the workflow makes what is listed here (``workflow/rules/experiments.smk``)."""
+CONFIGURED = [name for name, each in EXPERIMENTS.items() if each.keys]
+"""Those with a file of their own, which a study may name."""
+STUDY: type[Study] = next((each.study for each in EXPERIMENTS.values() if each.study), Study)
+"""The configuration of the workflow: a study, with the keys that an experiment adds."""
+
+
+def load_study(config: Mapping[str, Any] | Path | str, folders: Sequence[Path] = (Path(),), check: bool = True) -> Plan:
+    """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
+
+    ``folders`` are searched in order for the scene file and a file of cases.
+    """
+    return load(config, folders, check, STUDY)

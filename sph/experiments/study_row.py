@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import xarray as xr
 
-from sph.experiments.cost_accuracy.advice import expected_metrics
-from sph.experiments.cost_accuracy.design import scheme, settings_text
-from sph.experiments.cost_accuracy.likeness import unlike
+from sph.experiments.trade.advice import expected_metrics
+from sph.experiments.trade.design import scheme, settings_text
+from sph.experiments.trade.likeness import unlike
 from sph.measures.metrics import MetricSettings, Value, measure
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import scene_of

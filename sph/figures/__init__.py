@@ -1,4 +1,6 @@
-"""Figures of studies and experiments and the plot of one trajectory; a function draws, it does not derive quantities.
+"""Figures of studies and the plot of one trajectory; a function draws, it does not derive quantities.
+
+Those of an experiment are in its folder.
 
 * ``arrangement``: what goes in: geometry, motion, initial particles
 * ``mobilised``: how near to its strength soil is before the shaking
@@ -8,20 +10,15 @@
 * ``film``: one trajectory through time (``sph animate``)
 * ``scene``: a scene before it is run (``sph check``)
 * ``study``: a study of any dimensions: curves and a map
-* ``trade``, ``resolution``: the cost-accuracy studies: error against cost, results against spacing
-* ``trigger``: critical amplitudes, maps over S_R and amplitude, shares of classes
 * ``style``: sizes, fonts, colours, the note on every figure, saving
 """
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping
-from importlib import import_module
-from importlib.util import find_spec
+from collections.abc import Callable
 from typing import Any
 
-import pandas as pd
 from matplotlib.figure import Figure
 
 from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
@@ -36,7 +33,6 @@ __all__ = [
     "RUN_FIGURES",
     "STUDY_FIGURES",
     "caption",
-    "experiment_figures",
     "figure_arrangement",
     "figure_geometry",
     "figure_map",
@@ -56,13 +52,6 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
 """Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
-
-
-def experiment_figures(name: str) -> Mapping[str, Callable[[Mapping[str, pd.DataFrame]], Figure]]:
-    """Figures of an experiment by the names of their files, functions of its tables by file name: ``FIGURES`` of the module here that has
-    the experiment's name; none where there is no such module."""
-    module = f"{__name__}.{name}"
-    return getattr(import_module(module), "FIGURES", {}) if find_spec(module) else {}
 
 
 def caption(figure: Callable[..., Any]) -> str:

@@ -105,19 +105,19 @@ class MetricSettings(Section):
         return self
 
 
-GRID = ("S_R", "gamma", "amplitude")
-"""The dimensions that have short names: those of a study's variables, of which a study may have others (``sph.study.dimensions``)."""
+ROW = ("row",)
+"""The dimension of a table with a row a run; in ``study.nc`` its columns lie over the dimensions of the study."""
 
 
 def _number(name: str, units: str, text: str) -> Variable:
-    return Variable(name, GRID, "f8", units, text)
+    return Variable(name, ROW, "f8", units, text)
 
 
 METRICS: tuple[Variable, ...] = (
-    Variable("status", GRID, "str", "1", f"how the run ended: one of {', '.join(Status)}"),
+    Variable("status", ROW, "str", "1", f"how the run ended: one of {', '.join(Status)}"),
     Variable(
         "collapse_class",
-        GRID,
+        ROW,
         "str",
         "1",
         f"{', '.join(CLASSES)}: displacement_magnitude over the height of the slope against the settings stable_limit, minor_limit, "
@@ -125,13 +125,13 @@ METRICS: tuple[Variable, ...] = (
     ),
     Variable(
         "still_moving",
-        GRID,
+        ROW,
         "i1",
         "1",
         "1 if in the last moving_window the probe, or the soil by its mass-weighted root-mean-square speed, was faster than moving_speed; "
         "1 for a diverged run, which was stopped in motion",
     ),
-    Variable("diverged", GRID, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, save those of cost and scene"),
+    Variable("diverged", ROW, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, save those of cost and scene"),
     _number(
         "gravity_stage_displacement",
         "m",
@@ -199,7 +199,7 @@ METRICS: tuple[Variable, ...] = (
     ),
     Variable(
         "reached_side",
-        GRID,
+        ROW,
         "str",
         "1",
         "sides of the box that failed soil has met which has moved more than moved_threshold, in any frame, with blanks between them: "

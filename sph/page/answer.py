@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.experiments.trade.advice import expected_sentence
 from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.sides import BACK
@@ -22,7 +22,7 @@ from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
-from sph.study.searches import SAFETY, YIELD, found_words, searched_limit
+from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
 from sph.study.tables import EXPECTED
 
 FINDINGS = "{fidelity}/preflight.csv"
@@ -111,7 +111,7 @@ def _of_files(files: Sequence[str]) -> tuple[str, str]:
     searches = sorted((trajectory.read(file).attrs for file in files), key=lambda facts: float(facts["value"]))
     found = [found_words(facts) for facts in searches if not facts["reason"]]
     reasons = list(dict.fromkeys(found_words(facts)[0] for facts in searches if facts["reason"]))
-    several = any(searched_limit(Path(file).stem) != Path(file).stem for file in files)  # of a study of several slopes, each named
+    several = any(Path(file).stem not in SLOPE_LIMITS for file in files)  # of a study of several slopes, each named
     count = "" if not several else " of one slope" if len(found) == 1 else f" of {len(found)} slopes"
     words = [" to ".join(dict.fromkeys((found[0][0], found[-1][0]))) + count] if found else []
     return "; ".join(words + reasons), ", ".join(["static", *dict.fromkeys(how for _, how in found)])

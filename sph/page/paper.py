@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from sph.experiments.paper import figures
+from sph.experiments.paper.design import PaperStudy
 from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, TRIGGER, Section, drawings, numbered
-from sph.paper import figures
-from sph.paper.study import PaperStudy
 from sph.study.schema import Study
 
 PAPER_SECTIONS: tuple[Section, ...] = (

@@ -11,9 +11,9 @@ from itertools import chain
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple, TypeVar
 
+from sph.experiments.trigger.figures import MAPPED
 from sph.figures import RUN_FIGURES, STUDY_FIGURES
 from sph.figures import caption as caption_of
-from sph.figures.trigger import MAPPED
 from sph.page.answer import CRITICAL, FINDINGS
 from sph.storage.trajectory import Variable
 from sph.study.schema import INPUT_FIGURES, MOBILISED, PROFILES

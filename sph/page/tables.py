@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
-from sph.experiments.cost_accuracy.advice import percent
+from sph.experiments.trade.advice import percent
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil

@@ -20,17 +20,18 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.solver.boundaries.contact import Contact
-from sph.solver.boundaries.no_slip import NoSlip, add_walls, in_wall
-from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells, wrap
+from sph.solver.boundaries.no_slip import NoSlip
+from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.threads import BLOCK
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
-from sph.solver.physics.gradient_correction import GradientCorrection, invert
+from sph.solver.physics.gradient_correction import GradientCorrection, Sums, either, invert
 from sph.solver.physics.initial_arrangement import InitialArrangement, is_intact, keep_whether_all, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
 from sph.solver.physics.seams import Seams, turn_gradients
+from sph.solver.physics.walls import add_wall, in_wall, paired, wrap
 
 SMALLEST_NORM = 1e-30
 """kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -101,7 +102,7 @@ def gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_
         low, high = max(row - 1, 0), min(row + 1, rows_of_cells - 1)
         left, right = columns_around(period, column, columns)
         for c in range(left, right):
-            base = (c if period is None else c % columns) * rows_of_cells
+            base = (c % columns) * rows_of_cells
             begin, end = first[base + low], first[base + high + 1]
             if total + np.uint64(end - begin) > np.uint64(index.size):
                 return i
@@ -129,6 +130,14 @@ def blocks_near(start, neighbour, seen, near_start, near):  # type: ignore[no-un
             count += np.uint64(seen[other] != number)
             seen[other] = number
         near_start[block + np.uint64(1)] = count
+
+
+class Places(NamedTuple):
+    """Where the particles are for whom pairs are made."""
+
+    x: np.ndarray  # (n,) m
+    y: np.ndarray
+    density: np.ndarray  # (n,) kg/m3
 
 
 class PairTerms(NamedTuple):
@@ -191,22 +200,13 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
 
 
 @jit
-def _paired(no_slip, i, j):  # type: ignore[no-untyped-def]
-    """Whether particles i and j act on each other as a pair: those of a no-slip wall do not."""
-    if no_slip is None:
-        return True
-    else:
-        return not (in_wall(no_slip, i) | in_wall(no_slip, j))
-
-
-@jit
-def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type: ignore[no-untyped-def]
-    """Fill rows first to last of ``pairs`` with the candidates inside the support at positions x, y (m).
+def update_pairs(pairs, candidates, terms, places, first, last):  # type: ignore[no-untyped-def]
+    """Fill rows first to last of ``pairs`` with the candidates inside the support.
 
     The rows follow each other without gaps, since reading them is what a large scene
     spends its time on.  Pairs nearer than ``terms.close_range`` (m) are listed once more for short-range forces.
     """
-    kernel, period = terms.kernel, terms.periodic
+    kernel, period, x, y = terms.kernel, terms.periodic, places.x, places.y
     reach = support(kernel)
     reach_square = reach * reach
     close_square = terms.close_range * terms.close_range
@@ -226,7 +226,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
         for k in range(size):
             j = candidates.neighbour[row + k]
             near = wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2
-            dx, dy, kept = offset(terms.initial_arrangement, intact, period, pairs, x, y, i, j)
+            dx, dy, kept = offset(terms.initial_arrangement, intact, period, pairs, places, i, j)
             r_square = dx * dx + dy * dy
             row_dx[k] = dx
             row_dy[k] = dy
@@ -241,7 +241,7 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             pairs.neighbour[begin + count] = j
             row_dx[count] = row_dx[k]
             row_dy[count] = row_dy[k]
-            count += np.uint64((row_square[k] < reach_square) & _paired(terms.no_slip, i, j))
+            count += np.uint64((row_square[k] < reach_square) & paired(terms.no_slip, i, j))
         if close_candidates > np.uint64(0):
             for k in range(size):
                 j = candidates.neighbour[row + k]
@@ -273,31 +273,14 @@ def update_pairs(pairs, candidates, terms, x, y, density, first, last):  # type:
             m_xx -= gx * dx
             m_xy -= gx * dy
             m_yy -= gy * dy
-        sum_x, sum_y, m_xx, m_xy, m_yy = add_walls(
-            terms.no_slip,
-            terms.contact,
-            terms.initial_arrangement,
-            wall_candidates > np.uint64(0),
-            pairs,
-            candidates,
-            period,
-            kernel,
-            terms.gradient_mass,
-            x,
-            y,
-            i,
-            sum_x,
-            sum_y,
-            m_xx,
-            m_xy,
-            m_yy,
-        )
+        sums = Sums(sum_x, sum_y, m_xx, m_xy, m_yy)
+        sums = add_wall(terms.no_slip, terms, wall_candidates > np.uint64(0), pairs, candidates, places, i, sums)
         pairs.start[i] = begin
         pairs.close_end[i] = begin + close
         begin += count
         pairs.end[i] = begin
-        pairs.sum_x[i] = sum_x
-        pairs.sum_y[i] = sum_y
+        pairs.sum_x[i] = sums.x
+        pairs.sum_y[i] = sums.y
         pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = invert(
-            terms.gradient_correction, terms.residual_viscosity, density[i], m_xx, m_xy, m_yy
+            either(terms.gradient_correction, terms.residual_viscosity), places.density[i], sums
         )

@@ -11,13 +11,15 @@ from sph.scene.loading import Loading, make_loading
 from sph.scene.schema import MOST_STEPS, Scene
 from sph.solver.compiled.jit import cache_folder, compile_lock
 from sph.solver.compiled.threads import make_team, together
+from sph.solver.initial_state import initial_state
 from sph.solver.initial_stress import NO_LOADING, impose_stress
-from sph.solver.integration import advance, make_lists, renew_candidates
-from sph.solver.neighbours import Candidates
+from sph.solver.integration import advance
+from sph.solver.neighbours import Candidates, PairTerms
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.coupling import CHUNK, cauchy_stress, elastic_energy
 from sph.solver.physics.prescribed_motion import stopped
-from sph.solver.state import FAILURES, INTERNAL, State, initial_state
+from sph.solver.renewal import make_lists, renew_candidates
+from sph.solver.state import FAILURES, INTERNAL, State
 from sph.solver.terms import make_terms, only, wanted_terms
 from sph.solver.time_step import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
@@ -146,17 +148,7 @@ class Simulation:
     @property
     def list_terms(self) -> Any:
         """The terms that the lists of neighbours depend on."""
-        return only(
-            self.terms,
-            "gradient_correction",
-            "periodic",
-            "artificial_stress",
-            "residual_viscosity",
-            "no_slip",
-            "contact",
-            "initial_arrangement",
-            "seams",
-        )
+        return only(self.terms, *PairTerms._fields)
 
     def elastic_energy(self) -> float:
         """Energy stored in the blended stress, J/m."""

@@ -11,14 +11,14 @@ from collections import namedtuple
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 from numba.extending import overload
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries import absorbing, contact, faces, free_slip, friction, no_slip, periodic
+from sph.solver.boundaries import contact, dashpots, faces, free_field, free_slip, friction, no_slip, periodic
 from sph.solver.boundaries.faces import push_from_faces
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import fields_of, records_in
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics import (
@@ -55,8 +55,8 @@ TERMS: tuple[Term, ...] = (
     artificial_stress.TERM,
     prescribed_motion.TERM,
     material.TERM,
-    absorbing.ABSORBING_WALLS,
-    absorbing.FREE_FIELD,
+    dashpots.TERM,
+    free_field.TERM,
     no_slip.TERM,
     contact.TERM,
     seepage.TERM,
@@ -80,6 +80,7 @@ class Always(NamedTuple):
     n_soil: int
     n_moving: int  # the soil and the boundary particles that follow it
     n_stressed: int  # particles with a stress of their own; no-slip and free-slip walls have none
+    n_failing: int  # particles that can fail: with absorbing walls, whose particles stand for soil far away, the soil alone
     armed_from: float  # s, half a step before the end of the gravity stage
     pairs_tolerance: float  # m
     candidates_tolerance: float  # m
@@ -115,6 +116,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
         n_soil=particles.n_soil,
         n_moving=particles.first_fixed,
         n_stressed=particles.first_no_slip,
+        n_failing=particles.n_soil if any(kind.absorbs for kind in scene.walls.kinds) else particles.first_no_slip,
         armed_from=float(scene.gravity.duration - 0.5 * dt),
         pairs_tolerance=float(pairs_tolerance),
         candidates_tolerance=float(0.5 * skin),
@@ -165,25 +167,19 @@ def wanted_terms(scene: Scene) -> dict[str, bool]:
 
 
 def _held(terms):  # type: ignore[no-untyped-def]
-    """What the records say; compiled code asks their types instead, which it was compiled for."""
+    """Which the records in their slots are; compiled code asks the types that it was compiled for."""
+    of, soil = records_in(terms), records_in(fields_of(terms)["soil"])
     return (
-        *(type(terms.kernel) is record for _, record in _KERNELS),
-        *(type(terms.soil.fluid_law) is known.record for _, known in _LAWS),
-        *(type(terms.soil.loss) is known.record for _, known in _LOSSES),
-        *(getattr(terms, term.name) is not None for term in TERMS),
+        *(of["kernel"] is record for _, record in _KERNELS),
+        *(soil["fluid_law"] is known.record for _, known in _LAWS),
+        *(soil["loss"] is known.record for _, known in _LOSSES),
+        *(of[term.name] is not type(None) for term in TERMS),
     )
 
 
 @overload(_held)
 def _held_by_type(terms):  # type: ignore[no-untyped-def]
-    of = dict(zip(terms.fields, terms.types, strict=True))
-    soil = dict(zip(of["soil"].fields, of["soil"].types, strict=True))
-    held = (
-        *(of["kernel"].instance_class is record for _, record in _KERNELS),
-        *(soil["fluid_law"].instance_class is known.record for _, known in _LAWS),
-        *(soil["loss"].instance_class is known.record for _, known in _LOSSES),
-        *(of[term.name] is not types.none for term in TERMS),
-    )
+    held = _held(terms)  # type: ignore[no-untyped-call]
     return lambda terms: held
 
 

@@ -10,19 +10,18 @@ import functools
 import re
 import types
 import typing
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import BaseModel, BeforeValidator, Field
 
-from sph.measures.metrics import GRID
 from sph.scene.configuration import Section
 from sph.scene.names import nearest
 from sph.scene.schema import Scene
 from sph.scene.units import acceleration, beside_g
 from sph.storage.trajectory import Variable
 
-SHORT_NAMES = dict(zip(GRID, ("coupling.S_R", "coupling.gamma", "motion.amplitude"), strict=True))
+SHORT_NAMES = {"S_R": "coupling.S_R", "gamma": "coupling.gamma", "amplitude": "motion.amplitude"}
 """The scene keys that have short names as dimensions, by these."""
 CASE = "case"
 """Dimension of a study that is a list of runs, and the column of their names."""
@@ -143,21 +142,12 @@ def title_of(dimensions: Iterable[Dimension], point: Mapping[str, str]) -> str:
 def in_order(names: Iterable[str]) -> list[str]:
     """Dimensions in the order of file names and tables: those with short names first, then as written."""
     names = list(names)
-    return [name for name in GRID if name in names] + [name for name in names if name not in GRID]
+    return [name for name in SHORT_NAMES if name in names] + [name for name in names if name not in SHORT_NAMES]
 
 
 def point_name(point: Mapping[str, str]) -> str:
     """Name of a point in file names; ~, which no value holds, stands for the slash of a file in a folder."""
     return "_".join(f"{name}-{point[name].replace('/', '~')}" for name in in_order(point))
-
-
-def named_point(name: str, dimensions: Sequence[str]) -> dict[str, str] | None:
-    """The point over these dimensions that has a name, the inverse of ``point_name``; None where there is none.
-
-    A rule of the workflow is given the name of a run alone, and no configuration lists the points of a search.
-    """
-    found = re.fullmatch("_".join(f"{re.escape(dimension)}-([^/]+?)" for dimension in dimensions), name) if dimensions else None
-    return found and {key: value.replace("~", "/") for key, value in zip(dimensions, found.groups(), strict=True)}
 
 
 def check_names(where: str, names: Iterable[str]) -> None:

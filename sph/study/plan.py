@@ -1,7 +1,7 @@
 """A study with its scene file read: its runs, the stages that they share and the files of both.
 
 ``load_study`` builds and validates the scene of every run, so that a typo is refused before any work.  What runs share is simulated
-once (``sph.study.stages``).
+once (``sph.study.runs``).
 """
 
 from __future__ import annotations
@@ -9,20 +9,18 @@ from __future__ import annotations
 import functools
 import itertools
 import os
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from sph.measures.fields import check_probe
-from sph.scene.configuration import dotted, found_file, merge, read_scene, read_yaml, scene_files
+from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, make_scene
 from sph.storage.files import whole
-from sph.study.dimensions import Dimension, dimension, named_point, scene_key, title_of, value_of
-from sph.study.planned import planned
+from sph.study.dimensions import Dimension, dimension, title_of, value_of
+from sph.study.runs import Kind, Run, SharedRuns, laid_over
 from sph.study.sampling import read_cases
-from sph.study.schema import MOST_SHOWN, Point, Study, read_study
-from sph.study.searches import SLOPE_LIMITS, SlopeSearch, search_name, searched_limit
-from sph.study.stages import GRAVITY, SharedStages, Stages, stage_point
+from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study
 from sph.study.tables import MOST_SLOPES, Layout
 
 PART = 500
@@ -38,6 +36,7 @@ class Plan:
         self.study, self.origin, self._subfolder = study, origin, subfolder
         self._scene_file = base
         self._base = merge(merge(base, study.fidelities[study.fidelity]), overrides or {})
+        self._standing: dict[tuple[tuple[str, str], ...], bool] = {}
 
     @property
     def folder(self) -> str:
@@ -50,11 +49,7 @@ class Plan:
 
     def scene(self, **point: str) -> dict[str, Any]:
         """Scene with some of the dimensions set, as a mapping."""
-        return merge(self._base, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
-
-    def run_scene(self, name: str) -> dict[str, Any]:
-        """Scene of a run by the name of its file."""
-        return self.scene(**self.point(name))
+        return laid_over(self._base, point)
 
     def over(self, grid: Mapping[str, Sequence[str]]) -> Plan:
         """The same scenes as a grid over other dimensions; ValueError where its runs would have no names by their values."""
@@ -76,106 +71,55 @@ class Plan:
             )
         return self.study.file_of(name)
 
-    def point(self, name: str) -> Point:
-        """Point of a run by the name of its file; of a grid also of one between its values, which a search may ask for."""
-        if name in self.study.runs:
-            return self.study.runs[name]
-        found = named_point(name, self.study.names) if self._named else None
-        if found is None:
-            raise ValueError(f"study {self.study.study!r} has no run {name!r}; the first is {next(iter(self.study.runs))}")
-        return found
-
-    @property
-    def _named(self) -> bool:
-        """Whether the name of a run says its values."""
-        return self.study.grid is not None and not self.study.numbered
-
     @functools.cached_property
-    def _shared(self) -> SharedStages:
-        return SharedStages(self.study.runs, self.study.numbered, self._stands)
+    def shared(self) -> SharedRuns:
+        """The runs of the study, with their stages and the searches of their slopes."""
+        return self.runs_at(self.study.runs)
+
+    def runs_at(self, points: Mapping[str, Point]) -> SharedRuns:
+        """The same of other runs, by name."""
+        return SharedRuns(points, Run(self._base, folder=self.folder), self.study.numbered, self._stands)
 
     def _stands(self, point: Mapping[str, str]) -> bool:
-        try:
-            self.built(**point)
-        except ValueError:
-            return False
-        return True
-
-    def stages(self, name: str) -> Stages:
-        """The stages of a run by the name of its file."""
-        return self._shared.of_runs.get(name) or self._shared.of(name, self.point(name))
-
-    def stage(self, name: str) -> dict[str, Any]:
-        """Scene of a gravity stage, shared pre-failure run or search by the name of its file; of a grid also of one between its values."""
-        return self.scene(**self._stage_point(name))
-
-    def _stage_point(self, name: str) -> Point:
-        limit = searched_limit(name)
-        stage = name if limit is None else GRAVITY + name.removeprefix(limit)
-        if stage in self._shared.points:
-            return self._shared.points[stage]
-        found = stage_point(stage, self.study.names) if self._named else None
-        if found is None:
-            what, known = ("stage", list(self._shared.points)) if limit is None else ("search", self._search_names(limit))
-            raise ValueError(f"study {self.study.study!r} has no {what} {name!r}; the first are {', '.join(known[:3])}")
-        return found
-
-    def _search_names(self, limit: str) -> list[str]:
-        return [search_name(gravity, limit) for gravity in self.gravities]
-
-    def search_files(self, limit: str) -> list[str]:
-        """Files of the searches for a limit of the study's slopes."""
-        return [f"{self.folder}/stages/{name}.nc" for name in self._search_names(limit)]
-
-    def gravity_of(self, pre_failure: str) -> str:
-        """Name of the gravity stage of a shared pre-failure run."""
-        found = self._shared.gravity_of
-        return found[pre_failure] if pre_failure in found else self._shared.of(pre_failure, self._stage_point(pre_failure)).gravity
-
-    def files(self, others: Mapping[str, Point] | None = None) -> dict[str, Point]:
-        """The dimensions that the scene of each stage, search and run sets, by file; ``others`` are runs, by name, that the study lacks."""
-        runs = self.study.runs | dict(others or {})
-        shared = SharedStages(runs, self.study.numbered, self._stands) if others else self._shared
-        gravities = {stages.gravity: shared.points[stages.gravity] for stages in shared.of_runs.values()}
-        searches = {search_name(gravity, limit): point for gravity, point in gravities.items() for limit in SLOPE_LIMITS}
-        of = {"stages": shared.points | searches, "runs": runs}
-        return {f"{self.folder}/{place}/{name}.nc": point for place, points in of.items() for name, point in points.items()}
+        at = tuple(point.items())
+        if at not in self._standing:
+            try:
+                self.built(**point)
+                self._standing[at] = True
+            except ValueError:
+                self._standing[at] = False
+        return self._standing[at]
 
     @property
-    def gravities(self) -> list[str]:
-        """Names of all gravity stages."""
-        return list(dict.fromkeys(stages.gravity for stages in self._shared.of_runs.values()))
-
-    @property
-    def pre_failures(self) -> list[str]:
-        """Names of all shared pre-failure runs."""
-        return list(dict.fromkeys(stages.pre_failure for stages in self._shared.of_runs.values()))
-
-    @property
-    def page_stages(self) -> list[str]:
-        """Names of the stages whose cost the page counts: all, where it shows all runs."""
-        return self.gravities + self.pre_failures if len(self.study.runs) <= MOST_SHOWN else []
+    def jobs(self) -> list[Run]:
+        """Everything that is run for the study: stages, runs, and the searches for its yield accelerations."""
+        searched = {search.file for search in self.searches.values()}
+        return [run for run in self.shared if run.kind != Kind.SEARCH or run.file in searched]
 
     @property
     def slope(self) -> dict[str, Any]:
         """Scene of the first gravity stage, as a mapping."""
-        return self.stage(self.gravities[0])
+        return self.shared.gravities[0].scene
 
     @functools.cached_property
-    def searches(self) -> dict[str, SlopeSearch]:
-        """The search for the yield acceleration of the slope of every run, by run."""
-        return self.searches_of(self.study.runs)
+    def searches(self) -> dict[str, Run]:
+        """The search for the yield acceleration of the slope of every run, by run; none where there are more than ``MOST_SLOPES``."""
+        return yields(self.shared)
 
-    def searches_of(self, runs: Iterable[str]) -> dict[str, SlopeSearch]:
-        """The same of other runs, by the names of their files; none of runs of more than ``MOST_SLOPES`` slopes."""
-        slopes = {run: self.stages(run).gravity for run in runs}
-        if len(set(slopes.values())) > MOST_SLOPES:
-            return {}
-        names = {gravity: search_name(gravity) for gravity in slopes.values()}
-        found = {
-            gravity: SlopeSearch(name, f"{self.folder}/stages/{name}.nc", planned(self.stage(gravity))) for gravity, name in names.items()
-        }
-        return {run: found[gravity] for run, gravity in slopes.items()}
+    @property
+    def page_runs(self) -> list[Run]:
+        """The runs that the page shows."""
+        return [self.shared.runs[name] for name in self.study.page_runs]
+
+    @property
+    def page_stages(self) -> list[Run]:
+        """The stages whose cost the page counts: all, where it shows all runs."""
+        return self.shared.gravities + self.shared.pre_failures if len(self.study.runs) <= MOST_SHOWN else []
+
+    def figure_runs(self, figure: str) -> list[Run]:
+        """The runs from which a figure is drawn, by the name of its file."""
+        names = self.study.profile_runs if figure == PROFILES else self.study.figure_files[figure]
+        return [self.shared.runs[name] for name in names]
 
     @functools.cached_property
     def dimensions(self) -> list[Dimension]:
@@ -183,12 +127,13 @@ class Plan:
         scene = self.built(**next(iter(self.study.runs.values())))
         return [dimension(name, values, scene) for name, values in self.study.values.items()]
 
-    @property
-    def profile_titles(self) -> list[str]:
-        """Titles of the runs whose profiles are drawn: the dimensions in which runs of the study differ."""
+    def figure_titles(self, figure: str) -> list[list[str]]:
+        """Titles of the runs of a figure: of profiles the dimensions in which runs of the study differ; none where it shows one run."""
+        if figure != PROFILES:
+            return self.study.figure_titles(figure)
         points = self.study.runs.values()
         differ = [dimension for dimension in self.dimensions if len({point[dimension.name] for point in points}) > 1]
-        return [title_of(differ or self.dimensions, self.study.runs[name]) for name in self.study.profile_runs]
+        return [[title_of(differ or self.dimensions, self.study.runs[name])] for name in self.study.profile_runs]
 
     @property
     def note(self) -> str:
@@ -209,14 +154,10 @@ class Plan:
         """Names of the parts in which the runs are measured."""
         return [f"{number + 1:04d}" for number in range(-(-len(self.study.runs) // PART))]
 
-    def part(self, name: str) -> dict[str, Point]:
-        """The runs of a part, by name."""
+    def part(self, name: str) -> list[Run]:
+        """The runs of a part."""
         first = (int(name) - 1) * PART
-        return dict(itertools.islice(self.study.runs.items(), first, first + PART))
-
-    def part_searches(self, name: str) -> dict[str, SlopeSearch]:
-        """The searches of the slopes of a part's runs, by run."""
-        return {run: self.searches[run] for run in self.part(name) if run in self.searches}
+        return list(itertools.islice(self.shared.runs.values(), first, first + PART))
 
     def validate(self) -> None:
         """Build every scene; ValueError with file and key for the first that is refused."""
@@ -244,22 +185,27 @@ class Plan:
         return scene
 
 
+def yields(shared: SharedRuns) -> dict[str, Run]:
+    """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MOST_SLOPES`` slopes."""
+    return {run: shared.search_of(run) for run in shared.runs} if len(shared.gravities) <= MOST_SLOPES else {}
+
+
 def load_study(
     config: Mapping[str, Any] | Path | str,
     folders: Sequence[Path] = (Path(),),
     check: bool = True,
-    read: Callable[[Mapping[str, Any], str], Study] = read_study,
+    kind: type[Study] = Study,
 ) -> Plan:
     """Validate a configuration and, with ``check``, every scene in it; ValueError names file, key and value.
 
-    ``folders`` are searched in order for the scene file and a file of cases; ``read`` makes the study of the keys, of any kind.
+    ``folders`` are searched in order for the scene file and a file of cases; ``kind`` says which keys a study may have.
     """
     origin = "config" if isinstance(config, Mapping) else str(config)
     data = config if isinstance(config, Mapping) else read_yaml(config)
     cases = data["cases"] if isinstance(data.get("cases"), str) else None
     if cases is not None:
         data = {**data, "cases": read_cases(folders, cases)}
-    study = read(data, origin)
+    study = kind.read(data, origin)
     scene = found_file(folders, study.scene, f"{origin}: scene")
     plan = Plan(study, read_scene(scene), str(scene))
     if check:

@@ -33,10 +33,6 @@ class Planned(NamedTuple):
     scene: dict[str, Any]  # as a mapping, with what its scheme fills in
     files: dict[str, str]  # digest of the content of every file that it is read from
 
-    def __repr__(self) -> str:
-        """Digest of all of it: what Snakemake keeps with a result and compares; a scene may hold a record of megabytes."""
-        return f"Planned({trajectory.text_digest([self.scene, list(self.files.values())])})"
-
     def build(self) -> Scene:
         """The scene; ValueError where a file has changed since it was planned."""
         scene = make_scene(self.scene)
@@ -86,12 +82,26 @@ def _at_planning(name: str) -> str:
         raise ValueError(f"file: {one_line(name)}: cannot be read: {error.strerror or error}") from error
 
 
-def sources(*patterns: str) -> str:
-    """Digest of what files say to the machine that match patterns, seen from the library (``sph.storage.sources``).
+def digest(given: Any) -> str:
+    """Digest of what a job is given, which a workflow keeps with the result and compares: scenes may hold records of megabytes."""
+    return trajectory.text_digest(_told(given))
+
+
+def _told(given: Any) -> Any:
+    """Plain data; of a planned scene what its files hold, wherever they are."""
+    if isinstance(given, Planned):
+        return [given.scene, list(given.files.values())]
+    if isinstance(given, Mapping):
+        return {str(name): _told(value) for name, value in given.items()}
+    return list(map(_told, given)) if isinstance(given, (list, tuple)) else repr(given)
+
+
+def sources(*patterns: str, without: str = "") -> str:
+    """Digest of what files say to the machine that match patterns, seen from the library (``sph.storage.sources``), ``without`` some.
 
     Snakemake does not see edits in imported modules by itself.  ValueError for a pattern that matches none, which is a file that has moved.
     """
-    return sources_digest(_matching(patterns), LIBRARY)
+    return sources_digest(_matching(patterns) - set(LIBRARY.glob(without) if without else ()), LIBRARY)
 
 
 def contents(*patterns: str) -> str:

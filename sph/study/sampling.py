@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 import numpy as np
 import scipy  # type: ignore[import-untyped]
+import yaml
 from pydantic import BeforeValidator, model_validator
 
 from sph.scene.configuration import Section, found_file, key
@@ -114,6 +115,12 @@ def chosen_study(config: Mapping[str, Any], given: Mapping[str, Any]) -> dict[st
     if chosen:
         return {name: value for name, value in config.items() if name not in KINDS} | chosen
     return dict(config)
+
+
+def keys_of(path: Path | str) -> set[str]:
+    """The keys of a file of a configuration, whatever they hold; none of one that is no mapping."""
+    node = yaml.compose(Path(path).read_text(encoding="utf-8"), yaml.SafeLoader)
+    return {str(name.value) for name, _ in node.value} if isinstance(node, yaml.MappingNode) else set()
 
 
 KINDS = ("grid", "cases", "sample")

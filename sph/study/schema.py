@@ -196,12 +196,16 @@ class Study(Section):
         """
         return dict.fromkeys((*INPUT_FIGURES, MOBILISED), list(self.runs)[:1]) | {PROFILES: self.profile_runs}
 
+    def figure_titles(self, figure: str) -> list[list[str]]:
+        """Titles of the runs of a figure: its panel, if it has several, and its curve or profile; none where it shows one run."""
+        return []
+
     @property
     def profile_runs(self) -> list[str]:
         """Names of the runs whose profiles are drawn."""
         return self.shown_runs(FEW_PROFILES if not self.figures.runs else 0, self.figures.runs)
 
-
-def read_study(data: Mapping[str, Any], origin: str) -> Study:
-    """Validate the keys of a study; ValueError names ``origin``, key and value."""
-    return validated(Study, data, origin)
+    @classmethod
+    def read(cls, data: Mapping[str, Any], origin: str) -> Study:
+        """Validate the keys of a study; ValueError names ``origin``, key and value."""
+        return validated(cls, data, origin)

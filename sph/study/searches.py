@@ -1,16 +1,15 @@
-"""The searches for the limits of a study's slopes: their names and files, and what they found.
-
-A search is named after its limit and ends as the gravity stage that settles the slope (``yield_acceleration_soil.cohesion-20``).
-"""
+"""The searches for the limits of a study's slopes, and what they found."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 from sph.scene.units import in_both
-from sph.study.planned import Planned
-from sph.study.stages import GRAVITY
+from sph.study.planned import Planned, planned
+
+if TYPE_CHECKING:
+    from sph.study.runs import Run
 
 YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
 SLOPE_LIMITS = (YIELD, SAFETY)
@@ -18,16 +17,6 @@ SLOPE_LIMITS = (YIELD, SAFETY)
 TEXTS: dict[str, Callable[[float, float], str]] = {YIELD: in_both, SAFETY: "{:.2f} ± {:.2f}".format}
 """A limit with its error in words."""
 AnyKey = TypeVar("AnyKey")
-
-
-def search_name(gravity: str, limit: str = YIELD) -> str:
-    """Name of the search for a limit of the slope that a gravity stage settles."""
-    return limit + gravity.removeprefix(GRAVITY)
-
-
-def searched_limit(name: str) -> str | None:
-    """The limit that a search with this name looks for; None for the name of no search."""
-    return next((limit for limit in SLOPE_LIMITS if name.startswith(limit)), None)
 
 
 def found_words(facts: Mapping[str, Any]) -> tuple[str, str]:
@@ -44,11 +33,17 @@ def found_words(facts: Mapping[str, Any]) -> tuple[str, str]:
 
 
 class SlopeSearch(NamedTuple):
-    """The search for the yield acceleration of a slope."""
+    """The search for a limit of a slope."""
 
-    name: str
     file: str
     scene: Planned
+
+
+def slope_searches(searches: Mapping[AnyKey, Run]) -> dict[AnyKey, SlopeSearch]:
+    """Searches of the catalogue as measuring needs them; the scene of each is planned once."""
+    each = {run.file: run for run in searches.values()}
+    known = {file: SlopeSearch(file, planned(run.scene)) for file, run in each.items()}
+    return {at: known[run.file] for at, run in searches.items()}
 
 
 def yield_accelerations(searches: Mapping[AnyKey, SlopeSearch]) -> dict[AnyKey, float]:

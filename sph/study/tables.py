@@ -19,14 +19,12 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from sph.measures.metrics import GRID, METRICS
+from sph.measures.metrics import METRICS
+from sph.measures.metrics import ROW as ROW
 from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import AXES, CASE
-
-ROW = ("row",)
-"""The dimension of a flat table."""
 
 
 def text_column(name: str, text: str) -> Variable:
@@ -47,7 +45,7 @@ def count_column(name: str, text: str) -> Variable:
 EXPECTED: tuple[Variable, ...] = tuple(
     Variable(
         f"expected_{name}_error",
-        GRID,
+        ROW,
         "f8",
         "1",
         f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
@@ -56,13 +54,13 @@ EXPECTED: tuple[Variable, ...] = tuple(
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
-"""The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.cost_accuracy.advice``."""
+"""The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.trade.advice``."""
 MOST_SLOPES = 10
 """Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 BASELINE: tuple[Variable, ...] = (
     Variable(
         "yield_acceleration",
-        GRID,
+        ROW,
         "f8",
         "m s-2",
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s, by a pseudo-static search, "
@@ -72,7 +70,7 @@ BASELINE: tuple[Variable, ...] = (
     ),
     Variable(
         "newmark_displacement",
-        GRID,
+        ROW,
         "f8",
         "m",
         "slip of a rigid block with that yield acceleration under the horizontal component of the run's motion (Newmark 1965), which loses "
@@ -82,7 +80,7 @@ BASELINE: tuple[Variable, ...] = (
 """The sliding block beside the run; see ``sph.study.baseline``."""
 FINDINGS = Variable(
     "findings",
-    GRID,
+    ROW,
     "str",
     "1",
     "codes of what was found of the run's scene before it was run and of its debris after, with blanks between them",

@@ -10,7 +10,7 @@ from typing import Any
 
 from measuring import at_rest, command_line, hand_out, medians
 
-from sph.solver.integration import renew_candidates, renew_pairs
+from sph.solver.renewal import renew_candidates, renew_pairs
 from sph.solver.simulation import Simulation
 
 SPACINGS = (1.0, 0.5, 0.25, 0.15, 0.083)
@@ -49,7 +49,7 @@ def renewals(run: Simulation) -> dict[str, float]:
     """Seconds of one renewal of the pairs and of the candidates."""
     return medians(
         {
-            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, 0, run.state.x.size),
+            "renew_pairs": lambda: renew_pairs(run.state, run.candidates, run.pairs, run.terms, 0, run.state.x.size, run.team[0]),
             "renew_candidates": lambda: renew_candidates(run.state, run.terms, run.pairs),
         },
         repeats=3,

@@ -23,17 +23,18 @@ import numpy as np
 from measuring import PAPER, command_line, hand_out, medians, scene_of
 
 from sph.scene.schema import Scene
-from sph.solver.integration import kick_and_drift, make_lists
-from sph.solver.neighbours import pair_terms, update_pairs
+from sph.solver.integration import kick_soil, loads_of
+from sph.solver.neighbours import Places, pair_terms, update_pairs
 from sph.solver.physics.coupling import update_stress
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.short_range_repulsion import add_repulsion
+from sph.solver.renewal import make_lists
 from sph.solver.run import Progress, Run
 from sph.solver.simulation import Simulation
 from sph.solver.state import State
 
 LOOPS = ("velocity_gradients", "stress_accelerations")
-PARTS = (*LOOPS, "update_stress", "kick_and_drift", "add_repulsion", "update_pairs")
+PARTS = (*LOOPS, "update_stress", "kick_soil", "add_repulsion", "update_pairs")
 STAGES = ("elastic", "collapse")
 PROBED_STEPS = 50
 
@@ -51,8 +52,8 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
     terms, mass, loading, team = run.terms, run.particles.mass, run.loading, run.team[0]
     still, strained, moved, pushed = (twin(run) for _ in range(4))
     pairs, now = still.pairs, min(run.step, loading.time.size - 1)
-    loads = [float(history[now]) for history in (loading.ground, loading.vertical, loading.gravity, loading.extra_damping)]
-    state = still.state
+    loads, state = loads_of(loading, now), still.state
+    places = Places(state.x, state.y, state.density)
     return {
         "velocity_gradients": lambda n: velocity_gradients(
             state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, 0, n
@@ -69,11 +70,11 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
             min(n, terms.n_soil),
         ),
         "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
-        "kick_and_drift": lambda n: kick_and_drift(moved.state, terms, mass, *loads, 0, n),
+        "kick_soil": lambda n: kick_soil(moved.state, terms, mass, loads, 0, n),
         "add_repulsion": lambda n: add_repulsion(
             terms.short_range_repulsion, terms.periodic, terms.seams, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
-        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, pair_terms(terms), state.x, state.y, state.density, 0, n),
+        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, pair_terms(terms), places, 0, n),
     }
 
 

@@ -7,13 +7,11 @@ import io
 import json
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene
 from sph.solver.run import Run
 from sph.study.planned import planned
 
@@ -29,20 +27,18 @@ print(parallel._is_initialized)
 
 
 @pytest.mark.long
-def test_the_solver_starts_none_of_numbas_threads(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_the_solver_starts_none_of_numbas_threads(small_slope: SceneBuilder) -> None:
     done = subprocess.run(
         [sys.executable, "-c", NUMBAS, small_slope({}).model_dump_json()], capture_output=True, text=True, check=True, cwd=ROOT
     )
     assert done.stdout.split() == ["False"]
 
 
-def test_a_jobs_threads_are_the_solvers(
-    small_slope: Callable[[dict[str, Any]], Scene], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_jobs_threads_are_the_solvers(small_slope: SceneBuilder, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     teams: list[int] = []
     go = Run.go
     monkeypatch.setattr(Run, "go", lambda self, *arguments: (teams.append(len(self.simulation.team)), go(self, *arguments))[1])
-    spec = importlib.util.spec_from_file_location("simulate", ROOT / "workflow" / "scripts" / "simulate" / "simulate.py")
+    spec = importlib.util.spec_from_file_location("simulate", ROOT / "workflow" / "scripts" / "simulate.py")
     assert spec and spec.loader
     script = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(script)

@@ -10,11 +10,11 @@ import matplotlib
 import numpy as np
 import pytest
 import yaml
+from calling import call
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from typer.testing import CliRunner, Result
 
 from sph.command.check import check, draw, layer_rows, rows
-from sph.command.cli import REFUSED, app
+from sph.command.cli import REFUSED
 from sph.figures.scene import FEW
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
@@ -48,10 +48,6 @@ def scene(**settings: Any) -> Scene:
 
 def found(**settings: Any) -> list[Finding]:
     return [each for each in check(scene(**settings)).findings if each.counts]
-
-
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
 
 
 def test_a_sound_scene_has_no_warning() -> None:

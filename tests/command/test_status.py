@@ -6,7 +6,6 @@ import json
 import math
 import os
 import platform
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -14,14 +13,14 @@ import netCDF4
 import psutil
 import pytest
 import yaml
-from small_scenes import SLOPE
+from small_scenes import SLOPE, SceneBuilder
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
-from sph.command.status import State, estimate, jobs, located_plan, look, sentence, watch
+from sph.command.status import State, estimate, located, look, look_at, sentence, watch
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
 from sph.jobs.progress import SECONDS, Lines, reporter
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import make_scene
 from sph.solver.run import Progress
 from sph.study.plan import Plan
 
@@ -34,12 +33,12 @@ GONE = HERE._replace(started=HERE.started - 1000.0)
 class Folder:
     """A study of eight runs and what its jobs leave."""
 
-    def __init__(self, base: Path, plan: Plan, path: Path) -> None:
-        self.base, self.plan, self.path = base, plan, path
-        self.jobs = {job.name: job for job in jobs(plan)}
+    def __init__(self, base: Path, plan: Plan) -> None:
+        self.base, self.plan, self.path = base, plan, base / plan.folder
+        self.jobs = {state.job.run.id: state.job for state in look_at(plan.jobs, base)}
 
     def finish(self, name: str, took: float, status: str = "complete", **changes: Any) -> None:
-        path = self.path / self.jobs[name].file
+        path = self.base / self.jobs[name].run.file
         path.parent.mkdir(parents=True, exist_ok=True)
         scene = json.loads(self.jobs[name].scene.model_dump_json())
         with netCDF4.Dataset(path, "w") as ds:
@@ -55,7 +54,7 @@ class Folder:
         os.utime(path, (path.stat().st_mtime - age,) * 2)
 
     def state(self, name: str) -> State:
-        return look(self.jobs[name], self.path)
+        return look(self.jobs[name], self.base)
 
     def states(self) -> list[State]:
         return [self.state(name) for name in self.jobs]
@@ -70,7 +69,7 @@ PAPERS = {
 
 
 @pytest.fixture(params=[PAPERS], ids=[""])
-def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Folder:
+def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: SceneBuilder) -> Folder:
     config = {
         "study": "small",
         "scene": "slope.yaml",
@@ -81,7 +80,7 @@ def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: Callable[
     (tmp_path / "config").mkdir()
     (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(config))
     (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
-    return Folder(tmp_path, *located_plan(tmp_path / "results" / "small" / "draft", None))
+    return Folder(tmp_path, located(tmp_path / "results" / "small" / "draft", None).plan)
 
 
 def progress(time: float, elapsed: float) -> Progress:
@@ -105,7 +104,7 @@ def test_done_is_a_file_of_this_configuration(study: Folder) -> None:
     assert study.state(POINT)[1:3] == ("outdated", "of another scene")
     study.finish(POINT, 5.0, early_stop=None)
     assert study.state(POINT).state == "done", "an earlier version wrote no key that has been added since"
-    (study.path / study.jobs[POINT].file).write_bytes(b"half a file")
+    (study.base / study.jobs[POINT].run.file).write_bytes(b"half a file")
     assert study.state(POINT)[1:3] == ("outdated", "cannot be read: NetCDF: Unknown file format")
 
 
@@ -281,5 +280,5 @@ def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixtu
         study.finish(left.pop(), 1.0)
 
     monkeypatch.setattr("sph.command.status.clock.sleep", one_more)
-    watch(study.plan, study.path, lambda: jobs(study.plan))
+    watch(study.plan, study.states)
     assert capsys.readouterr().out.count("results/small/draft: study small") == 1 + len(study.jobs), "one for every change"

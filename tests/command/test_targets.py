@@ -13,10 +13,10 @@ import yaml
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.command.explain import Project
-from sph.command.status import Job, located_plan, look
-from sph.command.targets import target_jobs
-from sph.study.plan import Plan
+from sph.command.status import Job, State, located, look_at
+from sph.jobs.catalogue import Catalogue
+from sph.scene.schema import Scene, make_scene
+from sph.study.runs import laid_over
 
 ROOT = Path(__file__).resolve().parents[2]
 TRIGGER: dict[str, Any] = {
@@ -30,12 +30,17 @@ HEAD = "case,S_R,gamma,amplitude,round\n"
 
 
 @pytest.fixture
-def study(tmp_path: Path) -> tuple[Plan, Path]:
+def study(tmp_path: Path) -> Path:
+    """Folder of the results of a study, in a working folder with its configuration."""
     (tmp_path / "config").mkdir()
     config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8")) | {"experiments": {"trigger": "mine.yaml"}}
     (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(config, sort_keys=False))
     (tmp_path / "mine.yaml").write_text(yaml.safe_dump(TRIGGER, sort_keys=False))
-    return located_plan(tmp_path / "results" / "paper" / "draft", None)
+    return tmp_path / "results" / "paper" / "draft"
+
+
+def states_of(catalogue: Catalogue) -> list[State]:
+    return look_at(catalogue.started, catalogue.base)
 
 
 def wants(folder: Path, table: str, *points: str) -> None:
@@ -44,61 +49,94 @@ def wants(folder: Path, table: str, *points: str) -> None:
     (place / f"{table}-wanted.csv").write_text(HEAD + "".join(f"{point},0\n" for point in points))
 
 
-def finish(folder: Path, job: Job) -> None:
-    path = folder / job.place / job.file
+def finish(base: Path, job: Job) -> None:
+    path = base / job.run.file
     path.parent.mkdir(parents=True, exist_ok=True)
     with netCDF4.Dataset(path, "w") as ds:
         ds.setncatts({"scene": job.scene.model_dump_json(), "status": "complete", "wall_time_s": 1.0})
 
 
-def test_nothing_is_listed_before_it_is_started(study: tuple[Plan, Path]) -> None:
-    assert target_jobs(*study) == []
+def test_nothing_is_listed_before_it_is_started(study: Path) -> None:
+    assert located(study, None).started == []
 
 
-def test_a_search_is_listed_round_by_round_without_the_study_s_own_runs(study: tuple[Plan, Path]) -> None:
-    plan, folder = study
-    wants(folder, "trigger-0", "as it is,0.10,100,6.0", "as it is,0.10,100,8", "slip: sides,0.10,100,8")
-    jobs = target_jobs(plan, folder)
+def test_a_search_is_listed_round_by_round_without_the_study_s_own_runs(study: Path) -> None:
+    catalogue = located(study, None)
+    wants(study, "trigger-0", "as it is,0.10,100,6.0", "as it is,0.10,100,8", "slip: sides,0.10,100,8")
+    jobs = [state.job for state in states_of(catalogue)]
     # The first point is one of the study's grid, and its run is listed there.
-    assert [(job.title, job.place) for job in jobs] == [("runs of trigger", "."), ("runs of trigger", "trigger/slip-sides")]
+    folders = [(job.title, job.run.folder) for job in jobs]
+    assert folders == [("runs of trigger", "results/paper/draft"), ("runs of trigger", "results/paper/draft/trigger/slip-sides")]
     assert jobs[1].scene.walls.sides == "free_slip" and jobs[1].scene.motion.amplitude == 8.0  # type: ignore[union-attr]
-    finish(folder, jobs[1])
-    assert [look(job, folder).state for job in jobs] == ["waiting", "done"]
-    wants(folder, "trigger-1", "slip: sides,0.10,100,8", "slip: sides,0.10,100,6")
-    wants(folder, "confirm", "slip: sides,0.10,100,6")
-    jobs = target_jobs(plan, folder)
+    finish(catalogue.base, jobs[1])
+    assert [state.state for state in states_of(catalogue)] == ["waiting", "done"]
+    wants(study, "trigger-1", "slip: sides,0.10,100,8", "slip: sides,0.10,100,6")
+    wants(study, "confirm", "slip: sides,0.10,100,6")
+    jobs = [state.job for state in states_of(catalogue)]
     assert Counter(job.title for job in jobs) == {"runs of trigger": 3, "runs of confirm": 1}
-    assert jobs[-1].place == "../standard/trigger/slip-sides" and jobs[-1].scene.numerics.smoothing_ratio == 2.3
+    assert jobs[-1].run.folder == "results/paper/standard/trigger/slip-sides" and jobs[-1].scene.numerics.smoothing_ratio == 2.3
 
 
-def test_sensitivity_is_listed_with_its_indices_once_the_factors_are_known(study: tuple[Plan, Path]) -> None:
-    plan, folder = study
-    place = folder / "sensitivity"
+def test_points_of_an_earlier_configuration_are_none(study: Path) -> None:
+    wants(study, "trigger-0", "as it is,0.10,100,8", "no more,0.10,100,8")
+    assert [run.id for run in located(study, None).started] == ["S_R-0.10_gamma-100_amplitude-8"]
+    (study / "trigger" / "rounds" / "trigger-0-wanted.csv").write_text("case,motion.frequency,amplitude,round\nas it is,2,8,0\n")
+    assert located(study, None).started == []
+
+
+def test_sensitivity_is_listed_with_its_indices_once_the_factors_are_known(study: Path) -> None:
+    place = study / "sensitivity"
     place.mkdir(parents=True)
-    designs = {job.group for job in target_jobs(plan, folder)}
+    catalogue = located(study, None)
+    designs = {run.group for run in catalogue.started}
     assert designs == {"sensitivity morris", "sensitivity tornado"}
     (place / "factors.json").write_text('["S_R", "height"]')
-    jobs = target_jobs(plan, folder)
-    assert {job.group for job in jobs} == designs | {"sensitivity sobol", "sensitivity confirm"}
-    finish(folder, jobs[0])
-    assert look(jobs[0], folder).state == "done"
-    shown = CliRunner().invoke(app, ["status", str(folder), "--json"])
+    assert {run.group for run in catalogue.started} == designs | {"sensitivity sobol", "sensitivity confirm"}
+    (place / "factors.json").write_text('["a factor of an earlier configuration"]')
+    assert {run.group for run in catalogue.started} == designs
+    (first, *_) = states_of(catalogue)
+    finish(catalogue.base, first.job)
+    assert states_of(catalogue)[0].state == "done"
+    shown = CliRunner().invoke(app, ["status", str(study), "--json"])
     assert shown.exit_code == 0 and sum(job["state"] == "done" for job in json.loads(shown.stdout)["jobs"]) == 1
 
 
-def test_files_that_a_search_has_asked_for_are_known_by_its_tables(study: tuple[Plan, Path]) -> None:
-    plan, folder = study
-    project = Project(folder.parents[2], None, folder)
+def test_files_that_a_search_has_asked_for_are_known_by_its_tables(study: Path) -> None:
+    catalogue = located(study, None)
     case = "results/paper/draft/trigger/slip-sides"
-    run = f"{case}/runs/S_R-0.10_gamma-100_amplitude-8.nc"
-    with pytest.raises(ValueError, match="no such run is planned now"):
-        project.scene(run)
-    wants(folder, "trigger-0", "slip: sides,0.10,100,8", "as it is,0.10,100,7")
-    project = Project(folder.parents[2], None, folder)
-    for file in (run, f"{case}/stages/pre_failure_amplitude-8.nc", f"{case}/stages/gravity.nc", f"{case}/stages/yield_acceleration.nc"):
-        assert project.scene(file).walls.sides == "free_slip"
-    assert project.scene(run).motion.amplitude == 8.0  # type: ignore[union-attr]
+    run = f"{case}/runs/S_R-0.10_gamma-100_amplitude-8.0.nc"
+
+    def scene(file: str) -> Scene:
+        return make_scene(catalogue.row(file).scene)
+
+    with pytest.raises(ValueError, match="planned"):
+        scene(run)
+    assert scene(f"{case}/stages/yield_acceleration.nc").walls.sides == "free_slip", "which the table needs, whatever is asked for"
+    wants(study, "trigger-0", "slip: sides,0.10,100,8.0", "as it is,0.10,100,7")
+    for file in (run, f"{case}/stages/pre_failure_amplitude-8.0.nc", f"{case}/stages/gravity.nc", f"{case}/stages/factor_of_safety.nc"):
+        assert scene(file).walls.sides == "free_slip"
+    assert scene(run).motion.amplitude == 8.0  # type: ignore[union-attr]
     for file in ("runs/S_R-0.10_gamma-100_amplitude-7.nc", "stages/pre_failure_amplitude-7.nc"):
-        assert project.scene(f"results/paper/draft/{file}").motion.amplitude == 7.0  # type: ignore[union-attr]
-    assert project.scene("results/paper/draft/runs/S_R-0.10_gamma-100_amplitude-6.0.nc").coupling.S_R == 0.1
-    assert project.scene("results/paper/draft/sensitivity/runs/tornado/base.nc").name == "paper"
+        assert scene(f"results/paper/draft/{file}").motion.amplitude == 7.0  # type: ignore[union-attr]
+    assert scene("results/paper/draft/runs/S_R-0.10_gamma-100_amplitude-6.0.nc").coupling.S_R == 0.1
+    assert scene("results/paper/draft/sensitivity/runs/tornado/base.nc").name == "paper"
+
+
+def test_the_plan_is_written_beside_the_results(study: Path) -> None:
+    catalogue = located(study, None)
+    wants(study, "trigger-0", "slip: sides,0.10,100,8")
+    catalogue.row("results/paper/draft/stages/gravity.nc")
+    catalogue.row("results/limits/runs/as-it-is/S_R-0.10.nc")
+    catalogue.row("results/paper/draft/trigger/slip-sides/stages/gravity.nc")
+    catalogue.write()
+    told = json.loads((study / "plan.json").read_text(encoding="utf-8"))
+    runs = {run["file"]: run for run in told["runs"]}
+    assert {run.file for run in (*catalogue.plan.jobs, *catalogue.started)} <= set(runs)
+    for file, run in runs.items():
+        planned = catalogue.row(file)
+        assert make_scene(laid_over(told["scenes"][run["scene"]], run["point"])) == make_scene(planned.scene)
+        assert [run[name] for name in ("id", "parent", "until", "by")] == [planned.id, planned.parent, planned.until, planned.by]
+        assert run["parent"] is None or run["parent"] in runs
+    alone = json.loads((catalogue.base / "results" / "limits" / "plan.json").read_text(encoding="utf-8"))
+    assert {run["target"] for run in alone["runs"]} == {"limits"} and len(alone["runs"]) > 50
+    assert not (catalogue.base / "results" / "trade").exists(), "what nobody asked for is not read"

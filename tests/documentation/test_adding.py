@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "development" / "adding.md").read_text(encoding="utf-8")
-MOST_FILES = 3
+MOST_FILES = 5
 SCENE = "{'name': 'block', 'scheme': 'paper', 'duration': 5.0, 'geometry': {'shape': 'block', 'width': 10.0, 'height': 5.0}, %s}"
 CHECKS = {
     "A term": f"""
@@ -75,12 +75,12 @@ from tools.reference import TABLES
 from sph.experiments.registry import EXPERIMENTS
 from sph.measures.metrics import MetricSettings
 done = subprocess.run([sys.executable, "-m", "snakemake", "--dry-run", "duration"], capture_output=True, text=True, check=True)
-assert re.findall(r"^(experiment_run|duration_table|duration) +([0-9]+)$", done.stdout[done.stdout.rindex("Job stats:"):], re.M) == [
-    ("experiment_run", "6"), ("duration_table", "1"), ("duration", "1")
+assert re.findall(r"^(simulate|duration_table|duration) +([0-9]+)$", done.stdout[done.stdout.rindex("Job stats:"):], re.M) == [
+    ("simulate", "6"), ("duration_table", "1"), ("duration", "1")
 ]
 assert "results/duration/runs/S_R-0.25/5-s.nc" in done.stdout and "results/duration/duration.csv" in done.stdout
 rows = [("S_R-0.25/5-s", "S_R 0.25", 5.0)]
-table = EXPERIMENTS["duration"].measure(rows, lambda name: synthetic(), MetricSettings())["duration.csv"]
+table = EXPERIMENTS["duration"].measuring.measure_duration(rows, lambda name: synthetic(), MetricSettings())
 assert table["longer"].tolist() == [5.0] and table["collapse_class"].tolist() == ["stable"]
 assert [row[0] for row in TABLES["duration_variables"]().rows] == list(table.columns)
 """,

@@ -28,7 +28,7 @@ PAGES = [
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
 RULES = {rule for path in ROOT.glob("workflow/rules/*.smk") for rule in re.findall(r"^rule (\w+):", path.read_text(), re.MULTILINE)} | {
     "all",
-    *EXPERIMENTS,
+    *(target for each in EXPERIMENTS.values() for target in each.targets or [each.name]),
 }
 FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 

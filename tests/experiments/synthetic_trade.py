@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from sph.experiments.cost_accuracy.design import Trade, TradeRuns
-from sph.experiments.cost_accuracy.table import trade_table
+from sph.experiments.trade.design import Trade, TradeRuns
+from sph.experiments.trade.table import trade_table
 from sph.measures.metrics import METRICS
 from sph.scene.configuration import merge, validated
 

@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 import yaml
 
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.critical import BRACKETED, UNDECIDED
 from sph.experiments.trigger.design import Searched, load_trigger
 from sph.experiments.trigger.efficiency import ARIAS, MEASURE_COLUMNS, PGA, PGV, measures_table, motion_measures
 from sph.experiments.trigger.fragility import CONFIDENCE, TAILS, Conversion, resampled
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import make_scene

@@ -11,7 +11,7 @@ import pytest
 
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.exceedance import exceedance, exceedance_columns
-from sph.figures.reach import figure_reach
+from sph.experiments.trigger.figures_reach import figure_reach
 from sph.measures.metrics import UNDETERMINED
 from sph.scene.schema import Scene
 from sph.study.dimensions import Dimension

@@ -12,12 +12,12 @@ import pytest
 import yaml
 from scipy.integrate import quad  # type: ignore[import-untyped]
 
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.annual import annual_columns, annual_table
 from sph.experiments.trigger.critical import BRACKETED, NEVER
 from sph.experiments.trigger.design import TriggerPlan, load_trigger
 from sph.experiments.trigger.fragility import Lognormal
 from sph.experiments.trigger.hazard import Hazard, annual_frequency, read_hazard
-from sph.paper.study import load_study
 from sph.scene.configuration import read_yaml
 from sph.study.tables import read_csv, write_csv
 
@@ -114,7 +114,7 @@ def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:
         ("amplitude,rate\n1,0.1\n2,0.01\n", "'amplitude', must say the unit, as 'amplitude"),
         ("amplitude (g),rate\n1,0.1\n", "1 row; a hazard curve has at least two"),
         ("amplitude (g),rate\n1,0.1\n1,0.01\n", "'1,0.01': intensities must increase"),
-        ("amplitude (g),rate\n1,0.1\n2,0.2\n", "'2,0.2': intensities must increase from row to row, and frequencies must not"),
+        ("amplitude (g),rate\n1,0.1\n2,0.2\n", "'2,0.2': intensities must increase"),
         ("amplitude (g),rate\n0,0.1\n2,0.01\n", "'0,0.1': both numbers must be above 0"),
         ("amplitude (g),rate\n1,0.1\n2,none\n", "'2,none': two numbers are wanted"),
         ("0.1,0.1\n0.2,0.01\n", "the first line must name two columns"),
@@ -138,10 +138,10 @@ def search(folder: Path, hazard: str | None) -> TriggerPlan:
 def test_the_curve_of_a_search_is_checked_before_any_run(tmp_path: Path) -> None:
     (tmp_path / "site.csv").write_text("amplitude (g),rate\n0.1,0.01\n0.4,0.0002\n")
     assert search(tmp_path, "site.csv").hazard_file == str(tmp_path / "site.csv")
-    with pytest.raises(ValueError, match="hazard: null, there are no annual frequencies"):
+    with pytest.raises(ValueError, match="hazard: null"):
         _ = search(tmp_path, None).hazard_file
     with pytest.raises(ValueError, match="hazard: no file 'none.csv'"):
         search(tmp_path, "none.csv")
     (tmp_path / "site.csv").write_text("amplitude (m/s2),rate\n0.1,0.01\n0.4,0.0002\n")
-    with pytest.raises(ValueError, match=r"from 0\.1 to 0\.4 m/s² of amplitude, the search from 1 to 4: they have nothing in common"):
+    with pytest.raises(ValueError, match=r"0\.1 to 0\.4 m/s² of amplitude.*1 to 4"):
         search(tmp_path, "site.csv")

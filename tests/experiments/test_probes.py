@@ -10,14 +10,14 @@ import pytest
 import yaml
 from small_scenes import SLOPE, study_plan
 
-from sph.experiments.assumptions import load_limits
-from sph.experiments.cost_accuracy.design import load_trade
+from sph.experiments.limits.design import load_limits
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import load_sensitivity
+from sph.experiments.trade.design import load_trade
 from sph.experiments.trigger.design import load_trigger
-from sph.paper.study import load_study
+from sph.experiments.validation.design import load_suite
 from sph.scene.configuration import read_yaml
 from sph.study.plan import Plan
-from sph.validation.suite import load_suite
 
 ROOT = Path(__file__).resolve().parents[2]
 CONFIG = read_yaml(ROOT / "config" / "config.yaml") | {"fidelity": "draft"}
@@ -54,13 +54,13 @@ LOADERS: dict[str, Callable[[Path, str], Any]] = {
 @pytest.mark.parametrize("kind", LOADERS)
 def test_a_probe_that_the_scene_lacks_is_refused_by_its_key(folder: Path, kind: str) -> None:
     LOADERS[kind](folder, "A")
-    with pytest.raises(ValueError, match=r"metrics\.probe: 'B' is not one of the scene's probes, A"):
+    with pytest.raises(ValueError, match=r"metrics\.probe: 'B' .*A"):
         LOADERS[kind](folder, "B")
 
 
 def test_a_scene_without_a_probe(folder: Path) -> None:
     (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": {}}))
-    with pytest.raises(ValueError, match=r"limits\.yaml: change 'as it is', case 'one': metrics\.probe: 'A' .* of which it has none"):
+    with pytest.raises(ValueError, match=r"limits\.yaml: .*'as it is'.*'one'.*metrics\.probe: 'A'"):
         load_limits("limits.yaml", study_plan(), [folder])
 
 
@@ -69,5 +69,5 @@ def test_a_reference_case_has_the_probes_that_it_measures_at(folder: Path, case:
     (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": probes}))
     data = {"title": "t", "scene": "slope.yaml", "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
     (folder / "validation.yaml").write_text(yaml.safe_dump({"cases": {case: data}}))
-    with pytest.raises(ValueError, match=rf"case {case}, run 'run', level 'only': probes: {len(probes)}, this case measures at the first"):
+    with pytest.raises(ValueError, match=rf"case {case}, run 'run', level 'only': probes: {len(probes)}"):
         load_suite("validation.yaml", study_plan(), [folder])

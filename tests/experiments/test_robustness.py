@@ -14,18 +14,9 @@ from small_scenes import study_plan
 from synthetic import synthetic, translation
 
 from sph.experiments.base import file_name
-from sph.experiments.robustness import (
-    EXTREMES,
-    REFUSED,
-    TIME_STEP,
-    asymmetry,
-    extremes_table,
-    fixed_step,
-    load_extremes,
-    penetration,
-    read_extremes,
-)
-from sph.figures.extremes import figure_extremes
+from sph.experiments.extremes.design import REFUSED, TIME_STEP, fixed_step, load_extremes
+from sph.experiments.extremes.figures import figure_extremes
+from sph.experiments.extremes.measure import EXTREMES, asymmetry, extremes_table, penetration, read_extremes
 from sph.scene.schema import make_scene
 from sph.solver.time_step import limits
 from sph.storage.trajectory import scene_of

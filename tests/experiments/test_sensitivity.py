@@ -14,8 +14,10 @@ from SALib.analyze import morris as salib_morris
 from scipy.stats import qmc
 from synthetic import synthetic, translation
 
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import BASE, SAMPLE, Axis, Quantity, SensitivityPlan, SobolSettings, load_sensitivity
 from sph.experiments.sensitivity.elementary_effects import MORRIS, elementary_effects, influential, morris_table
+from sph.experiments.sensitivity.figures import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL, TRUSTED, sobol_tables
 from sph.experiments.sensitivity.tables import (
     CONFIRMED,
@@ -27,12 +29,11 @@ from sph.experiments.sensitivity.tables import (
     sample_row,
     tornado_table,
 )
-from sph.figures.sensitivity import figure_cross_validation, figure_morris, figure_sobol, figure_tornado
 from sph.measures.metrics import MetricSettings
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_yaml
 from sph.scene.schema import make_scene
 from sph.solver.particles import locate_probes, place_particles
+from sph.study.runs import Run
 from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -46,6 +47,10 @@ def planned(folder: Path, changes: dict[str, Any] | None = None, check: bool = F
     return load_sensitivity("sensitivity.yaml", load_study(CONFIG | study, [ROOT]), [folder], check)
 
 
+def run_of(plan: SensitivityPlan, design: str, name: str, chosen: Sequence[str] = ()) -> Run:
+    return next(run for run in plan.rows(design, chosen) if run.id == f"{design}/{name}")
+
+
 # ---------------------------------------------------------------- designs
 
 
@@ -54,13 +59,13 @@ def test_the_shipped_ranges_hold_valid_scenes_with_the_probe_at_the_crest(tmp_pa
     assert len(plan.axes) == 11 and plan.fidelities == ("draft", "standard")
     for end in ("low", "high"):
         for name in ("height", "slope_angle"):
-            scene = make_scene(plan.scene("tornado", f"{name}/{end}"))
+            scene = make_scene(run_of(plan, "tornado", f"{name}/{end}").scene)
             particles = place_particles(scene)
             probe = locate_probes(scene, particles)["A"]
             crest = np.array(scene.geometry.crest)
             assert np.hypot(*(np.array([particles.x[probe], particles.y[probe]]) - crest)) < scene.numerics.spacing
     # The box grows with the slope.
-    tall = make_scene(plan.scene("tornado", "height/high")).geometry
+    tall = make_scene(run_of(plan, "tornado", "height/high").scene).geometry
     assert (tall.slope_height, tall.apron_length, tall.crest_length) == pytest.approx((30.0, 66.0, 40.8))
 
 
@@ -75,7 +80,7 @@ def test_factors_take_their_base_value_and_unit_from_the_scene(tmp_path: Path) -
 def test_bounds_take_units_as_the_keys_of_a_scene_do(tmp_path: Path) -> None:
     axes = {axis.name: axis for axis in planned(tmp_path, {"factors": {"amplitude": {"bounds": ["0.2g", "800 gal"]}}}).axes}
     assert (axes["amplitude"].low, axes["amplitude"].high) == pytest.approx((1.962, 8.0))
-    with pytest.raises(ValueError, match="factors.cohesion.*'0.2g': soil.cohesion is no acceleration"):
+    with pytest.raises(ValueError, match="factors.cohesion.*'0.2g'.*soil.cohesion"):
         planned(tmp_path, {"factors": {"cohesion": {"bounds": ["0.2g", 200.0]}}})
 
 
@@ -98,7 +103,7 @@ def test_sobol_moves_the_chosen_factors_alone_and_confirms_the_first_points(tmp_
     confirm = plan.design("confirm", ["S_R", "height"])
     assert list(confirm.items()) == list(plan.design("sobol", ["S_R", "height"]).items())[:6]
     for design, ratio in (("confirm", 2.3), ("sobol", 1.3)):
-        assert make_scene(plan.scene(design, "0000", ["S_R", "height"])).numerics.smoothing_ratio == ratio
+        assert make_scene(run_of(plan, design, "0000", ["S_R", "height"]).scene).numerics.smoothing_ratio == ratio
     assert planned(tmp_path, fidelity="standard").confirmed == 0, "the study's own fidelity confirms nothing"
 
 
@@ -298,7 +303,7 @@ def test_a_sample_reads_back_with_its_diverged_runs(tmp_path: Path) -> None:
     frame = pd.DataFrame(rows)
     write_csv(frame, tmp_path / "sample.csv")
     pd.testing.assert_frame_equal(read_sample(tmp_path / "sample.csv", axes, quantities), frame)
-    assert described(tmp_path / "sample.csv") == "2 runs, 1 of which diverged and are left out"
+    assert described(pd.read_csv(tmp_path / "sample.csv")) == "2 runs, 1 of which diverged and are left out"
     assert frame["status"].tolist() == ["complete", "diverged"] and frame["runout"].tolist()[0] == pytest.approx(3.0)
     assert np.isnan(frame["runout"].iloc[1]) and frame[["x0", "x1"]].to_numpy().tolist() == [[0.1, 0.2]] * 2
     assert [column.name for column in columns][: len(SAMPLE)] == [column.name for column in SAMPLE]

@@ -12,6 +12,8 @@ import pytest
 import yaml
 from overprint import overprints
 
+from sph.experiments.paper.claims import decide_trigger
+from sph.experiments.registry import load_study
 from sph.experiments.trigger.critical import (
     AT_LOWEST,
     BRACKETED,
@@ -27,13 +29,11 @@ from sph.experiments.trigger.critical import (
     critical_table,
     read_critical,
 )
-from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger, plan_of
+from sph.experiments.trigger.design import Searched, TriggerPlan, load_trigger
+from sph.experiments.trigger.figures import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, read_shares
 from sph.experiments.trigger.points import MEASURED, measured_points, names, no_points, point_columns, read_points, wanted_points
-from sph.figures.trigger import MAPPED, figure_class_map, figure_critical, figure_map, figure_shares
 from sph.measures.metrics import MetricSettings, class_displacement
-from sph.paper.claims import decide_trigger
-from sph.paper.study import load_study
 from sph.scene.configuration import dotted, merge, read_yaml
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import make_scene
@@ -108,10 +108,6 @@ def test_a_case_that_changes_nothing_shares_the_studys_stages(tmp_path: Path) ->
     own, slip = (trigger.plans[folder] for folder in trigger.searched.values())
     assert own.scene() == study.scene() and own.scene(amplitude="4.0") == study.scene(amplitude="4.0")
     assert slip.built().walls.sides == "free_slip" and slip.built().numerics == own.built().numerics
-    assert plan_of(study, lambda: trigger, study.folder) is study
-    assert plan_of(study, lambda: trigger, slip.folder) is slip
-    with pytest.raises(ValueError, match="results/paper/fine: nothing is configured"):
-        plan_of(study, lambda: trigger, "results/paper/fine")
 
 
 def test_numbers_are_written_as_the_study_writes_them(tmp_path: Path) -> None:
@@ -144,12 +140,14 @@ def test_any_dimensions_are_searched(tmp_path: Path) -> None:
     line = plan.lattices("trigger")[1]
     assert line.labels((0.5,)) == ("1", "5", "fixed")
     own = plan.plans[plan.searched["as it is"]]
-    run = "amplitude-1_layers.clay.soil.cohesion-5_walls.sides-free_slip"
-    scene = own.built(**own.point(run))
+    point = dict(zip(plan.names, ("1", "5", "free_slip"), strict=True))
+    (run,) = plan.runs_at([("as it is", point)])
+    scene = make_scene(run.scene)
+    assert run.file == f"{own.folder}/runs/amplitude-1_layers.clay.soil.cohesion-5_walls.sides-free_slip.nc"
     assert (scene.motion.amplitude, scene.layers["clay"].soil.cohesion, scene.walls.sides) == (1.0, 5.0, "free_slip")
-    stages = own.stages(run)
-    assert stages.gravity == "gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip" == own.gravity_of(stages.pre_failure)
-    assert own.stage(stages.pre_failure)["motion"]["amplitude"] == 1.0
+    shared = own.runs_at({run.id: point})
+    assert [stage.id for stage in shared.gravities] == ["gravity_layers.clay.soil.cohesion-5_walls.sides-free_slip"]
+    assert [(stage.parent, stage.point["amplitude"]) for stage in shared.pre_failures] == [(shared.gravities[0].file, "1")]
     files = {at: search.file.removeprefix(f"{own.folder}/stages/") for at, search in plan.searches.items()}
     assert files["as it is", "5", "fixed"] == "yield_acceleration_layers.clay.soil.cohesion-5_walls.sides-fixed.nc" and len(files) == 4
     units = {found.name: found.unit for found in plan.dimensions.all}
@@ -259,7 +257,7 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"maps": {"over": {"gamma": {"lowest": 0.0}}}}, ["maps.over.gamma", "logarithmic"]),
         ({"maps": {"over": {"S_R": {"highest": 1.5}}}}, ["coupling.S_R", "1.5"]),
         ({"intensity": {"lowest": 7.9999}, "tolerance": 1e-5}, ["intensity", "too small for labels of six digits"]),
-        ({"at": {"soil.cohesion": ["100"]}}, ["maps.over", "S_R, gamma", "must be the dimensions of at (S_R, gamma, soil.cohesion)"]),
+        ({"at": {"soil.cohesion": ["100"]}}, ["maps.over", "S_R, gamma", "dimensions of at (S_R, gamma, soil.cohesion)"]),
         ({"at": {"amplitude": ["1"]}}, ["at.amplitude", "is the intensity that is searched"]),
         ({"at": {"S_R": ["0.1", "0.10"]}}, ["at.S_R", "one value twice"]),
         ({"at": {"soil.glue": ["1"]}}, ["at.soil.glue", "no such key in a scene"]),
@@ -537,11 +535,3 @@ def test_figures(tmp_path: Path) -> None:
     for draw, empty in ((figure_critical, table), (figure_class_map, points), (figure_shares, shares)):
         with pytest.raises(ValueError, match="no "):
             draw(empty.iloc[:0], SEARCHED)
-
-
-def test_titles_of_maps_side_by_side_do_not_overprint() -> None:
-    slip = "coupling.softening.slip_at_residual"
-    labels = {"S_R": "strength ratio", slip: "slip at residual of the softening", "amplitude": "amplitude"}
-    searched = Searched(tuple(Dimension(name, "m", label, False) for name, label in labels.items()), "amplitude")
-    points = pd.concat([line("stable", "collapse", S_R=S_R, gamma=at) for S_R in ("0.1", "0.5") for at in ("0.01", "0.05", "0.25")])
-    assert not overprints(figure_class_map(points.rename(columns={"gamma": slip}), searched))

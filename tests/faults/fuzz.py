@@ -53,19 +53,20 @@ from small_scenes import study_plan
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.assumptions import Limits, load_limits
-from sph.experiments.cost_accuracy.advice import shipped_table
-from sph.experiments.cost_accuracy.design import Trade, load_trade
-from sph.experiments.cost_accuracy.table import summary
+from sph.experiments.limits.design import Limits, load_limits
+from sph.experiments.paper.design import AnyStudy
+from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
+from sph.experiments.trade.advice import shipped_table
+from sph.experiments.trade.design import Trade, load_trade
+from sph.experiments.trade.table import summary
 from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
-from sph.paper.study import AnyStudy, load_study
+from sph.experiments.validation.design import Validation, load_suite
 from sph.scene.ground_motion import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.run import Run
 from sph.stability.search import Trial
 from sph.stability.standing import FailureRule
-from sph.validation.suite import Validation, load_suite
 
 ROOT = Path(__file__).resolve().parents[2]
 SECONDS = 600
@@ -184,7 +185,7 @@ def scene(data: Any, folder: Path) -> str:
     columns, rows = loaded.lattice
     if columns * rows > MANY:
         return "accepted, too large to run here"
-    with warnings.catch_warnings(), mock.patch("sph.experiments.cost_accuracy.advice.summary", lambda _: RUNGS):
+    with warnings.catch_warnings(), mock.patch("sph.experiments.trade.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
         call("check", path)
@@ -213,10 +214,10 @@ def study(data: Any, folder: Path) -> str:
     """Load a study; its results stay where they belong."""
     plan = load_study(write(folder / "study.yaml", data), [folder])
     _stays(plan.folder, "results")
-    for name in (*plan.study.runs, *plan.gravities, *plan.pre_failures):
-        _stays(f"{plan.folder}/runs/{name}.nc", f"{plan.folder}/runs")
-    for name in plan.study.runs:
-        assert plan.gravity_of(plan.stages(name).pre_failure) == plan.stages(name).gravity
+    rows = {run.file: run for run in plan.shared}
+    for run in rows.values():
+        _stays(run.file, f"{plan.folder}/{run.place}")
+        assert run.parent is None or rows[run.parent].kind in ("gravity", "pre_failure")
     assert len(plan.layout.names) == len(set(plan.layout.names))
     return "accepted"
 
@@ -245,9 +246,9 @@ def sensitivity(data: Any, folder: Path) -> str:
     plan = load_sensitivity("sensitivity.yaml", load_study(STUDY, [folder]), [folder])
     chosen = [axis.name for axis in plan.axes]
     for design in ("morris", "tornado", "sobol", "confirm"):
-        for run in plan.design(design, chosen):
-            _stays(f"results/s/a/sensitivity/runs/{design}/{run}.nc", f"results/s/a/sensitivity/runs/{design}")
-            make_scene(plan.scene(design, run, chosen))
+        for run in plan.rows(design, chosen):
+            _stays(run.file, f"results/s/a/sensitivity/runs/{design}")
+            make_scene(run.scene)
     return "accepted"
 
 

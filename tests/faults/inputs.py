@@ -12,15 +12,15 @@ from hypothesis import strategies as st
 from record_files import knet
 from small_scenes import TWO_BODIES
 
-from sph.experiments.assumptions import Limits
-from sph.experiments.cost_accuracy.design import Trade
+from sph.experiments.limits.design import Limits
+from sph.experiments.paper.design import AnyStudy
 from sph.experiments.sensitivity.design import Sensitivity
+from sph.experiments.trade.design import Trade
 from sph.experiments.trigger.design import Trigger
-from sph.paper.study import AnyStudy
+from sph.experiments.validation.design import Validation
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
-from sph.validation.suite import Validation
 
 TINY: dict[str, Any] = {
     "scheme": "paper",

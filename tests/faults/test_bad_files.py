@@ -5,26 +5,19 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
 import yaml
-from typer.testing import CliRunner, Result
+from calling import call
+from small_scenes import SceneBuilder
 
-from sph.command.cli import REFUSED, app
+from sph.command.cli import REFUSED
 from sph.scene.ground_motion import read_record
 from sph.scene.ground_motion.text import LARGEST_RECORD
-from sph.scene.schema import Scene
 from sph.solver.run import Run, run
 from sph.storage import trajectory
-
-Builder = Callable[[dict[str, Any]], Scene]
-
-
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 def refused(*arguments: object) -> str:
@@ -36,7 +29,7 @@ def refused(*arguments: object) -> str:
 
 
 @pytest.fixture(scope="module")
-def gravity_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+def gravity_file(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder) -> Path:
     """A run paused at the end of the gravity stage, with its scene beside it."""
     folder = tmp_path_factory.mktemp("runs")
     scene = small_slope({})
@@ -102,7 +95,7 @@ RESTARTS: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
 
 
 @pytest.mark.parametrize("what", RESTARTS)
-def test_a_restart_state_of_another_run_is_refused(gravity_file: Path, tmp_path: Path, small_slope: Builder, what: str) -> None:
+def test_a_restart_state_of_another_run_is_refused(gravity_file: Path, tmp_path: Path, small_slope: SceneBuilder, what: str) -> None:
     # Believed, the wrong ones would let the compiled loops read beyond their arrays.
     path = tmp_path / "broken.nc"
     trajectory.write(path, trajectory.read(gravity_file), RESTARTS[what](trajectory.read_restart(gravity_file)))
@@ -110,7 +103,7 @@ def test_a_restart_state_of_another_run_is_refused(gravity_file: Path, tmp_path:
         Run(small_slope({})).resume(path)
 
 
-def test_a_run_that_diverged_to_nowhere_is_taken_over_as_it_is(gravity_file: Path, tmp_path: Path, small_slope: Builder) -> None:
+def test_a_run_that_diverged_to_nowhere_is_taken_over_as_it_is(gravity_file: Path, tmp_path: Path, small_slope: SceneBuilder) -> None:
     path = tmp_path / "diverged.nc"
     state = trajectory.read_restart(gravity_file)
     state["x"][:3] = [np.nan, np.inf, 1e300]

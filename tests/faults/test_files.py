@@ -5,28 +5,24 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from calling import call
 from comparison import same_files
+from small_scenes import SceneBuilder
 from typer.testing import CliRunner, Result
 
-from sph.command.cli import REFUSED, app
+from sph.command.cli import REFUSED
 from sph.jobs.log import job_log
-from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.storage import trajectory
 from sph.storage.files import alone, beside, whole
 
-Builder = Callable[[dict[str, Any]], Scene]
 SHORT = {"duration": 1.5, "motion.end": 1.5, "motion.decay_start": 1.4, "motion.ramp": 0.2}
-
-
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(a) for a in arguments])
 
 
 def called_alone(*arguments: object) -> Result:
@@ -45,14 +41,14 @@ def refused(result: Result, *words: object) -> None:
 
 
 @pytest.fixture
-def scene_file(tmp_path: Path, small_slope: Builder) -> Path:
+def scene_file(tmp_path: Path, small_slope: SceneBuilder) -> Path:
     path = tmp_path / "slope.yaml"
     path.write_text(yaml.safe_dump(small_slope(SHORT).model_dump(mode="json")))
     return path
 
 
 @pytest.fixture(scope="module")
-def run_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+def run_file(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder) -> Path:
     path = tmp_path_factory.mktemp("whole") / "run.nc"
     run_to_file(small_slope(SHORT), path, "first_failure")
     return path
@@ -98,7 +94,7 @@ def test_a_full_disk(scene_file: Path, small_disk: Path, leave: int) -> None:
     assert {path.name for path in small_disk.iterdir()} == {"earlier.nc", "run.nc"}
 
 
-def test_a_disk_that_is_full_for_the_checkpoints_alone(small_disk: Path, small_slope: Builder, run_file: Path) -> None:
+def test_a_disk_that_is_full_for_the_checkpoints_alone(small_disk: Path, small_slope: SceneBuilder, run_file: Path) -> None:
     filler = fill(small_disk, 8_000)
     said: list[str] = []
 
@@ -168,7 +164,7 @@ def test_a_garbled_file_is_refused_or_read_as_it_was(tmp_path: Path, run_file: P
 
 
 @pytest.mark.parametrize("fault", ["truncated", "foreign", "another scene", "another stage", "another restart", "no restart state"])
-def test_a_checkpoint_that_is_not_this_run_s_is_ignored(tmp_path: Path, run_file: Path, small_slope: Builder, fault: str) -> None:
+def test_a_checkpoint_that_is_not_this_run_s_is_ignored(tmp_path: Path, run_file: Path, small_slope: SceneBuilder, fault: str) -> None:
     path = tmp_path / "run.nc"
     kept = beside(path, "checkpoint")
     scene = small_slope(SHORT)
@@ -263,7 +259,7 @@ def test_two_processes_write_one_file(tmp_path: Path, scene_file: Path, run_file
     assert sorted(p.name for p in tmp_path.iterdir()) == ["run.nc", "slope.yaml"]
 
 
-def test_what_the_other_process_has_finished_is_not_repeated(tmp_path: Path, small_slope: Builder, run_file: Path) -> None:
+def test_what_the_other_process_has_finished_is_not_repeated(tmp_path: Path, small_slope: SceneBuilder, run_file: Path) -> None:
     path = tmp_path / "run.nc"
     beside(path, "run").touch()  # as a process leaves it that is killed after its result was written
     path.write_bytes(run_file.read_bytes())
@@ -298,7 +294,7 @@ def test_what_killed_writers_left_is_overwritten(tmp_path: Path) -> None:
     assert path.read_text() == "whole" and [p.name for p in tmp_path.iterdir()] == ["table.csv"]
 
 
-def test_files_from_the_future(tmp_path: Path, small_slope: Builder, run_file: Path) -> None:
+def test_files_from_the_future(tmp_path: Path, small_slope: SceneBuilder, run_file: Path) -> None:
     """Neither restart nor checkpoint asks the clock on the wall."""
     path = tmp_path / "run.nc"
 

@@ -7,7 +7,6 @@ import random
 import signal
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,10 +14,9 @@ import pytest
 import yaml
 from comparison import same_bits, same_files
 from killing import killed, start
-from small_scenes import SLOPE
+from small_scenes import SLOPE, SceneBuilder
 
 from sph.scene.configuration import dotted, merge
-from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import run
 from sph.stability.record import search_to_file
@@ -28,7 +26,6 @@ from sph.storage.files import beside
 
 pytestmark = pytest.mark.long
 
-Builder = Callable[[dict[str, Any]], Scene]
 LONGER = merge(SLOPE, dotted({"duration": 4.0, "numerics.time_step": 1e-4, "outputs.frame_interval": 0.05}))
 """The small slope for a second or two of computing, with a long history to write."""
 KILLS = 3
@@ -95,7 +92,7 @@ def test_a_run_killed_in_writing(tmp_path: Path, to_first_failure: Path, name: s
 
 
 @pytest.mark.parametrize("until", ["end", "gravity", "first_failure"])
-def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_slope: Builder, until: Any) -> None:
+def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_slope: SceneBuilder, until: Any) -> None:
     """Stopped in the middle by an error, which leaves what a kill would."""
     scene = small_slope({"duration": 2.0, "outputs.series_interval": 0.05})
     whole = run(scene, until)
@@ -122,7 +119,7 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
         path.unlink()
 
 
-def test_a_search_repeats_no_trial(tmp_path: Path, small_slope: Builder) -> None:
+def test_a_search_repeats_no_trial(tmp_path: Path, small_slope: SceneBuilder) -> None:
     """Stopped in the middle by an error, which leaves what a kill would."""
     scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
     path, made, told = tmp_path / "search.nc", [], []

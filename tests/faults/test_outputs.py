@@ -6,36 +6,29 @@ import os
 import subprocess
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from hashlib import sha256
 from pathlib import Path
 from shutil import copyfile
-from typing import Any
 
 import numpy as np
 import pytest
 import yaml
-from small_scenes import SLOPE
-from typer.testing import CliRunner, Result
+from calling import call
+from small_scenes import SLOPE, SceneBuilder
 
-from sph.command.cli import REFUSED, app
+from sph.command.cli import REFUSED
 from sph.jobs.log import job_log
-from sph.scene.schema import Scene
 from sph.solver.checkpoint import run_to_file
 from sph.study.plan import load_study
 
-Builder = Callable[[dict[str, Any]], Scene]
 SHORT = {"duration": 1.0, "gravity.duration": 1.0, "motion": {"kind": "none"}}
 NOT_UTF8 = os.fsdecode(b"\xe9t\xe9")
 """A file name that a system of Latin-1 has left."""
 
 
-def call(*arguments: object) -> Result:
-    return CliRunner().invoke(app, [str(argument) for argument in arguments])
-
-
 @pytest.fixture(scope="module")
-def run_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+def run_file(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder) -> Path:
     path = tmp_path_factory.mktemp("whole") / "run.nc"
     run_to_file(small_slope(SHORT), path)
     return path

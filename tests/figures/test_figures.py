@@ -64,9 +64,10 @@ def texts(figure: Figure) -> str:
     return "\n".join(text.get_text() for text in figure.findobj(matplotlib.text.Text))
 
 
-def test_every_figure_of_a_study_has_a_caption() -> None:
+def test_every_figure_of_a_study_has_a_caption_that_holds_for_any_dimensions() -> None:
     for draw in (RUN_FIGURES | STUDY_FIGURES).values():
-        assert len(caption(draw)) > 60 and "\n" not in caption(draw) and "ValueError" not in caption(draw)
+        told = caption(draw)
+        assert len(told) > 60 and not any(word in told for word in ("\n", "ValueError", "S_R", "γ", "gamma"))
 
 
 def test_particles_are_drawn_at_their_places() -> None:

@@ -121,7 +121,7 @@ def test_a_failing_ffmpeg_is_an_error_of_its_file(tmp_path: Path, slid: xr.Datas
     program.write_text("#!/bin/sh\ncat > /dev/null\necho 'Unknown encoder' >&2\nexit 1\n")
     program.chmod(0o755)
     monkeypatch.setitem(matplotlib.rcParams, "animation.ffmpeg_path", str(program))
-    with pytest.raises(OSError, match=r"slide\.mp4: cannot be written \(ffmpeg failed: Unknown encoder"):
+    with pytest.raises(OSError, match=r"slide\.mp4: .*ffmpeg.*Unknown encoder"):
         save_film(slid, tmp_path / "slide.mp4", every=30, dpi=60)
     assert sorted(item.name for item in tmp_path.iterdir()) == ["ffmpeg"]
 

@@ -178,11 +178,12 @@ def study_against_single_runs(case: Case, chance: np.random.Generator) -> None:
     ]
     assert sorted(plans[0].study.runs) == sorted(plans[1].study.runs)
     name = str(chance.choice(sorted(plans[0].study.runs)))
-    scenes = [make_scene(plan.run_scene(name)) for plan in plans]
+    scenes = [make_scene(plan.shared.runs[name].scene) for plan in plans]
     case.others[:] = [name]
     assert scenes[0].model_dump_json() == scenes[1].model_dump_json()
-    stages = plans[0].stages(name)
+    settled = plans[0].shared.gravity_of(name)
+    shaken = next(row for row in plans[0].shared if row.file == plans[0].shared.runs[name].parent)
     gravity, pre_failure = case.folder / "study_gravity.nc", case.folder / "study_pre_failure.nc"
-    run_to_file(make_scene(plans[0].stage(stages.gravity)), gravity, "gravity")
-    run_to_file(make_scene(plans[0].stage(stages.pre_failure)), pre_failure, "first_failure", gravity)
+    run_to_file(make_scene(settled.scene), gravity, "gravity")
+    run_to_file(make_scene(shaken.scene), pre_failure, "first_failure", gravity)
     same_bits(run(scenes[0]), run(scenes[0], restart=pre_failure))

@@ -70,7 +70,7 @@ def test_what_lacks_would_be_seen() -> None:
 
 
 def test_a_name_that_is_not_public_is_refused() -> None:
-    with pytest.raises(AttributeError, match="module 'sph' has no attribute 'simulate'"):
+    with pytest.raises(AttributeError, match="simulate"):
         _ = sph.simulate  # type: ignore[attr-defined]
 
 
@@ -92,5 +92,5 @@ def test_a_run_is_drawn_from_memory_and_from_its_file(tmp_path: Path, slid: xr.D
     write(path, slid.assign_attrs(particle_steps=1))
     drawn = [sph.plot(run, picture) for run in (slid, path, str(path), Result(slid, xr.Dataset(), "complete"))]
     assert picture.read_bytes().startswith(b"\x89PNG") and all(len(figure.axes) == 3 for figure in drawn)
-    with pytest.raises(ValueError, match="'colour' is not one of"):
+    with pytest.raises(ValueError, match="colour"):
         sph.plot(slid, field="colour")

@@ -11,11 +11,11 @@ import xarray as xr
 from PIL import Image
 from synthetic import Displacement, study_row, synthetic
 
+from sph.experiments.paper.claims import decide_claims
 from sph.measures.metrics import METRIC_BY_NAME, measure
 from sph.page.build import StudyFiles
 from sph.page.paper import PAPER_SECTIONS
 from sph.page.sections import certain, existing
-from sph.paper.claims import write_claims
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import CASE, Dimension
@@ -74,7 +74,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
     layout = Layout(labels=(("0.10", "0.50"), ("100",), ("4.0", "6.0")))
     write_csv(study_rows(rows), f"{FOLDER}/parts/000001.csv")
     join_study([f"{FOLDER}/parts/000001.csv"], layout, f"{FOLDER}/study.nc", f"{FOLDER}/study.csv")
-    write_claims(read_study(f"{FOLDER}/study.nc"), f"{FOLDER}/claims.csv")
+    write_csv(decide_claims(read_study(f"{FOLDER}/study.nc")), f"{FOLDER}/claims.csv")
     gravity = synthetic()
     for name, seconds in {"gravity": 0.5, "pre_failure_amplitude-4.0": 0.75, "pre_failure_amplitude-6.0": 1.0}.items():
         gravity.attrs["wall_time_s"] = seconds

@@ -218,7 +218,7 @@ def test_cost_counts_shared_stages_once(study: StudyFiles) -> None:
 
 
 def test_a_table_of_other_runs_is_refused(study: StudyFiles) -> None:
-    with pytest.raises(ValueError, match="study.csv: its rows are not the 3 runs"):
+    with pytest.raises(ValueError, match="study.csv: .* 3 runs"):
         build_page(study._replace(size=3, runs=dict(list(study.runs.items())[1:])))
 
 

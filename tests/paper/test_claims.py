@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 from synthetic import study_of, study_row
 
-from sph.paper.claims import CLAIMS, ClaimSettings, decide_claims, write_claims
+from sph.experiments.paper.claims import CLAIMS, ClaimSettings, decide_claims
+from sph.study.tables import write_csv
 
 Point = tuple[str, str, str]
 Changes = dict[Point, dict[str, Any] | None]
@@ -171,7 +172,8 @@ def test_the_second_reading_of_figure_7_is_shown_but_does_not_decide() -> None:
 
 def test_the_file_holds_the_table(tmp_path: Path) -> None:
     study = study_of([study_row(*point, **metrics) for point, metrics in AS_IN_THE_PAPER.items()])
-    claims = write_claims(study, tmp_path / "claims.csv")
+    claims = decide_claims(study)
+    write_csv(claims, tmp_path / "claims.csv")
     back = pd.read_csv(tmp_path / "claims.csv")
     assert list(back.columns) == ["claim", "statement", "test", "measured", "verdict"]
     pd.testing.assert_frame_equal(back, claims, check_dtype=False)

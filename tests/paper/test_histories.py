@@ -10,9 +10,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 from synthetic import step_ramp, synthetic, translation
 
+from sph.experiments.paper.figures import FIGURES, figure_gamma_histories, figure_strength_histories
 from sph.figures import caption
 from sph.figures.style import LINE_STYLES
-from sph.paper.figures import FIGURES, figure_gamma_histories, figure_strength_histories
 
 
 def axes(figure: Figure) -> Any:

@@ -129,9 +129,9 @@ def test_the_limits_are_those_of_rankine() -> None:
 
 
 def test_K0_beyond_the_strength_is_refused_with_key_value_and_range() -> None:
-    with pytest.raises(ValueError, match=r"soil: K0: 0\.3 lies outside .*, 0\.333 to 3 for cohesion: 0 kPa and friction_angle: 30 degrees"):
+    with pytest.raises(ValueError, match=r"soil: K0: 0\.3 .*0\.333 to 3 .*cohesion: 0 kPa .*friction_angle: 30"):
         level({"soil.K0": 0.3, "soil.cohesion": 0.0})
-    with pytest.raises(ValueError, match=r"layers\.clay\.soil.*K0: 3\.5 lies outside"):
+    with pytest.raises(ValueError, match=r"layers\.clay\.soil.*K0: 3\.5"):
         level({"layers": {"clay": {"region": {"kind": "depth"}, "soil": {"cohesion": 0.0, "K0": 3.5}}}})
 
 

@@ -54,5 +54,5 @@ def test_dilation_is_reduced_with_the_strength() -> None:
 
 
 def test_dilation_beyond_friction_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"dilation_angle: 21.0 degrees, at most the friction_angle: 20.0"):
+    with pytest.raises(ValueError, match=r"dilation_angle: 21.0 .*friction_angle: 20.0"):
         scene({"soil.dilation_angle": 21.0})

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.places import RIGHT
@@ -17,8 +17,6 @@ from sph.solver.physics.yield_surface import shear_demand, strength
 from sph.solver.run import Result, run
 from sph.solver.simulation import Simulation
 from sph.storage import trajectory
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 HEIGHT, DENSITY, POISSON, G = 20.0, 2000.0, 0.3, 9.81
 RATIO = POISSON / (1 - POISSON)
@@ -125,7 +123,7 @@ def test_no_particle_starts_outside_the_surface() -> None:
 # ---------------------------------------------------------------- a slope in its box
 
 
-def test_depth_below_the_slope_and_in_the_box(small_slope: Builder) -> None:
+def test_depth_below_the_slope_and_in_the_box(small_slope: SceneBuilder) -> None:
     scene = small_slope(GEOSTATIC | {"walls.base": "fixed", "walls.sides": "fixed"})
     simulation = balanced(scene)
     particles, state = simulation.particles, simulation.state
@@ -149,7 +147,7 @@ SLIDE = GEOSTATIC | {"coupling.S_R": 0.1, "coupling.gamma": 100.0}
 
 
 @pytest.fixture(scope="module")
-def slide(small_slope: Builder) -> Result:
+def slide(small_slope: SceneBuilder) -> Result:
     return run(small_slope(SLIDE))
 
 
@@ -166,12 +164,12 @@ def test_the_energy_budget_closes(slide: Result) -> None:
     assert fall.max() < 1e-3 * released
 
 
-def test_a_branch_equals_an_unbranched_run(tmp_path: Path, small_slope: Builder, slide: Result) -> None:
+def test_a_branch_equals_an_unbranched_run(tmp_path: Path, small_slope: SceneBuilder, slide: Result) -> None:
     at_rest = run(small_slope(SLIDE | {"coupling.S_R": 0.5}), until="gravity")
     trajectory.write(tmp_path / "gravity.nc", at_rest.trajectory, at_rest.restart)
     branched = run(small_slope(SLIDE), restart=tmp_path / "gravity.nc")
     for name in slide.restart.variables:
         assert branched.restart[name].values.tobytes() == slide.restart[name].values.tobytes(), name
     np.testing.assert_array_equal(branched.trajectory["dissipated_energy"].values, slide.trajectory["dissipated_energy"].values)
-    with pytest.raises(ValueError, match=r"gravity\.initial_stress: 'geostatic' in the file, 'none' in the scene"):
+    with pytest.raises(ValueError, match=r"gravity\.initial_stress: 'geostatic' .*'none'"):
         run(small_slope(SLIDE | {"gravity.initial_stress": "none"}), restart=tmp_path / "gravity.nc")

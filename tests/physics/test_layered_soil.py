@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from comparison import momenta, same_bits
 
+from sph.experiments.validation.columns import transfer
+from sph.experiments.validation.level import Result
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import overburden
@@ -17,8 +19,6 @@ from sph.solver.run import Run, run
 from sph.solver.simulation import Simulation
 from sph.stability.standing import divided_strength, weakened
 from sph.storage import trajectory
-from sph.validation.columns import transfer
-from sph.validation.level import Result
 
 BARE = {"artificial_viscosity": None, "short_range_repulsion": None, "gradient_correction": None}
 LIGHT = {"density": 1500.0, "youngs_modulus": 4e5}

@@ -10,10 +10,11 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.integration import make_lists
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, cauchy_stress, update_stress
-from sph.solver.state import ARMED, FAILED, HELD, YIELDED, State, initial_state
+from sph.solver.renewal import make_lists
+from sph.solver.state import ARMED, FAILED, HELD, YIELDED, State
 from sph.solver.terms import make_terms
 
 DT = 1e-3

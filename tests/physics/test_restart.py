@@ -9,12 +9,10 @@ from typing import Any
 import numpy as np
 import pytest
 from comparison import VARIANTS, same_bits
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene
 from sph.solver.run import Result, Run, run
 from sph.storage import trajectory
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 PRE_FAILURE = {"coupling.S_R": 0.5, "coupling.gamma": 1.0}
 BRANCH = {"coupling.S_R": 0.1, "coupling.gamma": 100.0, "name": "branch"}
@@ -27,7 +25,7 @@ def paused(path: Path, result: Result) -> Path:
 
 
 @pytest.mark.parametrize("variant", ["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
-def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, small_slope: Builder, variant: str) -> None:
+def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, small_slope: SceneBuilder, variant: str) -> None:
     extra = VARIANTS[variant]
     pre_failure, branch = small_slope(PRE_FAILURE | extra), small_slope(BRANCH | extra)
     at_rest = paused(tmp_path / "gravity.nc", run(small_slope(PRE_FAILURE | extra | {"motion.amplitude": 1.0}), until="gravity"))
@@ -44,7 +42,7 @@ def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, smal
 
 @pytest.mark.parametrize("variant", ["default", "loss by slip", "seam", "initial arrangement"])
 def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_one(
-    tmp_path: Path, small_slope: Builder, variant: str
+    tmp_path: Path, small_slope: SceneBuilder, variant: str
 ) -> None:
     # Taken up again where some soil has lost nearly all of its strength and some is losing it.
     scene = small_slope({"coupling.S_R": 0.1, "coupling.gamma": 5.0} | VARIANTS[variant])
@@ -60,7 +58,7 @@ def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_
     same_bits(run(scene, restart=middle), whole)
 
 
-def test_branches_differ(tmp_path: Path, small_slope: Builder) -> None:
+def test_branches_differ(tmp_path: Path, small_slope: SceneBuilder) -> None:
     strong, weak = (run(small_slope({"coupling.S_R": s, "coupling.gamma": 100.0})).trajectory for s in (0.9, 0.1))
     a, b = (float(ds["probe_displacement_y"][-1, 0]) for ds in (strong, weak))
     assert b < a
@@ -71,12 +69,12 @@ def test_branches_differ(tmp_path: Path, small_slope: Builder) -> None:
 
 
 @pytest.fixture(scope="module")
-def gravity_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+def gravity_file(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder) -> Path:
     return paused(tmp_path_factory.mktemp("restart") / "gravity.nc", run(small_slope(PRE_FAILURE), until="gravity"))
 
 
 @pytest.fixture(scope="module")
-def failed_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) -> Path:
+def failed_file(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder) -> Path:
     path = tmp_path_factory.mktemp("restart") / "failed.nc"
     result = run(small_slope(PRE_FAILURE))
     assert result.status == "complete" and result.trajectory["failed"].values.any()
@@ -99,7 +97,7 @@ def failed_file(tmp_path_factory: pytest.TempPathFactory, small_slope: Builder) 
     ],
     ids=lambda o: next(iter(o)),
 )
-def test_other_scenes_are_refused_by_key(gravity_file: Path, small_slope: Builder, overrides: dict[str, Any]) -> None:
+def test_other_scenes_are_refused_by_key(gravity_file: Path, small_slope: SceneBuilder, overrides: dict[str, Any]) -> None:
     with pytest.raises(ValueError) as raised:
         run(small_slope(PRE_FAILURE | overrides), restart=gravity_file)
     message = str(raised.value)
@@ -110,26 +108,26 @@ def test_other_scenes_are_refused_by_key(gravity_file: Path, small_slope: Builde
         assert str(value) in message
 
 
-def test_every_differing_key_is_named(gravity_file: Path, small_slope: Builder) -> None:
+def test_every_differing_key_is_named(gravity_file: Path, small_slope: SceneBuilder) -> None:
     with pytest.raises(ValueError) as raised:
         run(small_slope(PRE_FAILURE | {"soil.density": 2000.0, "soil.cohesion": 10.0}), restart=gravity_file)
     assert "soil.density" in str(raised.value) and "soil.cohesion" in str(raised.value)
 
 
-def test_motion_may_change_before_the_shaking_only(tmp_path: Path, gravity_file: Path, small_slope: Builder) -> None:
+def test_motion_may_change_before_the_shaking_only(tmp_path: Path, gravity_file: Path, small_slope: SceneBuilder) -> None:
     assert run(small_slope(PRE_FAILURE | {"motion.amplitude": 7.0}), restart=gravity_file).status == "complete"
     later = paused(tmp_path / "later.nc", run(small_slope(PRE_FAILURE), until="first_failure", restart=gravity_file))
     with pytest.raises(ValueError, match=r"motion\.amplitude"):
         run(small_slope(PRE_FAILURE | {"motion.amplitude": 7.0}), restart=later)
 
 
-def test_strength_may_not_change_after_a_failure(failed_file: Path, small_slope: Builder) -> None:
+def test_strength_may_not_change_after_a_failure(failed_file: Path, small_slope: SceneBuilder) -> None:
     for change in ({"coupling.S_R": 0.1}, {"coupling.gamma": 100.0}, {"coupling.fluid_tension_limit": 5.0}):
         with pytest.raises(ValueError, match=next(iter(change))):
             run(small_slope(PRE_FAILURE | change | {"duration": 3.5}), restart=failed_file)
 
 
-def test_strength_may_not_change_after_a_failure_between_frames(tmp_path: Path, small_slope: Builder) -> None:
+def test_strength_may_not_change_after_a_failure_between_frames(tmp_path: Path, small_slope: SceneBuilder) -> None:
     # A checkpoint after the first failure but before the next frame, which is the first to show it.
     kept: list[Result] = []
 
@@ -144,17 +142,17 @@ def test_strength_may_not_change_after_a_failure_between_frames(tmp_path: Path, 
         run(small_slope(PRE_FAILURE | {"coupling.S_R": 0.1}), restart=tmp_path / "between.nc")
 
 
-def test_a_longer_duration_goes_on(failed_file: Path, small_slope: Builder) -> None:
+def test_a_longer_duration_goes_on(failed_file: Path, small_slope: SceneBuilder) -> None:
     longer = small_slope(PRE_FAILURE | {"duration": 3.5, "name": "longer", "title": "longer"})
     same_bits(run(longer, restart=failed_file), run(longer))
 
 
-def test_a_shorter_duration_than_reached_is_refused(failed_file: Path, small_slope: Builder) -> None:
+def test_a_shorter_duration_than_reached_is_refused(failed_file: Path, small_slope: SceneBuilder) -> None:
     with pytest.raises(ValueError, match="duration"):
         run(small_slope(PRE_FAILURE | {"duration": 2.75}), restart=failed_file)
 
 
-def test_unfailed(tmp_path: Path, small_slope: Builder) -> None:
+def test_unfailed(tmp_path: Path, small_slope: SceneBuilder) -> None:
     calm = small_slope({"motion.amplitude": 0.0, "soil.cohesion": 1e4})
     for until in ("end", "first_failure"):
         result = run(calm, until=until)  # type: ignore[arg-type]
@@ -163,7 +161,7 @@ def test_unfailed(tmp_path: Path, small_slope: Builder) -> None:
         assert np.isnan(result.trajectory["t_f"].values).all()
 
 
-def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
+def test_cost_is_added_up(gravity_file: Path, small_slope: SceneBuilder) -> None:
     earlier = trajectory.read(gravity_file).attrs
     result = run(small_slope(PRE_FAILURE), restart=gravity_file).trajectory
     n = result.sizes["particle"]
@@ -172,7 +170,7 @@ def test_cost_is_added_up(gravity_file: Path, small_slope: Builder) -> None:
     assert result.attrs["wall_time_s"] > earlier["wall_time_s"]
 
 
-def test_a_diverged_run_stays_diverged(tmp_path: Path, small_slope: Builder, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_diverged_run_stays_diverged(tmp_path: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its branches are results of the same status; they neither go on nor come back to life."""
     monkeypatch.setattr("sph.solver.guard.MAX_SPEED_RATIO", 1e-9)
     stopped = run(small_slope(PRE_FAILURE), until="first_failure")

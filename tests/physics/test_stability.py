@@ -186,7 +186,7 @@ def test_a_run_that_diverged_before_the_slope_failed_decides_nothing(
     if sound:
         assert find(layer(), rule=rule).value == pytest.approx(0.6 if find is critical_strength_ratio else 1.7, rel=0.01)
     else:
-        with pytest.raises(ValueError, match="layer: the test at .* diverged before the slope failed"):
+        with pytest.raises(ValueError, match="layer: .*diverged"):
             find(layer(), rule=rule)
 
 
@@ -224,7 +224,7 @@ def test_the_yield_acceleration_does_not_know_how_strength_is_lost() -> None:
         ({"prescribed_velocity_gradient": {"xy": 1.0}}, "prescribed_velocity_gradient"),
         (
             {"numerics.spacing": 1.25, "geometry.width": 7.5},
-            r"numerics\.spacing: 1\.25 m is too coarse to see a slope of 10 m slide by 0\.01",
+            r"numerics\.spacing: 1\.25 m .*10 m .*0\.01",
         ),
     ],
 )
@@ -362,16 +362,16 @@ def test_the_yield_acceleration_is_printed_in_both_units(tmp_path: Path) -> None
 @pytest.mark.parametrize(
     ("arguments", "wanted"),
     [
-        (("--reduce", "cohesion"), "--reduce: 'cohesion' is not one of strength, S_R"),
-        (("--rule", "area=2"), "--rule: area: Input should be less than or equal to 1 (found 2)"),
+        (("--reduce", "cohesion"), "--reduce: 'cohesion'"),
+        (("--rule", "area=2"), "--rule: area: "),
         (("--rule", "width"), "--rule 'width': write KEY=VALUE"),
         (("--tolerance", "0", "--single"), "tolerance: 0.0 must be positive"),
         (("--out", "absent/folder/trials.csv"), "--out"),
-        ((), "numerics.spacing: 1 m leaves no coarser one to extrapolate from"),
+        ((), "numerics.spacing: 1 m leaves no coarser"),
         (("--spacings", "2,1,0.5"), "--spacings: 3 numbers, must be two"),
-        (("--spacings", "coarse"), "--spacings 'coarse': write two numbers (m), e.g. 2,1"),
-        (("--spacings", "2,1", "--single"), "--single: takes the scene's own spacing"),
-        (("--spacings", "2,1"), "numerics.spacing: 2 m is too coarse to see"),
+        (("--spacings", "coarse"), "--spacings 'coarse'"),
+        (("--spacings", "2,1", "--single"), "--single: "),
+        (("--spacings", "2,1"), "numerics.spacing: 2 m is too coarse"),
         (("--set", "gravity.acceleration=0", "--single"), "gravity.acceleration: 0"),
     ],
 )

@@ -14,13 +14,13 @@ import yaml
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.experiments.validation.slopes import PUBLISHED_FACTORS, SEISMIC_BOUNDS
 from sph.scene.configuration import dotted, merge, read_scene
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
 from sph.stability.extrapolation import extrapolated
 from sph.stability.safety import factor_of_safety, yield_acceleration
 from sph.stability.standing import ELASTIC_SHARE, FailureRule, stand, static_scene, stiffness
-from sph.validation.slopes import PUBLISHED_FACTORS, SEISMIC_BOUNDS
 
 RULE = FailureRule()
 STIFF = 3e6

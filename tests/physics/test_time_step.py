@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene
 from sph.solver.run import run
 from sph.solver.simulation import Simulation
 from sph.solver.time_step import PresentLimit, lattice_wave_number, limits
 from sph.storage import trajectory
 
-Builder = Callable[[dict[str, Any]], Scene]
 ADAPTIVE = {
     "numerics.spacing": 2.5,
     "numerics.smoothing_ratio": 2.3,
@@ -29,7 +27,7 @@ ADAPTIVE = {
 BARE = {"damping": None, "numerics.artificial_viscosity": None}
 
 
-def lattice(free_block: Builder, ratio: float, **numerics: Any) -> tuple[float, float]:
+def lattice(free_block: SceneBuilder, ratio: float, **numerics: Any) -> tuple[float, float]:
     """Measured and theoretical limit of a free lattice without damping, s."""
     extra = {f"numerics.{name}": value for name, value in numerics.items()}
     simulation = Simulation(free_block(BARE | {"geometry.width": 30.0, "geometry.height": 30.0, "numerics.smoothing_ratio": ratio} | extra))
@@ -39,29 +37,29 @@ def lattice(free_block: Builder, ratio: float, **numerics: Any) -> tuple[float, 
 
 
 @pytest.mark.parametrize("ratio", [1.3, 2.3])
-def test_measured_limit_of_a_lattice_is_the_theoretical_one(free_block: Builder, ratio: float) -> None:
+def test_measured_limit_of_a_lattice_is_the_theoretical_one(free_block: SceneBuilder, ratio: float) -> None:
     # The iteration approaches from the safe side of nothing stiffer; a finite block is nearly as stiff as the infinite lattice.
     limit, theory = lattice(free_block, ratio)
     assert limit <= theory
     assert limit == pytest.approx(theory, rel=0.01)
 
 
-def test_corrected_gradients_are_stiffer_at_a_free_surface(free_block: Builder) -> None:
+def test_corrected_gradients_are_stiffer_at_a_free_surface(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
     assert limit < 0.8 * theory, "the theory of the lattice does not see it"
 
 
-def test_a_step_above_the_limit_measured_at_the_start_is_refused(free_block: Builder) -> None:
+def test_a_step_above_the_limit_measured_at_the_start_is_refused(free_block: SceneBuilder) -> None:
     limit, theory = lattice(free_block, 1.3, gradient_correction={"min_determinant": 0.3})
     step = 0.5 * (limit + theory)
     keys = {"numerics.time_step": step, "numerics.gradient_correction": {"min_determinant": 0.3}, "duration": step}
     scene = free_block(BARE | {"geometry.width": 30.0, "geometry.height": 30.0, "numerics.smoothing_ratio": 1.3} | keys
                        | {"outputs.series_interval": step, "outputs.frame_interval": step, "gravity.duration": step})  # fmt: skip
-    with pytest.raises(ValueError, match=r"numerics.time_step: .* exceeds the limit measured on the particles at the start"):
+    with pytest.raises(ValueError, match=r"numerics.time_step: .*limit measured"):
         run(scene)
 
 
-def test_a_stiffer_mode_lowers_the_limit(free_block: Builder) -> None:
+def test_a_stiffer_mode_lowers_the_limit(free_block: SceneBuilder) -> None:
     scene = free_block({})
     present = PresentLimit(scene)
     lattice = min(limit.seconds for limit in limits(scene))
@@ -71,7 +69,7 @@ def test_a_stiffer_mode_lowers_the_limit(free_block: Builder) -> None:
     assert present.seconds(0.1 * omega) == lattice, "never above the lattice's"
 
 
-def test_an_adaptive_step_keeps_to_the_limit(small_slope: Builder) -> None:
+def test_an_adaptive_step_keeps_to_the_limit(small_slope: SceneBuilder) -> None:
     ds = run(small_slope(ADAPTIVE)).trajectory
     assert ds.attrs["status"] == "complete"
     step, limit = ds["time_step"].values, ds["time_step_limit"].values
@@ -85,7 +83,7 @@ def test_an_adaptive_step_keeps_to_the_limit(small_slope: Builder) -> None:
     assert np.all(0.01 / (np.round(parts[1:]) - 1) > 0.8 * limit[:-1])
 
 
-def test_an_adaptive_step_gives_the_result_of_a_small_fixed_one(small_slope: Builder) -> None:
+def test_an_adaptive_step_gives_the_result_of_a_small_fixed_one(small_slope: SceneBuilder) -> None:
     adaptive = run(small_slope(ADAPTIVE)).trajectory
     fixed = run(small_slope(ADAPTIVE | {"numerics.time_step": 5e-4, "numerics.adaptive_step": None})).trajectory
     a, b = (float(ds["probe_displacement_y"][-1, 0]) for ds in (adaptive, fixed))
@@ -93,7 +91,7 @@ def test_an_adaptive_step_gives_the_result_of_a_small_fixed_one(small_slope: Bui
     assert a == pytest.approx(b, rel=0.05)
 
 
-def test_an_adaptive_run_may_start_from_computed_stress(small_slope: Builder) -> None:
+def test_an_adaptive_run_may_start_from_computed_stress(small_slope: SceneBuilder) -> None:
     keys = {"gravity.initial_stress": "geostatic", "gravity.ramp": 0.0, "duration": 1.0}
     adaptive = run(small_slope(ADAPTIVE | keys)).trajectory
     fixed = run(small_slope(ADAPTIVE | keys | {"numerics.time_step": 1e-3, "numerics.adaptive_step": None})).trajectory
@@ -103,7 +101,7 @@ def test_an_adaptive_run_may_start_from_computed_stress(small_slope: Builder) ->
     assert np.abs(adaptive["velocity_y"].values[0]).max() == 0.0
 
 
-def test_a_paused_adaptive_run_goes_on_bit_for_bit(tmp_path: Path, small_slope: Builder) -> None:
+def test_a_paused_adaptive_run_goes_on_bit_for_bit(tmp_path: Path, small_slope: SceneBuilder) -> None:
     scene = small_slope(ADAPTIVE)
     first = run(scene, until="gravity")
     path = tmp_path / "gravity.nc"
@@ -114,7 +112,7 @@ def test_a_paused_adaptive_run_goes_on_bit_for_bit(tmp_path: Path, small_slope: 
     np.testing.assert_array_equal(resumed.trajectory["time_step"], through.trajectory["time_step"])
 
 
-def test_a_fixed_step_above_the_measured_limit_is_seen(small_slope: Builder) -> None:
+def test_a_fixed_step_above_the_measured_limit_is_seen(small_slope: SceneBuilder) -> None:
     # Undamped, at h = 2.3 spacings, the debris has modes stiffer than the lattice's, which the step stays just below.
     step = 0.009
     keys = {

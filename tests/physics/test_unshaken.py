@@ -13,9 +13,10 @@ from small_scenes import DRAFT, PAPER
 from sph.measures.metrics import measure
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, load_scene
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.run import run
-from sph.solver.state import HELD, UNARMED, initial_state
+from sph.solver.state import HELD, UNARMED
 
 SLIPPING = {"walls.sides": "free_slip", "walls.layers": 4, "coupling.S_R": 0.1}
 

@@ -2,26 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import make_scene
 from sph.solver.run import run
 from sph.storage.trajectory import scene_of
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 
 def record(start: float, interval: float, x: list[float], y: list[float]) -> dict[str, Any]:
     return {"kind": "record", "start": start, "vertical": {}, "data": {"interval": interval, "x": x, "y": y}}
 
 
-def test_a_free_block_stays_where_it_is_while_the_box_moves(free_block: Builder) -> None:
+def test_a_free_block_stays_where_it_is_while_the_box_moves(free_block: SceneBuilder) -> None:
     # Nothing holds it, so relative to the box it falls with -a: after n kicks v = -n a dt, its way their sum; both axes alike.
     up, right, dt = 4.0, -3.0, 1e-4
     block = free_block({"duration": 0.11, "damping": None, "motion": record(0.01, 1.0, [right, right], [up, up])})

@@ -114,7 +114,7 @@ def test_a_disc_holds_its_centre() -> None:
 
 
 def test_bodies_without_a_particle_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"geometry: holds no particle .* numerics\.spacing: 0\.5 m"):
+    with pytest.raises(ValueError, match=r"geometry: .*numerics\.spacing: 0\.5 m"):
         place_particles(scene(polygon((1.3, 1.3), (1.7, 1.3), (1.7, 1.7), (1.3, 1.7))))
 
 
@@ -175,7 +175,7 @@ def test_probes_on_bodies() -> None:
     assert at["B"] == (4.25, 1.25)
     assert at["C"] == (7.75, 2.75)
     hole = scene(ring((10, 5), 4.0, 3.0), probes={"A": [10.0, 5.0]})
-    with pytest.raises(ValueError, match=r"probes\.A: \(10, 5\) m lies 3.* m from the nearest soil particle"):
+    with pytest.raises(ValueError, match=r"probes\.A: \(10, 5\) m .*3.* m"):
         locate_probes(hole, place_particles(hole))
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import Scene, make_scene
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import locate_probes, overburden, place_particles
-from sph.solver.state import initial_state
 
 STEEP = {"shape": "slope", "slope_angle": 45.0, "slope_height": 10.0, "base_depth": 10.0, "apron_length": 12.0, "crest_length": 12.0}
 GROUND = [[0.0, 10.0], [12.0, 10.0], [22.0, 20.0], [34.0, 20.0]]

@@ -70,7 +70,7 @@ def test_a_slope_that_falls_to_the_right_is_turned_round() -> None:
     particles = place_particles(made)
     found = locate_probes(made, particles)["P"]
     assert made.geometry.in_survey(particles.x[found], particles.y[found]) == pytest.approx((165.0, 446.0), abs=0.71)
-    with pytest.raises(ValueError, match=r"probes.P: \(110, 446\) m lies"):
+    with pytest.raises(ValueError, match=r"probes.P: \(110, 446\) m"):
         locate_probes(scene(turned, downhill="right", probes={"P": [110.0, 446.0]}), particles)
 
 
@@ -137,19 +137,19 @@ def test_toe_and_crest_can_be_set() -> None:
 @pytest.mark.parametrize(
     ("points", "geometry", "message"),
     [
-        ([[0, 440], [10, 440], [9, 450], [20, 450]], {}, r"points.2: \(9, 450\) m lies behind \(10, 440\) m; the ground may not overhang"),
+        ([[0, 440], [10, 440], [9, 450], [20, 450]], {}, r"points.2: \(9, 450\) m .*\(10, 440\) m.*overhang"),
         ([[0, 440], [0, 450]], {}, "points: all lie at x = 0 m"),
         ([[0, 440]], {}, "points"),
         ([[0, 440], [10, "x"]], {}, "points.1.1"),
-        (SLOPE, {"base": 440}, r"base: 440 m must lie below the ground, whose lowest point is \(120, 440\) m"),
-        (SLOPE, {"window": [100, 150]}, "window: .* within the line, from 120 to 200 m"),
+        (SLOPE, {"base": 440}, r"base: 440 m .*\(120, 440\) m"),
+        (SLOPE, {"window": [100, 150]}, "window: .*120 to 200 m"),
         (SLOPE, {"window": [160, 150]}, "window"),
-        (SLOPE, {"window": [120, 150]}, "downhill: left: no slope falls to the left"),
-        (SLOPE[::-1], {"downhill": "right"}, "downhill: right: no slope falls to the right"),
+        (SLOPE, {"window": [120, 150]}, "downhill: left: no slope"),
+        (SLOPE[::-1], {"downhill": "right"}, "downhill: right: no slope"),
         (SLOPE, {"toe_at": [100, 440]}, "toe_at"),
         (SLOPE, {"crest_at": [140, 440]}, "crest_at"),
         (None, {}, "points"),
-        (None, {"file": "absent.csv"}, "geometry: file: absent.csv: there is no such file"),
+        (None, {"file": "absent.csv"}, "geometry: file: absent.csv: "),
     ],
 )
 def test_a_bad_line_is_refused(points: Any, geometry: Any, message: str) -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
 from sph.scene.ground_motion import GroundMotion, motion_of, read_record
-from sph.scene.schema import Scene
 
 
 @pytest.mark.parametrize(
@@ -70,9 +68,7 @@ def test_files_that_hold_no_motion_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("time_step", "interval"), [(1e-4, 1e-4), (1e-3, 1e-3), (2e-3, 1e-3), (2.5e-3, 2.5e-3 / 3)])
-def test_a_scene_is_sampled_at_its_steps_or_parts_of_them(
-    small_slope: Callable[[dict[str, Any]], Scene], time_step: float, interval: float
-) -> None:
+def test_a_scene_is_sampled_at_its_steps_or_parts_of_them(small_slope: SceneBuilder, time_step: float, interval: float) -> None:
     scene = small_slope({"numerics.time_step": time_step})
     time, acceleration = motion_of(scene)
     assert time[0] == 0 and time[-1] == pytest.approx(scene.duration)

@@ -234,7 +234,7 @@ def test_the_fewest_steps_allowed_lose_little_of_a_motion(motion: Ricker | Veloc
 
 
 UNRESOLVED = [
-    ({"kind": "tapered_sine", "frequency": 20.0}, 0.025, "0.05 s, must hold 20 steps; choose at most 0.0025 s"),
+    ({"kind": "tapered_sine", "frequency": 20.0}, 0.025, "0.05 s, .*20 steps.*0.0025 s"),
     ({"kind": "tapered_sine", "frequency": 20.0}, 5e-3, "0.05 s"),
     ({"kind": "tapered_sine", "ramp": 0.0, "decay_start": 3.0, "end": 3.002}, 1e-3, "0.002 s"),
     ({"kind": "ricker", "amplitude": 1.0, "frequency": 20.0, "peak": 4.0}, 2.5e-3, "0.0408 s"),
@@ -247,7 +247,7 @@ UNRESOLVED = [
 def test_a_motion_that_the_steps_do_not_resolve_is_refused(motion: dict, step: float, words: str, numerics: dict) -> None:
     scene = {"scheme": "paper", "name": "slope", "geometry": {"shape": "slope"}, "numerics": {"time_step": step} | numerics}
     scene |= {"outputs": {"series_interval": 0.025}, "motion": motion}
-    with pytest.raises(ValueError, match=f"numerics.time_step: {step:g} s is too long for motion .{motion['kind']}.*{words}"):
+    with pytest.raises(ValueError, match=f"numerics.time_step: {step:g} s .*{motion['kind']}.*{words}"):
         make_scene(scene)
     make_scene(scene | {"motion": motion | {"amplitude": 0.0}})
     make_scene(scene | {"numerics": numerics | {"time_step": 1e-4}, "outputs": {}})

@@ -146,11 +146,6 @@ def test_a_scene_is_frozen(small_slope) -> None:
         scene.soil.density = 5.0
 
 
-def test_a_scene_survives_json(small_slope) -> None:
-    scene = small_slope({"probes": {"A": "crest_edge", "B": [70.0, 20.0]}, "damping": None})
-    assert Scene.model_validate_json(scene.model_dump_json()) == scene
-
-
 def test_merge_and_dotted() -> None:
     assert dotted({"a.b": 1, "a.c": 2, "d": 3}) == {"a": {"b": 1, "c": 2}, "d": 3}
     base = {"a": {"b": 1, "c": [1, 2]}, "d": {"e": 1}}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,13 +14,12 @@ from small_scenes import TWO_BODIES
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.walls import KINDS
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import cauchy_stress
 from sph.solver.simulation import Simulation
-from sph.solver.state import FAILED, HELD, UNARMED, initial_state
+from sph.solver.state import FAILED, HELD, UNARMED
 from sph.solver.terms import KEYS, active_terms, make_terms, wanted_terms
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 BOX: dict[str, Any] = {
     "scheme": "paper",

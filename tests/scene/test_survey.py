@@ -52,25 +52,25 @@ def test_points_in_space_are_unrolled_along_the_line(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("x (ft), z (ft)\n120,440\n150,441", r"line 1: the unit in 'x \(ft\)' is not understood; it must be m.*0\.3048 m"),
+        ("x (ft), z (ft)\n120,440\n150,441", r"line 1: .*'x \(ft\)'.*0\.3048 m"),
         ("x,elev_ft\n120,440\n150,441", "line 1: the unit in 'elev_ft'"),
         ("x_km z_m\n0.12 440\n0.15 441", "line 1: the unit in 'x_km z_m'"),
         ("x (in);z\n120;440\n150;441", "line 1: the unit in"),
         ("lon (deg),z\n12.0,440\n12.1,441", "line 1: the unit in"),
-        ("# elevations in feet\n120,440\n150,441", "line 1: the unit in '# elevations in feet'"),
-        ("120,440\n150;x\n", "line 2: '150;x': expected two numbers, x and elevation in m"),
+        ("# elevations in feet\n120,440\n150,441", "line 1: .*'# elevations in feet'"),
+        ("120,440\n150;x\n", "line 2: '150;x'"),
         ("x,y\nx,y\n120,440", "line 2"),
         ("12O,440\n150,441", "line 1"),
         ("120,440,1\n150,441,1", "line 1"),
         ("120\n150", "line 1"),
         ("120,nan\n150,441", "line 1"),
-        ("", "it holds no points; expected two numbers, x and elevation in m, on each of at least two lines"),
+        ("", "no points"),
         ("# nothing\n# yet\n", "it holds no points"),
         ("x,y\n", "it holds no points"),
         ("120,440\n", "it holds 1 point; expected two numbers"),
         ("120,440\n150,1e999", "line 2"),
         ("LINESTRING (120 440, 150)", "not WKT of a line.*Expected number"),
-        ("LINESTRING EMPTY", "an empty LineString; expected one LineString"),
+        ("LINESTRING EMPTY", "empty LineString"),
         ("SRID=25832;LINESTRING (0 0, 1 1)", "not WKT"),
         ("POINT (120 440)", "holds Point; expected one LineString"),
         ("MULTILINESTRING ((0 0, 1 1), (2 2, 3 3))", "holds LineString, LineString"),
@@ -115,11 +115,11 @@ def test_names_in_a_comment_swap_the_columns(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("head", "message"),
     [
-        ("x,depth", r"line 1: 'depth' is neither x nor an elevation \(columns 'x', 'depth'\); leave it out, or name one column for x"),
+        ("x,depth", r"line 1: 'depth' .*\(columns 'x', 'depth'\)"),
         ("x,slope", "'slope' is neither"),
         ("lon,lat", "'lon', 'lat' is neither"),
         ("easting,northing,elevation", "'easting', 'northing' is neither"),
-        ("x,y,z", "1 columns of x and 2 of elevation, must be one of each.*GeoJSON or WKT"),
+        ("x,y,z", "1 columns of x and 2 of elevation.*GeoJSON or WKT"),
         ("x,distance", "2 columns of x and 0 of elevation"),
         (",elevation", "0 columns of x and 1 of elevation"),
     ],
@@ -133,7 +133,7 @@ def test_names_of_other_quantities_are_refused(tmp_path: Path, head: str, messag
 @pytest.mark.parametrize("mark", [";", "\t"])
 def test_separators_of_thousands_are_refused(tmp_path: Path, mark: str) -> None:
     for text in ("998.5;440\n1,123;441", "998;440\n1,123;441"):
-        with pytest.raises(ValueError, match="line 2: '1,123'.*may be a decimal one or separate thousands"):
+        with pytest.raises(ValueError, match="line 2: '1,123'.*thousands"):
             read(tmp_path, text.replace(";", mark))
 
 
@@ -161,7 +161,7 @@ def test_a_system_of_coordinates_is_in_metres_or_refused(tmp_path: Path, at: str
         link,
         4,
     ):
-        with pytest.raises(ValueError, match="crs: .*must be a system of coordinates that is known to be in metres.*leave crs out"):
+        with pytest.raises(ValueError, match="crs: .*metres.*leave crs out"):
             read(tmp_path, system(name, at))
 
 
@@ -170,5 +170,5 @@ def test_degrees_are_refused_in_points_of_three(tmp_path: Path) -> None:
         "LINESTRING Z (8.5 47.3 440, 8.501 47.3 465)",
         '{"type": "LineString", "coordinates": [[8.5, 47.3, 440], [8.501, 47.3, 465]]}',
     ):
-        with pytest.raises(ValueError, match="may be degrees of longitude and latitude"):
+        with pytest.raises(ValueError, match="degrees"):
             read(tmp_path, form)

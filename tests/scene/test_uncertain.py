@@ -181,5 +181,5 @@ def test_what_cannot_be_drawn_is_refused_by_its_key(section: dict[str, Any], wor
 
 def test_a_key_may_be_written_as_the_mean_alone() -> None:
     assert scene(one(), soil={"cohesion": 20}) == scene(one())
-    with pytest.raises(ValueError, match=r"variables\.c\.of: soil\.cohesion is drawn with mean: 20 and the scene writes 21\.0"):
+    with pytest.raises(ValueError, match=r"variables\.c\.of: soil\.cohesion .*20.*21\.0"):
         scene(one(), soil={"cohesion": 21.0})

@@ -61,7 +61,7 @@ def test_standing_water_is_level() -> None:
 
 @pytest.mark.parametrize("kind", PRESSURES)
 def test_whose_pressure_it_is_must_be_written(kind: str) -> None:
-    with pytest.raises(ValueError, match=rf"water: pressure: must be written.*pressure: {kind}"):
+    with pytest.raises(ValueError, match=rf"water: pressure: .*pressure: {kind}"):
         scene({"pressure": None, "level": 425})
 
 
@@ -72,9 +72,9 @@ def test_whose_pressure_it_is_must_be_written(kind: str) -> None:
         ({"water": {"level": 425, "r_u": 0.3}}, r"level and r_u given"),
         ({"water": {"r_u": 1.0}}, r"water\.r_u: .* less than 1 \(found 1\.0\)"),
         ({"water": {"points": [[100, 425], [150, 425], [140, 425], [180, 425]]}}, r"x must increase, or decrease"),
-        ({"water": {"points": [[110, 425], [180, 425]]}}, r"water\.points: reach from x = 110 to 180 m and not .* 100 to 180 m"),
-        ({"water": {"points": [[100, 437], [180, 432]]}}, r"water\.points: the line lies up to 3\.87 m above the ground and is not level"),
-        ({"water": {"pressure": "carried", "level": 433}}, r"water\.pressure: carried with water that stands up to 3 m above the ground"),
+        ({"water": {"points": [[110, 425], [180, 425]]}}, r"water\.points: .*110 to 180 m .*100 to 180 m"),
+        ({"water": {"points": [[100, 437], [180, 432]]}}, r"water\.points: .*3\.87 m above"),
+        ({"water": {"pressure": "carried", "level": 433}}, r"water\.pressure: carried .*3 m above"),
         (
             {"layers": {"clay": {"region": {"kind": "depth"}, "r_u": 0.2}}, "water": {"level": 425}},
             r"layers\.clay\.r_u: 0\.2 needs water\.r_u",
@@ -108,7 +108,7 @@ def test_a_line_does_not_go_on_over_periodic_sides() -> None:
         "numerics": {"smoothing_ratio": 1.3},
     }
     assert make_scene(merge(block, {"water": {"pressure": "by_place", "level": 4.0}})).water is not None
-    with pytest.raises(ValueError, match=r"water\.points: a line that is not level does not go on over walls\.sides: periodic"):
+    with pytest.raises(ValueError, match=r"water\.points: .*walls\.sides: periodic"):
         make_scene(merge(block, {"water": {"pressure": "by_place", "points": [[0, 4], [20, 3]]}}))
 
 

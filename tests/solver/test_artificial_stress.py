@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.integration import make_lists
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.artificial_stress import add_artificial_stress, set_artificial_stress
 from sph.solver.physics.kernels import evaluate
-from sph.solver.state import State, initial_state
+from sph.solver.renewal import make_lists
+from sph.solver.state import State
 from sph.solver.terms import make_terms
 
 BASE: dict[str, Any] = {

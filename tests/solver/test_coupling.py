@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene
-from sph.solver.integration import make_lists
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, update_stress
-from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State, initial_state
+from sph.solver.renewal import make_lists
+from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State
 from sph.solver.terms import make_terms
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 TIME = 0.5
 """s, after the gravity stage."""
@@ -62,7 +60,7 @@ def phases(n: int, generator: np.random.Generator) -> tuple[np.ndarray, np.ndarr
     return phase, beta
 
 
-def mixed(free_block: Builder, overrides: dict[str, Any]) -> Mixture:
+def mixed(free_block: SceneBuilder, overrides: dict[str, Any]) -> Mixture:
     scene = free_block(
         {"geometry.width": 20.0, "geometry.height": 20.0, "soil.cohesion": 150.0, "coupling.S_R": 0.25, "coupling.gamma": 10.0} | overrides
     )
@@ -86,7 +84,7 @@ def mixed(free_block: Builder, overrides: dict[str, Any]) -> Mixture:
 
 
 @pytest.fixture(params=["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
-def mixture(free_block: Builder, request: pytest.FixtureRequest) -> Mixture:
+def mixture(free_block: SceneBuilder, request: pytest.FixtureRequest) -> Mixture:
     return mixed(free_block, VARIANTS[request.param])
 
 
@@ -124,7 +122,7 @@ def test_chunks_do_not_show(mixture: Mixture, size: int) -> None:
     assert internal_in_parts == pytest.approx(internal, abs=n * np.finfo(float).eps * size_of_work)
 
 
-def test_the_solid_state_differs_after_failure_alone(free_block: Builder) -> None:
+def test_the_solid_state_differs_after_failure_alone(free_block: SceneBuilder) -> None:
     # The same mixture with either solid state: what has not failed before the step is the same to the last bit.  A failed particle's
     # solid deviator is the elastic trial where it is elastic, and that brought to the surface where it is not.
     states, terms = [], None

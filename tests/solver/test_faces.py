@@ -10,11 +10,11 @@ from small_scenes import SceneBuilder
 
 from sph.scene.schema import make_scene
 from sph.solver.boundaries.faces import STIFFNESS, push_from_faces
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.kernels import evaluate
 from sph.solver.run import run
 from sph.solver.simulation import Simulation
-from sph.solver.state import initial_state
 from sph.solver.terms import make_terms
 
 SLIP = {"walls.base": "free_slip", "walls.sides": "free_slip", "walls.layers": 4}

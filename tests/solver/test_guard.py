@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
 from sph.scene.schema import Scene
 from sph.solver.guard import PARTS, Fault, Trouble, likely_cause, trouble
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import locate_probes, place_particles
-from sph.solver.state import State, initial_state
+from sph.solver.state import State
 
-Builder = Callable[[dict[str, Any]], Scene]
 BOXED = {"walls.base": "fixed", "walls.sides": "fixed", "walls.layers": 2}
 AT_REST = {name: [0.0, 0.0, 0.0] for name in (*PARTS, "shaking_work")}
 
@@ -25,7 +25,7 @@ def parts(scene: Scene) -> tuple[Any, State]:
 
 
 @pytest.fixture
-def boxed(free_block: Builder) -> tuple[Scene, Any, State]:
+def boxed(free_block: SceneBuilder) -> tuple[Scene, Any, State]:
     scene = free_block(BOXED)
     return scene, *parts(scene)
 
@@ -79,7 +79,7 @@ def test_behind_the_walls(boxed: tuple[Scene, Any, State], place: tuple[float, f
     assert (found and (found.fault, found.particle)) == ((Fault.LEFT_THE_BOX, 7) if outside else None)
 
 
-def test_soil_that_ran_off_an_open_end(free_block: Builder) -> None:
+def test_soil_that_ran_off_an_open_end(free_block: SceneBuilder) -> None:
     scene = free_block(BOXED | {"walls.sides": "none"})
     particles, state = parts(scene)
     state.x[7], state.y[7] = 15.0, -1.9
@@ -89,7 +89,7 @@ def test_soil_that_ran_off_an_open_end(free_block: Builder) -> None:
     assert found is not None and found.fault == Fault.LEFT_THE_BOX and str(found).endswith("has left the box")
 
 
-def test_without_walls_nothing_is_behind_them(free_block: Builder) -> None:
+def test_without_walls_nothing_is_behind_them(free_block: SceneBuilder) -> None:
     scene = free_block({})
     particles, state = parts(scene)
     state.x[7], state.y[7] = -500.0, -500.0
@@ -118,5 +118,5 @@ def test_energy_that_nobody_put_in(boxed: tuple[Scene, Any, State]) -> None:
         (0.9, {}, Fault.NOT_A_NUMBER, "finer spacing"),
     ],
 )
-def test_the_likely_cause(free_block: Builder, ratio: float, keys: dict[str, Any], wrong: Fault, word: str) -> None:
+def test_the_likely_cause(free_block: SceneBuilder, ratio: float, keys: dict[str, Any], wrong: Fault, word: str) -> None:
     assert word in likely_cause(free_block(keys), ratio, Trouble(wrong))

@@ -10,8 +10,9 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.integration import fill_pairs, make_lists
+from sph.solver.neighbours import Places
 from sph.solver.physics.initial_arrangement import deform, is_intact, largest_changes, note_intact, offset
+from sph.solver.renewal import fill_pairs, make_lists
 from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED
 
@@ -39,7 +40,7 @@ def pair(simulation: Simulation, i: int = LEFT, j: int = RIGHT) -> tuple[float, 
     """The vector from j to i that their pair has, m, and whether it is that of the start."""
     term, state = simulation.terms.initial_arrangement, simulation.state
     intact = is_intact(term, simulation.pairs, i)
-    dx, dy, kept = offset(term, intact, None, simulation.pairs, state.x, state.y, i, j)
+    dx, dy, kept = offset(term, intact, None, simulation.pairs, Places(state.x, state.y, state.density), i, j)
     return float(dx), float(dy), bool(kept)
 
 
@@ -143,13 +144,13 @@ def test_what_asks_for_new_pairs() -> None:
     n = simulation.state.x.size
     term, state, pairs = simulation.terms.initial_arrangement, simulation.state, simulation.pairs
     state.x[LEFT] += 0.3
-    seen, far = largest_changes(term, state, pairs, True, 0, n)
+    seen, far = largest_changes(term, state, pairs, 0, 0, n)
     assert (seen, far) == (0.0, pytest.approx(0.09, rel=1e-12))
     pairs.changing[LEFT] = True
-    assert largest_changes(term, state, pairs, False, 0, n)[0] == pytest.approx(0.09, rel=1e-12)
+    assert largest_changes(term, state, pairs, 1, 0, n)[0] == pytest.approx(0.09, rel=1e-12)
     pairs.changing[LEFT] = False
     stretch(simulation, RIGHT, xx=0.03)
-    assert largest_changes(term, state, pairs, True, 0, n)[0] == pytest.approx(0.09, rel=1e-12)
-    assert largest_changes(term, state, pairs, False, 0, n)[0] == 0.0, "not looked at in this step"
+    assert largest_changes(term, state, pairs, 0, 0, n)[0] == pytest.approx(0.09, rel=1e-12)
+    assert largest_changes(term, state, pairs, 1, 0, n)[0] == 0.0, "not looked at in this step"
     state.y[0] = math.nan
-    assert math.isnan(largest_changes(term, state, pairs, False, 0, n)[0])
+    assert math.isnan(largest_changes(term, state, pairs, 1, 0, n)[0])

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from sph.solver.compiled.threads import BLOCK, make_team
-from sph.solver.integration import _block, _take_turns, largest_move
+from sph.solver.moves import largest_move
 from sph.solver.neighbours import find_candidates
+from sph.solver.schedule import block_at, make_schedule
 
 SIZE = 37
 """Some vectors of the processor and a rest."""
@@ -46,8 +47,9 @@ def test_accelerations_wait_for_the_stresses_around(size: int, mirrors: int) -> 
     blocks, of_soil, first_mirror = -(-x.size // BLOCK), n_soil // BLOCK, n_soil + n_fixed
     taken, early = [], 0
     for member in make_team(size, x.size, 1, 1):
-        n_others, count, lag = _take_turns(member, candidates, n_soil, first_mirror)
-        mine = [_block(member, n_soil, n_others, k) for k in range(count)]
+        schedule = make_schedule(member, candidates, n_soil, first_mirror)
+        n_others, count, lag = schedule.n_others, schedule.blocks, schedule.lag
+        mine = [block_at(member, schedule, k) for k in range(count)]
         taken += mine
         for k, block in enumerate(mine):
             turn, around = member.turn[k], candidates.near[candidates.near_start[block] : candidates.near_start[block + 1]]

@@ -145,7 +145,7 @@ def test_a_loop_of_links_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     (tmp_path / "cache").symlink_to("other")
     (tmp_path / "other").symlink_to("cache")
     monkeypatch.setenv("SPH_CACHE_DIR", str(tmp_path / "cache"))
-    with pytest.raises(OSError, match="compiled code cannot be kept there"), compile_lock():
+    with pytest.raises(OSError, match="cannot be kept"), compile_lock():
         pass
 
 

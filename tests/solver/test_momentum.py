@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from sph.scene.schema import make_scene
-from sph.solver.neighbours import Pairs, PairTerms, allocate_pairs, find_candidates, update_pairs
+from sph.solver.initial_state import initial_state
+from sph.solver.neighbours import Pairs, PairTerms, Places, allocate_pairs, find_candidates, update_pairs
 from sph.solver.particles import place_particles
 from sph.solver.physics.artificial_viscosity import ArtificialViscosity
 from sph.solver.physics.kernels import make_kernel
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
-from sph.solver.state import State, initial_state
+from sph.solver.state import State
 
 MASS, H = 2.0, 1.0
 SLOPE = 10.0 / (28.0 * math.pi) * (12.0 * 0.5**2 - 3.0 * 1.5**2) / 0.5
@@ -33,7 +34,7 @@ def pair() -> tuple[State, Pairs]:
     candidates = find_candidates(state.x, state.y, 2.0 * H, None)
     terms = PairTerms(make_kernel("cubic_spline", H), 0.0, MASS)
     pairs = allocate_pairs(candidates, np.float64(0), terms)
-    update_pairs(pairs, candidates, terms, state.x, state.y, state.density, 0, 2)
+    update_pairs(pairs, candidates, terms, Places(state.x, state.y, state.density), 0, 2)
     return state, pairs
 
 

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from sph.solver.boundaries.periodic import Periodic
 from sph.solver.compiled.threads import BLOCK
-from sph.solver.neighbours import Candidates, Pairs, PairTerms, allocate_pairs, find_candidates, update_pairs
+from sph.solver.neighbours import Candidates, Pairs, PairTerms, Places, allocate_pairs, find_candidates, update_pairs
 from sph.solver.physics.gradient_correction import GradientCorrection
 from sph.solver.physics.kernels import evaluate, make_kernel
 
@@ -147,7 +147,7 @@ def make_pairs(
     terms = PairTerms(kernel, close_range, mass, correction)
     pairs = allocate_pairs(candidates, zero, terms)
     assert pairs.gx.dtype == pairs.inverse_norm.dtype == zero.dtype
-    update_pairs(pairs, candidates, terms, x, y, density, 0, x.size)
+    update_pairs(pairs, candidates, terms, Places(x, y, density), 0, x.size)
     return pairs
 
 
@@ -256,7 +256,7 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     density = np.random.default_rng(9).uniform(1, 3, 300)
     terms = PairTerms(make_kernel("cubic_spline", 1.0), 0.9, 2.0, GradientCorrection(1e-3))
     whole, parts = (allocate_pairs(candidates, SINGLE, terms) for _ in range(2))
-    common = candidates, terms, x, y, density
+    common = candidates, terms, Places(x, y, density)
     update_pairs(whole, *common, 0, 300)
     for first, last in ((200, 300), (0, 7), (7, 7), (7, 200)):
         update_pairs(parts, *common, first, last)

@@ -9,11 +9,12 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.integration import make_lists
+from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.residual_viscosity import keep_strain_rate
-from sph.solver.state import State, initial_state
+from sph.solver.renewal import make_lists
+from sph.solver.state import State
 from sph.solver.terms import make_terms
 
 BLOCK = {

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +10,7 @@ import pytest
 from comparison import VARIANTS, same_bits
 from hypothesis import given
 from hypothesis import strategies as st
+from small_scenes import SceneBuilder
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
@@ -19,8 +19,6 @@ from sph.solver.integration import advance
 from sph.solver.run import Result, run
 from sph.solver.simulation import Simulation
 from sph.storage import trajectory
-
-Builder = Callable[[dict[str, Any]], Scene]
 
 
 @jit
@@ -68,13 +66,13 @@ MANY_BLOCKS = {
 }
 
 
-def many_blocks(small_slope: Builder, overrides: dict[str, Any]) -> Scene:
+def many_blocks(small_slope: SceneBuilder, overrides: dict[str, Any]) -> Scene:
     """A slope of at least five blocks of rows, shaken until some of it fails."""
     return small_slope(MANY_BLOCKS | overrides)
 
 
 @pytest.mark.parametrize("variant", ["default", *(pytest.param(name, marks=pytest.mark.long) for name in VARIANTS if name != "default")])
-def test_number_of_threads_does_not_change_a_bit(small_slope: Builder, variant: str) -> None:
+def test_number_of_threads_does_not_change_a_bit(small_slope: SceneBuilder, variant: str) -> None:
     scene = many_blocks(small_slope, VARIANTS[variant])
     one, *more = (run(scene, threads=threads) for threads in (1, 2, 3))
     assert one.trajectory.sizes["particle"] > 4 * BLOCK
@@ -83,7 +81,7 @@ def test_number_of_threads_does_not_change_a_bit(small_slope: Builder, variant: 
         same_bits(one, other)
 
 
-def test_a_run_goes_on_with_another_number_of_threads(tmp_path: Path, small_slope: Builder) -> None:
+def test_a_run_goes_on_with_another_number_of_threads(tmp_path: Path, small_slope: SceneBuilder) -> None:
     def resumed(first: int, second: int) -> Result:
         paused = run(many_blocks(small_slope, {}), until="first_failure", threads=first)
         assert paused.status == "paused"
@@ -97,7 +95,7 @@ def test_a_run_goes_on_with_another_number_of_threads(tmp_path: Path, small_slop
 
 
 @pytest.mark.parametrize("row", [0, 2 * BLOCK + 17, 4 * BLOCK + 3], ids=["first thread", "second thread", "third thread"])
-def test_not_a_number_in_one_threads_rows_stops_all(small_slope: Builder, row: int) -> None:
+def test_not_a_number_in_one_threads_rows_stops_all(small_slope: SceneBuilder, row: int) -> None:
     simulation = Simulation(many_blocks(small_slope, {}), threads=3)
     simulation.prepare()
     assert row < simulation.particles.n_soil

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
-from sph.experiments.cost_accuracy.advice import shipped_table
+from sph.experiments.trade.advice import shipped_table
 from sph.scene.schema import Scene, load_scene
 from sph.solver.checkpoint import run_to_file
 from sph.solver.particles import place_particles
@@ -20,7 +20,6 @@ from sph.storage import trajectory
 from sph.study.cost import COMPILER, TRIALS, TRIALS_NEAR, TRIALS_STRONGER, cost, needs, search_cost
 
 ROOT = Path(__file__).resolve().parents[2]
-Builder = Callable[[dict[str, Any]], Scene]
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +51,7 @@ def test_sizes_and_steps_of_the_measured_runs(measured_runs: list[tuple[Any, Sce
             )
 
 
-def test_parts_add_up(small_slope: Builder) -> None:
+def test_parts_add_up(small_slope: SceneBuilder) -> None:
     scene = small_slope({})
     whole, gravity, rest = cost(scene), cost(scene, until=1.0), cost(scene, since=1.0)
     assert gravity.steps + rest.steps == whole.steps == 3000
@@ -61,7 +60,7 @@ def test_parts_add_up(small_slope: Builder) -> None:
     assert whole.particles == place_particles(scene).x.size
 
 
-def test_what_costs_more(small_slope: Builder) -> None:
+def test_what_costs_more(small_slope: SceneBuilder) -> None:
     scene = small_slope({})
     for changes in ({"numerics.spacing": 2.5}, {"numerics.smoothing_ratio": 3.0}, {"numerics.time_step": 5e-4}, {"duration": 5.0}):
         assert cost(small_slope(changes)).seconds > cost(scene).seconds, changes
@@ -73,7 +72,7 @@ def test_what_costs_more(small_slope: Builder) -> None:
 
 
 @pytest.mark.long
-def test_a_file_is_about_as_large_as_predicted(small_slope: Builder, tmp_path: Path) -> None:
+def test_a_file_is_about_as_large_as_predicted(small_slope: SceneBuilder, tmp_path: Path) -> None:
     scene = small_slope({"numerics.spacing": 2.5, "numerics.time_step": 2e-3, "outputs.frame_interval": 0.05})
     result = run_to_file(scene, tmp_path / "run.nc", say=lambda line: None)
     assert result.trajectory.sizes["frame"] == 61 and trajectory.read(tmp_path / "run.nc").attrs["status"] == "complete"
@@ -82,14 +81,14 @@ def test_a_file_is_about_as_large_as_predicted(small_slope: Builder, tmp_path: P
     assert result.trajectory.attrs["particle_steps"] == found.particles * found.steps
 
 
-def test_a_search_is_many_static_tests(small_slope: Builder) -> None:
+def test_a_search_is_many_static_tests(small_slope: SceneBuilder) -> None:
     scene = small_slope({"numerics.spacing": 2.0})
     one = cost(static_scene(scene, FailureRule(), acceleration=1.0))
     alone = search_cost(scene, extrapolates=False)
     assert alone.steps == TRIALS * one.steps and alone.seconds == TRIALS * one.seconds
 
 
-def test_a_search_at_two_spacings_costs_about_as_much_as_one_at_the_fine_one_alone(small_slope: Builder) -> None:
+def test_a_search_at_two_spacings_costs_about_as_much_as_one_at_the_fine_one_alone(small_slope: SceneBuilder) -> None:
     """The coarse tests are cheap, and the fine search begins near its end."""
     scene = small_slope({"numerics.spacing": 1.25, "numerics.gradient_tolerance": 0.1})
     rule = FailureRule()
@@ -99,12 +98,12 @@ def test_a_search_at_two_spacings_costs_about_as_much_as_one_at_the_fine_one_alo
     assert both.seconds < 1.5 * search_cost(scene, extrapolates=False).seconds and both.memory == 2 * fine.memory
 
 
-def test_a_search_of_a_slope_without_one_is_as_the_scene(small_slope: Builder) -> None:
+def test_a_search_of_a_slope_without_one_is_as_the_scene(small_slope: SceneBuilder) -> None:
     coarse = small_slope({})
     assert search_cost(coarse) == cost(coarse), "too coarse for the rule of failure: there is no search"
 
 
-def test_what_a_job_asks_for(small_slope: Builder) -> None:
+def test_what_a_job_asks_for(small_slope: SceneBuilder) -> None:
     data = small_slope({}).model_dump(mode="json")
     first, second = needs(data), needs(data, attempt=2)
     assert first.mem_mb >= COMPILER and first.runtime >= 5

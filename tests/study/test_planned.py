@@ -18,7 +18,7 @@ from sph.scene.scheme import RESOLVED
 from sph.storage import trajectory
 from sph.storage.files import content_digest
 from sph.storage.trajectory import text_digest
-from sph.study.planned import Planned, planned
+from sph.study.planned import Planned, digest, planned
 
 GROUND: dict[str, Any] = merge(SLOPE, {"geometry": {"shape": "ground_line", "file": "ground.csv", "base": 430.0}})
 LINES = ("100,440\n150,440\n165,465\n200,465\n", "100,440\n150,440\n165,460\n200,460\n")
@@ -41,14 +41,14 @@ def as_planned(scene: dict[str, Any]) -> Planned:
 
 
 def test_the_parameter_is_told_by_contents_alone(place: Path) -> None:
-    first = repr(as_planned(GROUND))
+    first = digest(as_planned(GROUND))
     os.utime(place / "ground.csv", (1e9, 1e9))
-    assert repr(as_planned(GROUND)) == first == repr(as_planned(dict(reversed(GROUND.items()))))
+    assert digest(as_planned(GROUND)) == first == digest(as_planned(dict(reversed(GROUND.items()))))
     stat = (place / "ground.csv").stat()
     (place / "ground.csv").write_text(LINES[1])
     os.utime(place / "ground.csv", (stat.st_atime, stat.st_mtime))
     assert (place / "ground.csv").stat().st_size == stat.st_size
-    assert repr(as_planned(GROUND)) != first != repr(as_planned(merge(GROUND, {"soil": {"cohesion": 1.0}})))
+    assert digest(as_planned(GROUND)) != first != digest(as_planned(merge(GROUND, {"soil": {"cohesion": 1.0}})))
     assert len(first) < 40, "whatever the scene holds: Snakemake keeps it with every result"
 
 
@@ -70,10 +70,10 @@ def test_a_file_that_changes_before_the_job_reads_it_is_refused(place: Path) -> 
     found = as_planned(GROUND)
     assert found.build() == make_scene(GROUND)
     (place / "ground.csv").write_text(LINES[1])
-    with pytest.raises(ValueError, match=r"^ground\.csv: has changed since this job was planned; give the same command again$"):
+    with pytest.raises(ValueError, match=r"^ground\.csv: has changed.*same command again$"):
         found.build()
     (place / "ground.csv").unlink()
-    with pytest.raises(ValueError, match=r"ground\.csv: there is no such file"):
+    with pytest.raises(ValueError, match=r"ground\.csv: .*no such file"):
         found.build()
 
 
@@ -119,7 +119,7 @@ def test_a_long_list_of_keys_is_cut() -> None:
 def test_a_file_is_read_and_checked(tmp_path: Path) -> None:
     trajectory.write(tmp_path / "run.nc", xr.Dataset(attrs=attrs(SLOPE)))
     assert planned(SLOPE).read(tmp_path / "run.nc").attrs["scene_digest"] == trajectory.scene_digest(make_scene(SLOPE))
-    with pytest.raises(ValueError, match=r"duration: 3\.0 in the file, 2\.5 planned"):
+    with pytest.raises(ValueError, match=r"duration: 3\.0 .*2\.5 planned"):
         planned(merge(SLOPE, {"duration": 2.5})).read(tmp_path / "run.nc")
 
 

@@ -106,11 +106,9 @@ def test_the_runs_of_a_configuration_take_the_place_of_those_below_it() -> None:
 
 
 def test_a_study_of_another_scene_must_say_which_runs_it_has() -> None:
-    with pytest.raises(
-        ValueError, match=r"scene: own\.yaml: a study of another scene must say which runs it has, by one of grid, cases, sample"
-    ):
+    with pytest.raises(ValueError, match=r"scene: own\.yaml: .*grid, cases, sample"):
         chosen_study({"study": "s", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"study": "s", "scene": "own.yaml"})
-    with pytest.raises(ValueError, match=r"study: a study of own\.yaml needs a name of its own"):
+    with pytest.raises(ValueError, match=r"study: .*own\.yaml .*name"):
         chosen_study({"study": "paper", "scene": "own.yaml", "grid": {"S_R": [1]}}, {"scene": "own.yaml", "grid": {"S_R": [1]}})
 
 

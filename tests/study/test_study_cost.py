@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import json
 import statistics
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import netCDF4
 import pytest
 import yaml
+from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
 from sph.command.cli import REFUSED, app
 from sph.command.cost import coarse, speed_here, study_cost
-from sph.command.status import Kind, jobs, located_plan
-from sph.scene.schema import Scene, make_scene
+from sph.command.status import Job, located, look_at
+from sph.scene.schema import make_scene
 from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
@@ -43,7 +43,7 @@ CONFIG: dict[str, Any] = {
 
 
 @pytest.fixture
-def config(tmp_path: Path, small_slope: Callable[[dict[str, Any]], Scene], monkeypatch: pytest.MonkeyPatch) -> Path:
+def config(tmp_path: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
     (tmp_path / "study.yaml").write_text(yaml.safe_dump(CONFIG))
@@ -56,8 +56,8 @@ def predicted(*arguments: object) -> dict[str, Any]:
     return dict(json.loads(result.stdout))
 
 
-def finish(folder: Path, job: Any, took: float) -> None:
-    path = folder / job.file
+def finish(base: Path, job: Job, took: float) -> None:
+    path = base / job.run.file
     path.parent.mkdir(parents=True, exist_ok=True)
     with netCDF4.Dataset(path, "w") as ds:
         ds.setncatts({"scene": job.scene.model_dump_json(), "status": "complete", "wall_time_s": took})
@@ -81,9 +81,9 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
 
 def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As many static tests as it makes: each slope, each residual strength, and the searches of a slope."""
-    drafted, folder = located_plan(None, config)
-    plan = drafted.at("fine")
-    scenes = {name: plan.built(**plan.point(name)) for name in plan.study.runs}
+    catalogue = located(None, config)
+    plan = catalogue.plan.at("fine")
+    scenes = {name: plan.built(**plan.study.runs[name]) for name in plan.study.runs}
     slope = scenes[next(iter(scenes))]
     coarse, fine = (cost(static_scene(at_spacing(slope, spacing), DEFAULT_RULE)).seconds for spacing in quick_spacings(slope))
     standing = standing_scene(slope)
@@ -93,12 +93,12 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     seconds = preflight_seconds(scenes, preflight_searches(elsewhere=True))
     assert seconds == pytest.approx(tests + a_search), "one slope, two values of S_R, a search"
     assert preflight_seconds(scenes) == pytest.approx(seconds + a_search + QUICK_SENSITIVITY * coarse), "and the yield acceleration"
-    counted = study_cost(plan, folder, cores=1, speed=1.0)
+    counted = study_cost(plan, catalogue.base, cores=1, speed=1.0)
     monkeypatch.setattr("sph.command.cost.preflight_seconds", lambda scenes, searches: 0.0)
-    assert counted.left - study_cost(plan, folder, cores=1, speed=1.0).left == pytest.approx(seconds)
+    assert counted.left - study_cost(plan, catalogue.base, cores=1, speed=1.0).left == pytest.approx(seconds)
 
 
-def test_linear_reconstruction_takes_its_time(small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_linear_reconstruction_takes_its_time(small_slope: SceneBuilder) -> None:
     steps = {"numerics.spacing": 2.5, "numerics.gradient_tolerance": 0.1}  # decide the cost, not samples and renewals
     viscosity = steps | {"numerics.artificial_viscosity": {"alpha": 0.1}}
     plain, linear = (
@@ -108,22 +108,24 @@ def test_linear_reconstruction_takes_its_time(small_slope: Callable[[dict[str, A
 
 
 def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
-    plan, folder = located_plan(None, config)
-    runs = [job for job in jobs(plan) if job.kind == Kind.RUN]
+    catalogue = located(None, config)
+    plan, base = catalogue.plan, catalogue.base
+    jobs = [state.job for state in look_at(plan.jobs, base)]
+    runs = [job for job in jobs if job.is_run]
     took = [2.0 * cost(job.scene).seconds * factor for job, factor in zip(runs, (1.0, 1.1, 5.0), strict=False)]
     for job, seconds in zip(runs, took, strict=False):
-        finish(folder, job, seconds)
-    found = study_cost(plan, folder, cores=1)
+        finish(base, job, seconds)
+    found = study_cost(plan, base, cores=1)
     assert found.speed.value == pytest.approx(1 / statistics.median((2.0, 2.2, 10.0))) and found.speed.known_by == "by 3 finished runs"
     assert found.jobs - found.jobs_left == 3 and found.left < found.computing
-    for job in jobs(plan):
-        finish(folder, job, 1.0)
-    (folder / "preflight.csv").write_text("")
-    done = study_cost(plan, folder, cores=1)
+    for job in jobs:
+        finish(base, job, 1.0)
+    (base / plan.folder / "preflight.csv").write_text("")
+    done = study_cost(plan, base, cores=1)
     assert done.jobs_left == 0 and done.left == done.wall == 0.0 and done.computing > 0
 
 
-def test_the_speed_here(config: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_the_speed_here(config: Path, small_slope: SceneBuilder) -> None:
     assert 1e-3 < speed_here(small_slope({})) < 1e3
     told = CliRunner().invoke(app, ["cost", str(config)])
     assert told.exit_code == 0 and "measured here" in told.stdout and "core-hours" in told.stdout and "MiB of trajectories" in told.stdout
@@ -142,7 +144,7 @@ RECORD = {"kind": "record", "start": 1.0, "data": {"interval": 0.005, "x": [0.0,
     ],
     ids=["record of 0.005 s", "record between the steps", "record of 0.02 s", "short wave"],
 )
-def test_the_coarse_copy_resolves_the_motion(motion: dict[str, Any], step: float, small_slope: Callable[[dict[str, Any]], Scene]) -> None:
+def test_the_coarse_copy_resolves_the_motion(motion: dict[str, Any], step: float, small_slope: SceneBuilder) -> None:
     scene = small_slope({}).model_dump() | {"motion": motion}
     assert coarse(make_scene(scene)).numerics.time_step == pytest.approx(step)
 

@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.cost_accuracy.design import Trade
-from sph.paper.study import AnyStudy
+from sph.experiments.paper.design import AnyStudy
+from sph.experiments.trade.design import Trade
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
 from tools.reference import MARKED, TABLES, Reference, Strong, commands_text, filled, key_rows, markdown

@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 import sph
-from sph.paper.claims import CLAIMS
+from sph.experiments.paper.claims import CLAIMS
 from sph.study.tables import VALUES, Layout, write_csv
 from sph.study.verdicts import HOLDS, NOT_YET
 from tools import release
@@ -53,7 +53,7 @@ def test_fidelities_are_read_from_their_studies(tmp_path: Path) -> None:
     found = compared_fidelities(tmp_path).to_dict("records")
     assert found == [{"fidelity": "draft", "runs": 3, "same_class": 3, "displacement_difference": 0.25, "origin": sph.__version__}]
     (tmp_path / "draft" / "study.csv").unlink()
-    with pytest.raises(ValueError, match="no other fidelity; run"):
+    with pytest.raises(ValueError, match="fidelity; run"):
         compared_fidelities(tmp_path)
 
 
@@ -93,7 +93,7 @@ def test_claims_are_those_of_the_study_and_of_the_search(tmp_path: Path) -> None
     found = measured_claims(tmp_path)
     assert list(found.columns) == [row.name for row in release.CLAIMS] and set(found["verdict"]) == {HOLDS}
     assert found["measured"].tolist() == [*(f"number {n}" for n in range(1, 11)), "1.9 m/s², searched at fidelity `draft`", "number 12"]
-    with pytest.raises(ValueError, match="claims.csv: no such file; run 'snakemake --cores 2'"):
+    with pytest.raises(ValueError, match="claims.csv: .*snakemake --cores 2"):
         measured_claims(tmp_path / "elsewhere")
 
 

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import netCDF4
 import numpy as np
 import pytest
+from small_scenes import SceneBuilder
 
-from sph.scene.schema import Scene
+from sph.experiments.validation.measure import SHIPPED_VALIDATION
 from sph.scene.scheme import RESOLVED
 from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
 from sph.stability.record import search_to_file
 from sph.storage.trajectory import read
-from sph.validation.table import SHIPPED_VALIDATION
 from tools import shipped
 from tools.shipped import (
     CURRENT,
@@ -106,7 +104,7 @@ def test_a_table_edited_by_hand_has_no_origin(origins: Path) -> None:
 
 
 @pytest.fixture
-def older(origins: Path, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
+def older(origins: Path, small_slope: SceneBuilder) -> Path:
     """The one run of the release's table, made by an earlier solver."""
     path = origins.parent / "results/one/runs/a.nc"
     path.unlink()
@@ -129,14 +127,14 @@ def test_a_solver_that_repeats_the_runs_makes_it_current(origins: Path, older: P
 def test_a_solver_of_other_answers_does_not(origins: Path, older: Path) -> None:
     with netCDF4.Dataset(older, "a") as data:
         data["kinetic_energy"][-1] = np.nextafter(data["kinetic_energy"][-1], np.inf)
-    with pytest.raises(ValueError, match="a.nc: made again, its numbers differ from those of solver earlier; run 'snakemake one'"):
+    with pytest.raises(ValueError, match="a.nc: .*differ.*solver earlier.*snakemake one"):
         repeat("one", origins)
     assert states(origins)["one"][0] == OLDER
 
 
 def test_a_table_of_other_runs_or_settings_is_not_repeated(origins: Path, older: Path) -> None:
     (origins.parent / "config" / "one.yaml").write_text("spacing: 2.0\n")
-    with pytest.raises(ValueError, match="one is older: solver earlier, now .*; configuration .*repeat only what a new solver alone"):
+    with pytest.raises(ValueError, match="one is older: solver earlier.*configuration"):
         repeat("one", origins)
 
 
@@ -154,9 +152,7 @@ def test_one_run_of_every_combination_of_terms_is_repeated_and_a_tenth_of_all(tm
     assert [path.stem for path in chosen_runs(runs)] == ["29", "28", "27", "26", "07", "03", "slow"]
 
 
-def test_a_search_is_repeated_with_all_its_trials(
-    origins: Path, small_slope: Callable[[dict[str, Any]], Scene], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_search_is_repeated_with_all_its_trials(origins: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
     path = origins.parent / "results/one/runs/a.nc"
     path.unlink()
     scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
@@ -171,7 +167,7 @@ def test_a_search_is_repeated_with_all_its_trials(
     with netCDF4.Dataset(path, "a") as data:
         data["displaced_area"][0] += 1e-9
     note("one", "earlier", origins)
-    with pytest.raises(ValueError, match="a.nc: made again, its numbers differ"):
+    with pytest.raises(ValueError, match="a.nc: .*differ"):
         repeat("one", origins)
 
 
@@ -186,7 +182,7 @@ def test_runs_of_several_solvers_or_of_none_are_refused(tmp_path: Path) -> None:
 
 def test_what_is_missing_is_named(origins: Path) -> None:
     (origins.parent / "results/one/one.csv").unlink()
-    with pytest.raises(ValueError, match="one.csv: no such file; run 'snakemake one'"):
+    with pytest.raises(ValueError, match="one.csv: .*snakemake one"):
         adopt("one", origins)
 
 

@@ -9,13 +9,13 @@ import pytest
 from matplotlib.figure import Figure
 from small_scenes import study_plan
 
+from sph.experiments.validation.book import Cost, Page, costs_of, save_book
+from sph.experiments.validation.design import load_suite
+from sph.experiments.validation.measure import read_validation
 from sph.study.verdicts import MISSES
-from sph.validation.book import Cost, Page, costs_of, save_book
-from sph.validation.suite import load_suite
-from sph.validation.table import read_validation
 
 ROOT = Path(__file__).resolve().parents[2]
-MEASURED = ROOT / "sph" / "validation" / "measured" / "validation.csv"
+MEASURED = ROOT / "sph" / "experiments" / "validation" / "measured" / "validation.csv"
 
 
 def test_a_page_a_case_with_its_misses(tmp_path: Path) -> None:

@@ -9,13 +9,13 @@ import pytest
 import xarray as xr
 from small_scenes import study_plan
 
+from sph.experiments.validation.cases import CASES
+from sph.experiments.validation.design import load_suite
+from sph.experiments.validation.level import Found, Level, Result
+from sph.experiments.validation.measure import measured, verdict
 from sph.scene.schema import make_scene
 from sph.solver.run import run
 from sph.stability.record import run_search
-from sph.validation import CASES
-from sph.validation.level import Found, Level, Result
-from sph.validation.suite import load_suite
-from sph.validation.table import measured, verdict
 
 SUITE = load_suite("config/validation.yaml", study_plan(), [Path(__file__).parents[2]])
 QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cases[case].quantities]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from sph.experiments.validation.flows import aspect_ratio, reach_of_share, rods_height, rods_runout, thickness
+from sph.experiments.validation.level import Result
 from sph.scene.schema import make_scene
 from sph.solver.particles import SOIL
-from sph.validation.flows import aspect_ratio, reach_of_share, rods_height, rods_runout, thickness
-from sph.validation.level import Result
 
 
 def column_of(height: float) -> dict[str, Any]:

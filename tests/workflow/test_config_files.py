@@ -12,7 +12,7 @@ from test_workflow import ROOT, STUDY, planned_jobs, snakemake
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.paper.study import load_study
+from sph.experiments.registry import load_study
 from sph.scene.schema import Scene, make_scene
 
 OTHER = """
@@ -69,7 +69,7 @@ def test_numbers_in_a_list_on_snakemakes_command_line_are_text(folder: Path) -> 
     assert result.returncode == 0, result.stdout + result.stderr
     made = load_study(STUDY | {"grid": {"S_R": ["0.10"], "gamma": ["0100"], "amplitude": ["8.0"]}}, [folder], check=False)
     name = "S_R-0.10_gamma-0100_amplitude-8.0"
-    assert f"runs/{name}.nc" in result.stdout and make_scene(made.run_scene(name)).coupling.gamma == 100.0
+    assert f"runs/{name}.nc" in result.stdout and make_scene(made.shared.runs[name].scene).coupling.gamma == 100.0
 
 
 def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path) -> None:

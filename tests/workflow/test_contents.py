@@ -80,7 +80,7 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
     weak = pd.read_csv(copied / TABLE)
     replace(copied, "strong.csv")
     assert (copied / "scenes" / AWKWARD).stat().st_mtime == LONG_AGO[0]
-    again = {"gravity": 1, "pre_failure": 1, "slope_limit": 1, "measure": 1, "study": 1}
+    again = {"stage": 3, "measure": 1, "study": 1}
     assert planned_jobs(copied, *config, "--", TABLE) == again | {"simulate": 2}
     shown = explained(copied, monkeypatch, TABLE)
     assert shown.exit_code == DIFFERS and "motion.data.x" in shown.stdout and "0 of 2 rows agree" in shown.stdout
@@ -114,7 +114,7 @@ def test_an_older_scene_file_runs_everything_again(copied: Path) -> None:
     path.write_text(path.read_text().replace("duration: 1.5", "duration: 1.6"))
     os.utime(path, LONG_AGO)
     jobs = planned_jobs(copied, *write(copied, "0.10", "0.50"), "--", TABLE)
-    assert jobs["gravity"] == 1 and jobs["simulate"] == 2
+    assert jobs["stage"] == 3 and jobs["simulate"] == 2
 
 
 def test_a_newer_date_alone_runs_nothing(copied: Path) -> None:
@@ -203,7 +203,7 @@ def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monke
     assert text.count("was made from another scene than the one planned") >= 2
     replace(copied, "strong.csv")
     jobs = planned_jobs(copied, *config, "--", *tables)
-    assert jobs == {"experiment_run": 4, "limits_table": 1, "extremes_table": 1}
+    assert jobs == {"simulate": 4, "limits_table": 1, "extremes_table": 1}
 
 
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {}
@@ -229,7 +229,7 @@ def another_solver(folder: Path) -> None:
     changed(folder, solver_digest="0123")
 
 
-@fault("made by the solver of a version that did not note it")
+@fault("version that did not note it")
 def an_older_version(folder: Path) -> None:
     changed(folder, solver_digest=None)
 

@@ -30,7 +30,7 @@ CASES = {
     "figures": {"runs": ["case-000002"]},
 }
 SAMPLE = {"study": "sample", "sample": {"size": 2, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [10, 200], "scale": "log"}}}}
-ONCE = {"all": 1, "preflight": 1, "figure": 4, "study_figure": 2, "profiles": 1, "measure": 1, "study": 1, "page": 1}
+ONCE = {"all": 1, "preflight": 1, "figure": 5, "study_figure": 2, "measure": 1, "study": 1, "page": 1}
 
 
 def configured(folder: Path, study: dict[str, Any]) -> tuple[str, str]:
@@ -47,9 +47,9 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     jobs = {
-        "grid": {"gravity": 2, "pre_failure": 4, "simulate": 4, "slope_limit": 2},
-        "cases": {"gravity": 1, "pre_failure": 1, "simulate": 2, "slope_limit": 1},
-        "sample": {"gravity": 2, "pre_failure": 2, "simulate": 2, "slope_limit": 2},
+        "grid": {"stage": 8, "simulate": 4},
+        "cases": {"stage": 3, "simulate": 2},
+        "sample": {"stage": 6, "simulate": 2},
     }
     for study in (GRID, CASES, SAMPLE):
         config = configured(folder, study)
@@ -169,10 +169,10 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
 def test_a_larger_study_runs_what_is_new(finished: Path) -> None:
     larger = SAMPLE | {"sample": SAMPLE["sample"] | {"size": 3}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, larger))
-    assert (jobs["gravity"], jobs["pre_failure"], jobs["simulate"], jobs["measure"]) == (1, 1, 1, 1)
+    assert (jobs["stage"], jobs["simulate"], jobs["measure"]) == (3, 1, 1)
     wider = GRID | {"grid": GRID["grid"] | {"motion.frequency": ["1.0", "2.0", "3.0"]}}  # type: ignore[operator]
     jobs = planned_jobs(finished, *configured(finished, wider))
-    assert "gravity" not in jobs and (jobs["pre_failure"], jobs["simulate"]) == (2, 2)
+    assert (jobs["stage"], jobs["simulate"]) == (2, 2)
 
 
 @pytest.mark.parametrize("target", ["results/grid/draft/claims.csv", "results/grid/draft/figures/fig4.png"])

@@ -55,7 +55,7 @@ def test_a_record_that_has_changed_runs_again(shaken: Path) -> None:
     arguments = (*RUNS, "--configfile", str(shaken / "study.yaml"))
     assert planned_jobs(shaken, *arguments) == {}
     write_record(shaken / "scenes" / "record.csv", 2.0)
-    assert planned_jobs(shaken, *arguments) == {"gravity": 1, "pre_failure": 2, "simulate": 2}
+    assert planned_jobs(shaken, *arguments) == {"stage": 3, "simulate": 2}
 
 
 def test_a_run_is_repeated_without_its_record(shaken: Path) -> None:

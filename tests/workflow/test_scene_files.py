@@ -40,7 +40,7 @@ def test_a_change_of_the_file_runs_the_simulations_again(tmp_path: Path) -> None
     assert made.geometry == load_scene(tmp_path / "scenes" / "own.yaml").geometry.model_copy(update={"file": "scenes/ground.csv"})
     assert planned_jobs(tmp_path, *configured) == {}
     ground.write_text("100,440\n150,440\n165,460\n200,460\n")
-    assert planned_jobs(tmp_path, *configured) == {"gravity": 1}
+    assert planned_jobs(tmp_path, *configured) == {"stage": 1}
     ground.write_text("100,440\n150,440\n140,460\n200,460\n")
     refused = snakemake(tmp_path, "--dry-run", *configured)
     assert refused.returncode != 0 and "the ground may not overhang" in refused.stdout + refused.stderr

@@ -41,7 +41,8 @@ SENSITIVITY: dict[str, Any] = {
 }
 FIDELITIES = {"draft": {}, "coarse": {"numerics": {"spacing": 6.0}}}
 ONCE = {"sensitivity": 1, "sensitivity_morris": 1, "sensitivity_factors": 1, "sensitivity_tornado": 1, "sensitivity_sobol": 1,
-        "sensitivity_sample": 1, "sensitivity_confirm": 1, "sensitivity_figure": 4, "sensitivity_measure": 4}  # fmt: skip
+        "sensitivity_sample": 1, "sensitivity_confirm": 1, "sensitivity_measure": 4}  # fmt: skip
+ONCE |= {f"sensitivity_figure_{name}": 1 for name in ("morris", "tornado", "sobol", "cross_validation")}
 
 
 def written(folder: Path, changes: dict[str, Any] | None = None) -> tuple[str, str]:
@@ -56,7 +57,7 @@ def analysed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = written(folder)
-    assert planned_jobs(folder, *config, "--", "sensitivity") == ONCE | {"experiment_run": 11}, "before the screening is known"
+    assert planned_jobs(folder, *config, "--", "sensitivity") == ONCE | {"simulate": 11}, "before the screening is known"
     result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")
     assert result.returncode == 0, result.stderr
     return folder
@@ -64,7 +65,7 @@ def analysed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[di
 
 def test_the_shipped_analysis_is_planned() -> None:
     jobs = planned_jobs(ROOT, "--config", "fidelity=draft", "--forceall", "--", "sensitivity")
-    assert jobs["experiment_run"] > 100 and jobs["sensitivity_factors"] == 1 and "gravity" not in jobs
+    assert jobs["simulate"] > 100 and jobs["sensitivity_factors"] == 1 and "stage" not in jobs
 
 
 def test_tables_and_figures(analysed: Path) -> None:
@@ -107,11 +108,11 @@ def test_other_ranges_and_another_scene_run_everything_again(analysed: Path, tmp
     name, factor = next(iter(SENSITIVITY["factors"].items()))
     bounds = [value * 1.01 for value in factor["bounds"]]
     jobs = planned_jobs(folder, *written(folder, {"factors": {name: {"bounds": bounds}}}), "--", "sensitivity")
-    assert jobs["experiment_run"] >= 8 and jobs["sensitivity_measure"] >= 2
+    assert jobs["simulate"] >= 8 and jobs["sensitivity_measure"] >= 2
     path = folder / "slope.yaml"
     path.write_text(yaml.safe_dump(yaml.safe_load(path.read_text()) | {"duration": 2.9}))
     os.utime(path, (1e9, 1e9))
-    assert planned_jobs(folder, *written(folder), "--", "sensitivity")["experiment_run"] >= 11
+    assert planned_jobs(folder, *written(folder), "--", "sensitivity")["simulate"] >= 11
 
 
 def test_a_finished_analysis_has_nothing_to_do(analysed: Path) -> None:
@@ -122,7 +123,7 @@ def test_a_larger_analysis_runs_only_what_is_new(analysed: Path, tmp_path: Path)
     folder = Path(shutil.copytree(analysed, tmp_path / "larger"))
     samples = written(folder, {"sobol": {"samples": 10}})
     jobs = planned_jobs(folder, *samples, "--", "sensitivity")
-    assert jobs["experiment_run"] == 2 and "sensitivity_morris" not in jobs
+    assert jobs["simulate"] == 2 and "sensitivity_morris" not in jobs
     config = written(folder, {"morris": {"trajectories": 3}, "sobol": {"samples": 10}})
     before = {path: path.stat().st_mtime_ns for path in folder.glob(f"{FOLDER}/runs/**/*.nc")}
     result = snakemake(folder, "--cores", "2", *config, "--", "sensitivity")

@@ -8,17 +8,18 @@ from typing import Any
 import pytest
 import yaml
 
+from sph.experiments.paper import figures
+from sph.experiments.paper.design import AnyStudy, PaperStudy, paper_study
+from sph.experiments.registry import load_study
 from sph.figures import RUN_FIGURES
-from sph.paper import figures
-from sph.paper.study import AnyStudy, PaperStudy, load_study, paper_study
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
 from sph.stability.record import SEARCHES
-from sph.study.dimensions import named_point
 from sph.study.plan import Plan
+from sph.study.runs import Run
 from sph.study.sampling import chosen_study
-from sph.study.searches import SLOPE_LIMITS, searched_limit
+from sph.study.searches import SLOPE_LIMITS
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
@@ -57,7 +58,7 @@ def test_accelerations_of_a_study_have_units(runs: dict[str, Any]) -> None:
     else:
         assert list(made.study.points.iloc[:, 0]) == ["1.962", "4.0", "6"]
     for name in made.study.runs:
-        assert 1.962 <= make_scene(made.run_scene(name)).motion.amplitude <= 6.0  # type: ignore[union-attr]
+        assert 1.962 <= make_scene(made.shared.runs[name].scene).motion.amplitude <= 6.0  # type: ignore[union-attr]
 
 
 @pytest.mark.parametrize("path", sorted((ROOT / "config" / "studies").glob("*.yaml")), ids=lambda path: path.stem)
@@ -155,15 +156,24 @@ def test_a_grid_over_any_keys() -> None:
     assert list(chosen.study.figure_files) == [*RUN_FIGURES] == ["fig1", "fig2", "fig3", "mobilised", "profiles"]
 
 
+def ids(runs: list[Run]) -> list[str]:
+    return [run.id for run in runs]
+
+
 def test_stages_hold_what_acts_in_them_and_nothing_else() -> None:
     chosen = free(grid={"S_R": [0.1, 0.5], "gamma": [1, 100], "amplitude": [2, 6], "motion.frequency": [1, 2], "soil.cohesion": [20, 150]})
     assert len(chosen.study.runs) == 32
-    assert chosen.gravities == ["gravity_soil.cohesion-20", "gravity_soil.cohesion-150"]
-    assert len(chosen.pre_failures) == 8 and chosen.pre_failures[0] == "pre_failure_amplitude-2_motion.frequency-1_soil.cohesion-20"
-    name = "S_R-0.5_gamma-1_amplitude-6_motion.frequency-2_soil.cohesion-150"
-    gravity, pre_failure = chosen.stages(name)
-    assert chosen.gravity_of(pre_failure) == gravity
-    stage = make_scene(chosen.stage(gravity))
+    gravities, pre_failures = chosen.shared.gravities, chosen.shared.pre_failures
+    assert ids(gravities) == ["gravity_soil.cohesion-20", "gravity_soil.cohesion-150"]
+    assert len(pre_failures) == 8 and pre_failures[0].id == "pre_failure_amplitude-2_motion.frequency-1_soil.cohesion-20"
+    run = chosen.shared.runs["S_R-0.5_gamma-1_amplitude-6_motion.frequency-2_soil.cohesion-150"]
+    gravity, pre_failure = chosen.shared.gravity_of(run.id), next(stage for stage in pre_failures if stage.file == run.parent)
+    assert pre_failure.parent == gravity.file and [row.until for row in (gravity, pre_failure, run)] == [
+        "gravity",
+        "first_failure",
+        "end",
+    ]
+    stage = make_scene(gravity.scene)
     assert (stage.soil.cohesion, stage.coupling.S_R, stage.motion.amplitude) == (150.0, 0.25, 6.0)
 
 
@@ -171,16 +181,12 @@ def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
     chosen = free(grid={"amplitude": [2, 6], "soil.cohesion": [20, 150]})
     assert set(SLOPE_LIMITS) <= set(SEARCHES)
     for limit in SLOPE_LIMITS:
-        assert chosen.stage(f"{limit}_soil.cohesion-150") == chosen.stage("gravity_soil.cohesion-150")
-        assert searched_limit(f"{limit}_soil.cohesion-150") == limit
-        with pytest.raises(ValueError, match=f"no search '{limit}'; the first are {limit}_soil.cohesion-20, {limit}_soil.cohesion-150$"):
-            chosen.stage(limit)
-        files = chosen.search_files(limit)
-        assert files == [f"{chosen.folder}/stages/{limit}_soil.cohesion-{c}.nc" for c in (20, 150)] and set(files) <= set(chosen.files())
-    assert searched_limit("gravity_soil.cohesion-150") is None
-    assert [search.name for search in chosen.searches.values()] == 2 * [f"yield_acceleration_soil.cohesion-{c}" for c in (20, 150)]
-    with pytest.raises(ValueError, match="no stage 'pre_failure'"):
-        chosen.stage("pre_failure")
+        searches = chosen.shared.searches(limit)
+        assert [search.file for search in searches] == [f"{chosen.folder}/stages/{limit}_soil.cohesion-{c}.nc" for c in (20, 150)]
+        assert [search.scene for search in searches] == [stage.scene for stage in chosen.shared.gravities]
+        assert {(search.by, search.extrapolates) for search in searches} == {(limit, True)}
+    assert [search.id for search in chosen.searches.values()] == 2 * [f"yield_acceleration_soil.cohesion-{c}" for c in (20, 150)]
+    assert {run.by for run in chosen.jobs} == {"simulation", "yield_acceleration"}, "the factor of safety only where it is asked for"
 
 
 @pytest.mark.parametrize(
@@ -195,27 +201,31 @@ def test_the_solver_accepts_every_stage_that_is_shared(key: str) -> None:
     values = {"walls.layers": [2, 3], "duration": [12, 15], "numerics.time_step": ["1e-4", "5e-5"], "geometry.slope_angle": [50, 60]}
     values |= {"motion.decay_start": [8, 9], "outputs.frame_interval": [0.25, 0.5], "gravity.damping": [10, 20]}
     chosen = free(grid={key: values.get(key, ["0.1", "0.2"]), "S_R" if key != "S_R" else "gamma": ["0.3", "0.4"]})
-    for name in chosen.study.runs:
-        gravity, pre_failure = chosen.stages(name)
-        scenes = [make_scene(chosen.stage(gravity)), make_scene(chosen.stage(pre_failure)), make_scene(chosen.run_scene(name))]
-        check_restart(scenes[0], scenes[1], scenes[0].gravity.duration, False, gravity)
-        check_restart(scenes[1], scenes[2], scenes[1].duration, False, pre_failure)
+    rows = {row.file: row for row in chosen.shared}
+    for run in chosen.shared.runs.values():
+        pre_failure = rows[str(run.parent)]
+        gravity = rows[str(pre_failure.parent)]
+        scenes = [make_scene(row.scene) for row in (gravity, pre_failure, run)]
+        check_restart(scenes[0], scenes[1], scenes[0].gravity.duration, False, gravity.id)
+        check_restart(scenes[1], scenes[2], scenes[1].duration, False, pre_failure.id)
 
 
 def test_a_stage_that_does_not_stand_alone_is_not_shared() -> None:
     """A gravity stage of 4 s ends after the shaking of the scene file has begun."""
     cases = [{"gravity.duration": 4, "motion.start": 4, "motion.decay_start": 10, "motion.end": 11, "S_R": S_R} for S_R in (0.1, 0.5)]
     chosen = free(cases=cases)
-    assert chosen.gravities == ["gravity_case-000001", "gravity_case-000002"] and chosen.pre_failures == ["pre_failure_case-000001"]
-    assert make_scene(chosen.stage("gravity_case-000002")).coupling.S_R == 0.5
+    assert ids(chosen.shared.gravities) == ["gravity_case-000001", "gravity_case-000002"]
+    assert ids(chosen.shared.pre_failures) == ["pre_failure_case-000001"]
+    assert make_scene(chosen.shared.gravities[1].scene).coupling.S_R == 0.5
 
 
 def test_cases_and_samples_are_numbered_and_share_stages() -> None:
     cases = [{"S_R": "0.10", "soil.cohesion": "20"}, {"S_R": "0.50", "soil.cohesion": 20}, {"soil.cohesion": 150, "S_R": "0.50"}]
     chosen = free(cases=cases)
     assert chosen.study.runs["case-000002"] == {"S_R": "0.50", "soil.cohesion": "20"}
-    assert chosen.gravities == ["gravity_case-000001", "gravity_case-000003"]
-    assert chosen.stages("case-000002") == ("gravity_case-000001", "pre_failure_case-000001")
+    assert ids(chosen.shared.gravities) == ["gravity_case-000001", "gravity_case-000003"]
+    assert chosen.shared.gravity_of("case-000002").id == "gravity_case-000001"
+    assert chosen.shared.runs["case-000002"].parent == f"{chosen.folder}/stages/pre_failure_case-000001.nc"
     few, more = (free(sample={"size": size, "ranges": {"soil.cohesion": [5, 50], "S_R": [0.1, 0.5]}}) for size in (5, 9))
     assert list(more.study.runs.items())[:5] == list(few.study.runs.items()), "a larger sample keeps its runs"
 
@@ -243,15 +253,14 @@ def test_names_that_would_be_too_long_are_numbers() -> None:
     )
     chosen = free(grid={key: [1, 2] for key in keys})
     assert len(chosen.study.runs) == 64 and "case-000064" in chosen.study.runs and chosen.layout.named and chosen.layout.labels
-    assert max(map(len, chosen.gravities)) < 40
+    assert max(map(len, ids(chosen.shared.gravities))) < 40
 
 
 def test_names_of_files_lead_nowhere() -> None:
-    """A record of another folder is a value like any other; the name of its run is one of a file, from which the value can be read."""
+    """A record of another folder is a value like any other; the name of its run is one of a file."""
     files = ["a.csv", "records/../../b.csv"]
     study = validated(AnyStudy, {**GOOD, "grid": {"motion.file": files}}, "config")
     assert list(study.runs) == ["motion.file-a.csv", "motion.file-records~..~..~b.csv"]
-    assert [named_point(name, ["motion.file"]) for name in study.runs] == [{"motion.file": file} for file in files]
 
 
 def test_large_studies_are_measured_in_parts() -> None:
@@ -293,14 +302,14 @@ def test_refusals_of_free_studies_name_key_and_value(runs: dict[str, Any], wante
 
 def test_what_needs_the_papers_dimensions_says_so() -> None:
     chosen = free(grid={"S_R": [0.1], "soil.cohesion": [20, 150]})
-    with pytest.raises(ValueError, match=r"need a grid over exactly S_R, gamma, amplitude; study 'paper' varies S_R, soil.cohesion"):
+    with pytest.raises(ValueError, match=r"S_R, gamma, amplitude; study 'paper' .*S_R, soil.cohesion"):
         paper_study(chosen.study, "the claims")
 
 
 def test_the_claims_of_the_paper_are_asked_for() -> None:
     other = load_study({name: value for name, value in GOOD.items() if name != "claims"}, [ROOT]).study
     assert type(other) is AnyStudy and other.is_grid_over(["S_R", "gamma", "amplitude"])
-    with pytest.raises(ValueError, match=r"the claims need the key claims in study 'paper'"):
+    with pytest.raises(ValueError, match=r"key claims in study 'paper'"):
         paper_study(other, "the claims")
 
 
@@ -308,7 +317,7 @@ def test_an_experiment_on_a_scene_of_ones_own_is_configured_by_ones_own_file() -
     own = {**read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml")}
     chosen = load_study(own, [ROOT])
     for name in ("trigger", "sensitivity"):
-        with pytest.raises(ValueError, match=rf"experiments\.{name}: study 'gentle_layered' has a scene of its own and must name the file"):
+        with pytest.raises(ValueError, match=rf"experiments\.{name}: study 'gentle_layered'"):
             chosen.experiment_file(name)
     assert load_study({**own, "experiments": {"trigger": "mine.yaml"}}, [ROOT]).experiment_file("trigger") == "mine.yaml"
     assert plan({}).experiment_file("trigger") == "config/trigger.yaml"

@@ -15,7 +15,7 @@ from test_workflow import ROOT, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.cost_accuracy.table import COLUMNS, read_trade
+from sph.experiments.trade.table import COLUMNS, read_trade
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 
@@ -54,7 +54,7 @@ def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dic
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     (folder / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
     config = write_config(folder, experiments={"trade": "trade.yaml"})
-    assert planned_jobs(folder, *config, "--", "trade") == MADE | {"experiment_run": 7}
+    assert planned_jobs(folder, *config, "--", "trade") == MADE | {"simulate": 7}
     result = snakemake(folder, "--cores", "2", *config, "--", "trade")
     assert result.returncode == 0, result.stderr
     return folder
@@ -62,7 +62,7 @@ def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dic
 
 def test_the_shipped_study_is_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "trade")
-    assert jobs.pop("experiment_run") > 100 and jobs == MADE
+    assert jobs.pop("simulate") > 100 and jobs == MADE
 
 
 def test_the_tables_hold_every_variant_and_case(climbed: Path) -> None:
@@ -118,7 +118,7 @@ def test_a_finished_study_has_nothing_to_do_and_a_new_variant_runs_alone(climbed
     more = TRADE | {"parameters": TRADE["parameters"] | {"skin": skin}}
     (climbed / "more.yaml").write_text(yaml.safe_dump(more, sort_keys=False))
     jobs = planned_jobs(climbed, *write_config(climbed, experiments={"trade": "more.yaml"}), "--", "trade")
-    assert jobs == MADE | {"experiment_run": 2}
+    assert jobs == MADE | {"simulate": 2}
 
 
 def test_a_bad_study_is_refused_before_any_job(climbed: Path) -> None:

@@ -11,10 +11,10 @@ import pytest
 import yaml
 from test_workflow import ROOT, planned_jobs, snakemake, write_config
 
-from sph.experiments.assumptions import read_limits
+from sph.experiments.limits.measure import read_limits
+from sph.experiments.validation.measure import read_validation
 from sph.scene.schema import Scene
 from sph.storage import trajectory
-from sph.validation.table import read_validation
 
 pytestmark = pytest.mark.long
 
@@ -39,9 +39,9 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
     (folder / "cases.yaml").write_text(yaml.safe_dump({"cases": cases}, sort_keys=False))
     (folder / "limits.yaml").write_text(yaml.safe_dump(LIMITS, sort_keys=False))
     config = write_config(folder, experiments={"validation": "cases.yaml", "limits": "limits.yaml"})
-    jobs = {"validation": 1, "experiment_run": 8, "validation_case": 3, "validation_table": 1, "validation_book": 1}
+    jobs = {"validation": 1, "simulate": 8, "validation_case": 3, "validation_table": 1, "validation_book": 1}
     assert planned_jobs(folder, *config, "--", "validation") == jobs
-    assert planned_jobs(folder, *config, "--", "limits") == {"limits": 1, "experiment_run": 2, "limits_table": 1}
+    assert planned_jobs(folder, *config, "--", "limits") == {"limits": 1, "simulate": 2, "limits_table": 1}
     result = snakemake(folder, "--cores", "2", *config, "--", "validation", "limits")
     assert result.returncode == 0, result.stderr
     return folder / "results"
@@ -50,7 +50,7 @@ def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[d
 def test_the_shipped_suite_and_limits_are_planned() -> None:
     jobs = planned_jobs(ROOT, "--forceall", "--", "validation", "limits")
     cases = yaml.safe_load((ROOT / "config" / "validation.yaml").read_text())["cases"]
-    assert jobs["validation_case"] == len(cases) >= 20 and jobs["experiment_run"] > 60 and "gravity" not in jobs
+    assert jobs["validation_case"] == len(cases) >= 20 and jobs["simulate"] > 60 and "stage" not in jobs
 
 
 def test_the_table_holds_every_case(validated: Path) -> None:

@@ -24,6 +24,7 @@ from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.steps import steps
 from sph.scene.ground_motion import motion_of
 from sph.scene.strict_json import parse_json
 from sph.stability.newmark import sliding_block
@@ -79,8 +80,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4, **numerics})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
     config = write_config(folder)
-    once = {"all": 1, "preflight": 1, "gravity": 1, "slope_limit": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert planned_jobs(folder, *config) == once | {"pre_failure": 2, "simulate": 8, "figure": 3, "paper_figure": 4}
+    once = {"all": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
+    assert planned_jobs(folder, *config) == once | {"stage": 4, "simulate": 8, "figure": 7}
     result = snakemake(folder, "--cores", "2", *config)
     assert result.returncode == 0, result.stderr
     assert result.stderr.count("results/small/draft/report.html: the study on one page") == 1
@@ -90,8 +91,8 @@ def finished(tmp_path_factory: pytest.TempPathFactory, small_slope: SceneBuilder
 
 def test_the_shipped_study_shares_its_stages() -> None:
     jobs = planned_jobs(ROOT, "--forceall")
-    once = {"all": 1, "preflight": 1, "gravity": 1, "slope_limit": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
-    assert jobs == once | {"pre_failure": 3, "simulate": 24, "figure": 3, "paper_figure": 4}
+    once = {"all": 1, "preflight": 1, "measure": 1, "study": 1, "claims": 1, "page": 1}
+    assert jobs == once | {"stage": 5, "simulate": 24, "figure": 7}
 
 
 @pytest.mark.parametrize(("target", "rule"), [("results/paper/paper/runs/S_R-0.10_gamma-1_amplitude-2.0.nc", "simulate"), ("docs", "docs")])
@@ -224,7 +225,7 @@ def test_a_metric_setting_reruns_no_simulation(finished: Path) -> None:
 
 def test_a_scene_key_reruns_the_stages(finished: Path) -> None:
     jobs = planned_jobs(finished, *write_config(finished, fidelities={"draft": {"soil": {"cohesion": 140.0}}}))
-    assert jobs["gravity"] == 1 and jobs["pre_failure"] == 2 and jobs["simulate"] == 8
+    assert jobs["stage"] == 4 and jobs["simulate"] == 8
 
 
 def test_a_bad_configuration_is_refused_before_any_job(finished: Path) -> None:
@@ -298,9 +299,11 @@ def test_what_another_target_has_made_comes_onto_the_page(copied: Path) -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "workflow" / "rules").glob("*.smk")), ids=lambda path: path.stem)
 def test_every_result_in_snakemakes_report_has_a_caption_a_category_and_a_label(path: Path) -> None:
     """With one key of labels throughout: Snakemake shows bare file names in a category where one is missing."""
-    if path.stem == "experiments":  # whose words are those of the registry
-        assert (path.parents[1] / "report" / "experiment.rst").is_file()
-        assert all(each.title and each.about and any(table.shows for table in each.tables.values()) for each in EXPERIMENTS.values())
+    if path.stem == "common":  # whose words are those of the registry and of the steps
+        assert (path.parents[1] / "report" / "about.rst").is_file()
+        listed = {each.name: steps(each).values() for each in EXPERIMENTS.values()}
+        assert all(each.title and any(any(step.writes.values()) for step in listed[each.name]) for each in EXPERIMENTS.values())
+        assert all(step.about for of_one in listed.values() for step in of_one)
         return
     for marked in path.read_text(encoding="utf-8").split("report(")[1:]:
         written = marked.partition("),\n")[0]
@@ -356,7 +359,7 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     assert before and all(path.read_bytes() == data for path, data in before.items())
     # The remedy is the one that the line names.
     stage.unlink()
-    assert planned_jobs(copied, *write_config(copied), "--", RUN) == {"pre_failure": 1, "simulate": 1}
+    assert planned_jobs(copied, *write_config(copied), "--", RUN) == {"stage": 1, "simulate": 1}
 
 
 @pytest.mark.long

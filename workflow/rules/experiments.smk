@@ -1,108 +1,133 @@
-# Purpose: the experiments whose runs stand alone, each a target: what a saving of time costs in accuracy (`snakemake --cores 2 trade`;
-#          `resolution` for the scheme of one's own slopes), what the answers rest on (`limits`), how far the solver can be pushed (`extremes`).
-# Inputs:  config/<name>.yaml (config: experiments); the sources of solver, analysis and drawing.
-# Outputs: results/<name>: runs/**/*.nc, tables, figures/*
-import functools
+# Purpose: the experiments of the registry (sph/experiments): a rule for each of their steps and of their targets, such as what a saving of
+#          time costs in accuracy (`snakemake --cores 2 trade`) or the shaking at which a slope fails (`snakemake --cores 2 trigger`).
+# Inputs:  config/<name>.yaml (config: experiments); runs of the catalogue; tables of earlier steps; the sources of analysis and drawing.
+# Outputs: results/<name>, or a folder below that of the study: the files that the steps list (sph/experiments/<name>/measure.py)
+from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.steps import steps
 
-from sph.scene.names import check_known
-from sph.experiments.registry import EXPERIMENTS, NAMES
-from sph.figures import experiment_figures
-
-check_known("config: experiments", PLAN.study.experiments, NAMES)
+TARGETS = {}  # the experiments that have one, by target
 
 
-def shown(path, title, label, own):
-    """A result in the report, with a caption of its own where there is one; without a label it stays out."""
-    if not label:
-        return path
-    known = (SPH.parent / "workflow" / "report" / f"{own}.rst").is_file()
-    return report(
-        path,
-        caption=f"../report/{own if known else 'experiment'}.rst",
-        category=title,
-        labels={"shows": label},
+wildcard_constraints:
+    **{
+        name: values
+        for each in EXPERIMENTS.values()
+        for name, values in each.wildcards.items()
+    },
+
+
+def at(wildcards):
+    """The wildcards of a step, without that of its folder."""
+    return {name: value for name, value in wildcards.items() if name != "folder"}
+
+
+def runs_of(experiment, step, wildcards):
+    """The runs of a step, once it is known which they are."""
+    design = CATALOGUE.design(experiment.name)
+    if name := step.after(design, **at(wildcards)):
+        getattr(checkpoints, name).get(**wildcards)
+    return list(step.runs(design, **at(wildcards))) if step.runs else []
+
+
+def input_of(experiment, step, place):
+    """The input of a step: files of its experiment's folder, files from elsewhere, and runs."""
+    return {name: f"{place}/{file}" for name, file in step.reads.items()} | {
+        "runs": lambda wildcards: [
+            run.file for run in runs_of(experiment, step, wildcards)
+        ]
+    }
+
+
+def params_of(experiment, step):
+    """The parameters of a step: which it is, its caption, the sources on which it depends, what it is given, and the scenes of its runs."""
+
+    def of(wildcards):
+        given = step.given(CATALOGUE.design(experiment.name), **at(wildcards))
+        thresholds = (
+            {"settings": PLAN.study.metrics.model_dump()} if step.measures else {}
+        )
+        scenes = [planned(run.scene) for run in runs_of(experiment, step, wildcards)]
+        return thresholds | dict(given), scenes
+
+    own = [f"experiments/{name}/*.py" for name in (experiment.name, *experiment.uses)]
+    return {
+        "sources": (DRAWING if step.draws else ANALYSIS)
+        + sources(*own, without="" if step.draws else FIGURES)
+        + SEARCHING * step.searches,
+        "step": (experiment.name, step.name),
+        "about": step.about,
+        **told(of),
+    }
+
+
+def needs_of(experiment, step):
+    """What a step reads from elsewhere."""
+    return unpack(
+        lambda wildcards: step.needs(CATALOGUE.design(experiment.name), **at(wildcards))
     )
+
+
+def made_by(target):
+    """The files of a target."""
+    folder = getattr(CATALOGUE.design(TARGETS[target][0].name), "folder", "")
+    for each in TARGETS[target]:
+        files = (
+            each.targets[target](CATALOGUE.design(each.name))
+            if each.targets
+            else [file for step in steps(each).values() for file in step.writes]
+        )
+        place = each.folder.format(results=RESULTS, folder=folder)
+        yield from (f"{place}/{name}" for file in files for name in written(file))
 
 
 for experiment in EXPERIMENTS.values():
-    name, title, folder = experiment.name, experiment.title, experiment.folder
-    figures = experiment_figures(name)
-    # Read and checked once a rule of the experiment is asked for.
-    design = functools.cache(
-        functools.partial(experiment.load, PLAN.study.file_of(name), PLAN, FOLDERS)
-    )
-    RUN_OF[folder] = lambda run, design=design: design().runs[run]
+    place = experiment.folder.format(results=RESULTS, folder="{folder}")
+    for target in experiment.targets or [experiment.name]:
+        TARGETS.setdefault(target, []).append(experiment)
+
+    for step in steps(experiment).values():
+        if step.decides:
+
+            checkpoint:
+                """Make the tables from which it follows which runs there are."""
+                name:
+                    step.name
+                input:
+                    needs_of(experiment, step),
+                    **input_of(experiment, step, place),
+                output:
+                    list(made(place, experiment.title, step.writes)),
+                log:
+                    f"{place}/{step.log}",
+                params:
+                    **params_of(experiment, step),
+                script:
+                    "../scripts/make.py"
+
+        else:
+
+            rule:
+                """Make tables and figures of an experiment."""
+                name:
+                    step.name
+                input:
+                    needs_of(experiment, step),
+                    **input_of(experiment, step, place),
+                output:
+                    list(made(place, experiment.title, step.writes)),
+                log:
+                    f"{place}/{step.log}",
+                params:
+                    **params_of(experiment, step),
+                script:
+                    "../scripts/make.py"
+
+
+for target in TARGETS:
 
     rule:
-        """An experiment: tables and figures."""
+        """Tables and figures of an experiment."""
         name:
-            name
+            target
         input:
-            expand("{folder}/{table}", folder=folder, table=experiment.tables),
-            expand(
-                "{folder}/figures/{figure}.{kind}",
-                folder=folder,
-                figure=figures,
-                kind=["png", "pdf"],
-            ),
-
-    rule:
-        """Measure every run of an experiment."""
-        name:
-            f"{name}_table"
-        input:
-            lambda wildcards, design=design, folder=folder: [
-                f"{folder}/runs/{run}.nc" for run in design().runs
-            ],
-        output:
-            [
-                shown(
-                    f"{folder}/{file}", title, table.shows, f"{name}_{Path(file).stem}"
-                )
-                for file, table in experiment.tables.items()
-            ],
-        log:
-            f"{folder}/logs/{name}.log",
-        params:
-            sources=SOLVER + ANALYSIS,
-            experiment=name,
-            about=experiment.about,
-            parameters=lambda wildcards, design=design: design().parameters,
-            scenes=lambda wildcards, design=design: {
-                key: planned(run.scene) for key, run in design().runs.items()
-            },
-            settings=PLAN.study.metrics.model_dump(),
-        script:
-            "../scripts/experiments/measure.py"
-
-    for figure in figures:
-        # The log of the name of the experiment is that of its tables.
-        own = figure == name
-
-        rule:
-            """Draw a figure of an experiment."""
-            name:
-                f"{name}_figure_{figure}"
-            input:
-                [
-                    f"{folder}/{file}"
-                    for file in experiment.tables
-                    if file.endswith(".csv")
-                ],
-            output:
-                png=shown(
-                    f"{folder}/figures/{figure}.png",
-                    title,
-                    "figure" if own else f"figure {figure}",
-                    f"{name}_figure",
-                ),
-                pdf=f"{folder}/figures/{figure}.pdf",
-            log:
-                f"{folder}/logs/{'figure' if own else figure}.log",
-            params:
-                sources=DRAWING,
-                experiment=name,
-                about=experiment.about,
-                figure=figure,
-            script:
-                "../scripts/experiments/draw.py"
+            lambda wildcards, target=target: list(made_by(target)),

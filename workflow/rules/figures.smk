@@ -1,38 +1,34 @@
-# Purpose: what goes into a study (Figs. 1-3), the strength used before the shaking, its results against its dimensions and some profiles.
-# Inputs:  the runs each figure shows (config: figures.runs), study.csv; the drawing code.
-# Outputs: figures/fig1 to fig3, mobilised, study, profiles, PNG and PDF
+# Purpose: figures of a study: of some of its runs (what goes in, the strength used before the shaking, profiles, those of the paper) and of all.
+# Inputs:  the runs each figure shows (config: figures, claims), study.csv; the drawing code.
+# Outputs: figures/*, PNG and PDF
+from sph.experiments.steps import run_figures
+
+RUN_FIGURES = run_figures()
 
 
 rule figure:
-    """Draw what goes into a run, geometry, motion and initial particles, or the strength that it uses before the shaking."""
+    """Draw a figure of one run, or of some."""
     input:
-        runs=lambda wildcards: expand(
-            RUN,
-            folder=RESULTS,
-            run=PLAN.study.figure_files[wildcards.figure],
-        ),
+        runs=lambda wildcards: [run.file for run in PLAN.figure_runs(wildcards.figure)],
     output:
-        png=report(
-            f"{RESULTS}/figures/{{figure}}.png",
-            caption="../report/figure.rst",
-            category="Figures",
-            labels={"shows": "{figure}"},
-        ),
-        pdf=f"{RESULTS}/figures/{{figure}}.pdf",
+        list(made(RESULTS, "Figures", {"figures/{figure}": "{figure}"})),
     log:
         f"{RESULTS}/logs/{{figure}}.log",
     wildcard_constraints:
-        figure="fig[1-3]|mobilised",
+        figure="|".join(RUN_FIGURES),
     params:
-        sources=SOLVER + DRAWING,
-        figure=lambda wildcards: wildcards.figure,
-        caption=lambda wildcards: caption_of(RUN_FIGURES[wildcards.figure]),
-        scenes=lambda wildcards: [
-            planned(PLAN.run_scene(run))
-            for run in PLAN.study.figure_files[wildcards.figure]
-        ],
-        titles=[],
-        fidelity=PLAN.study.fidelity,
+        **told(
+            lambda wildcards: {
+                "name": wildcards.figure,
+                "scenes": [
+                    planned(run.scene) for run in PLAN.figure_runs(wildcards.figure)
+                ],
+                "titles": PLAN.figure_titles(wildcards.figure),
+                "fidelity": PLAN.study.fidelity,
+            }
+        ),
+        sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
+        about=lambda wildcards: caption_of(RUN_FIGURES[wildcards.figure]),
     script:
         "../scripts/figures/draw_figure.py"
 
@@ -42,49 +38,22 @@ rule study_figure:
     input:
         table=f"{RESULTS}/study.csv",
     output:
-        png=report(
-            f"{RESULTS}/figures/{{figure}}.png",
-            caption="../report/study_figure.rst",
-            category="Figures",
-            labels={"shows": "all runs, {figure}"},
-        ),
-        pdf=f"{RESULTS}/figures/{{figure}}.pdf",
+        list(made(RESULTS, "Figures", {"figures/{figure}": "all runs, {figure}"})),
     log:
         f"{RESULTS}/logs/figure_{{figure}}.log",
     wildcard_constraints:
         figure="|".join(STUDY_FIGURES),
     params:
+        **told(
+            lambda wildcards: {
+                "name": wildcards.figure,
+                "layout": PLAN.layout._replace(labels=()),
+                "dimensions": PLAN.dimensions,
+                "probe": PLAN.study.metrics.probe,
+                "note": PLAN.note,
+            }
+        ),
         sources=DRAWING,
-        caption=lambda wildcards: caption_of(STUDY_FIGURES[wildcards.figure]),
-        layout=lambda wildcards: PLAN.layout._replace(labels=()),
-        dimensions=lambda wildcards: PLAN.dimensions,
-        probe=PLAN.study.metrics.probe,
-        note=lambda wildcards: PLAN.note,
+        about=lambda wildcards: caption_of(STUDY_FIGURES[wildcards.figure]),
     script:
         "../scripts/figures/draw_study.py"
-
-
-rule profiles:
-    """Draw profiles at the end of some runs."""
-    input:
-        runs=lambda wildcards: expand(RUN, folder=RESULTS, run=PLAN.study.profile_runs),
-    output:
-        png=report(
-            f"{RESULTS}/figures/profiles.png",
-            caption="../report/profiles.rst",
-            category="Figures",
-            labels={"shows": "profiles"},
-        ),
-        pdf=f"{RESULTS}/figures/profiles.pdf",
-    log:
-        f"{RESULTS}/logs/profiles.log",
-    params:
-        sources=SOLVER + DRAWING,
-        figure="profiles",
-        scenes=lambda wildcards: [
-            planned(PLAN.run_scene(run)) for run in PLAN.study.profile_runs
-        ],
-        titles=lambda wildcards: [[title] for title in PLAN.profile_titles],
-        fidelity=PLAN.study.fidelity,
-    script:
-        "../scripts/figures/draw_figure.py"

@@ -9,10 +9,8 @@ rule page:
     """Write the page: verdicts, figures, tables, cost, and every run to look at."""
     input:
         study=f"{RESULTS}/study.csv",
-        runs=lambda wildcards: expand(RUN, folder=RESULTS, run=PLAN.study.page_runs),
-        stages=lambda wildcards: expand(
-            "{results}/stages/{stage}.nc", results=RESULTS, stage=PLAN.page_stages
-        ),
+        runs=lambda wildcards: [run.file for run in PLAN.page_runs],
+        stages=lambda wildcards: [run.file for run in PLAN.page_stages],
         yields=lambda wildcards: sorted(
             {search.file for search in PLAN.searches.values()}
         ),
@@ -20,7 +18,11 @@ rule page:
             dict.fromkeys(
                 certain(RESULTS, SECTIONS)
                 + existing(RESULTS, SECTIONS)
-                + list(filter(os.path.isfile, PLAN.search_files(SAFETY)))
+                + [
+                    run.file
+                    for run in PLAN.shared.searches(SAFETY)
+                    if os.path.isfile(run.file)
+                ]
             )
         ),
     output:
@@ -33,26 +35,29 @@ rule page:
     log:
         f"{RESULTS}/logs/page.log",
     params:
+        **told(
+            lambda wildcards: {
+                "scenes": [
+                    planned(run.scene) for run in PLAN.page_runs + PLAN.page_stages
+                ],
+                "names": [run.id for run in PLAN.page_runs],
+                "name": PLAN.study.study,
+                "fidelity": PLAN.study.fidelity,
+                "layout": PLAN.layout,
+                "dimensions": PLAN.dimensions,
+                "size": len(PLAN.study.runs),
+                "stages": [
+                    (PLAN.shared.gravity_of(run.id).file, run.parent)
+                    for run in PLAN.page_runs
+                ],
+                "probe": PLAN.study.metrics.probe,
+                "shown": {
+                    figure: [run.file for run in PLAN.figure_runs(figure)]
+                    for figure in PLAN.study.figure_files
+                },
+                "sections": SECTIONS,
+            }
+        ),
         sources=SOLVER + PAGE,
-        name=PLAN.study.study,
-        fidelity=PLAN.study.fidelity,
-        layout=lambda wildcards: PLAN.layout,
-        dimensions=lambda wildcards: PLAN.dimensions,
-        size=lambda wildcards: len(PLAN.study.runs),
-        names=lambda wildcards: PLAN.study.page_runs,
-        scenes=lambda wildcards: [
-            planned(PLAN.run_scene(run)) for run in PLAN.study.page_runs
-        ]
-        + [planned(PLAN.stage(stage)) for stage in PLAN.page_stages],
-        stages=lambda wildcards: [
-            tuple(f"{RESULTS}/stages/{name}.nc" for name in PLAN.stages(run))
-            for run in PLAN.study.page_runs
-        ],
-        probe=PLAN.study.metrics.probe,
-        shown=lambda wildcards: {
-            figure: expand(RUN, folder=RESULTS, run=runs)
-            for figure, runs in PLAN.study.figure_files.items()
-        },
-        sections=lambda wildcards: SECTIONS,
     script:
         "../scripts/report/write_page.py"

@@ -1,7 +1,7 @@
 # Purpose: what is found before any run; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
-# Outputs: preflight.csv, stages/yield_acceleration*.nc, parts/*.csv, study.nc, study.csv;
-#          stages/factor_of_safety*.nc where they are asked for, which the page then shows
+# Outputs: preflight.csv, parts/*.csv, study.nc, study.csv
+from sph.study.searches import slope_searches
 
 
 rule preflight:
@@ -21,47 +21,28 @@ rule preflight:
     resources:
         **asked(lambda wildcards: PLAN.slope, lambda wildcards: SAFETY),
     params:
+        **told(
+            lambda wildcards: {
+                "planned": {
+                    name: planned(PLAN.shared.runs[name].scene)
+                    for name in PLAN.study.shown_runs(MOST_SCENES)
+                },
+                "size": len(PLAN.study.runs),
+                "searches": preflight_searches(bool(PLAN.searches)),
+            }
+        ),
         sources=SEARCHING + ANALYSIS,
-        scenes=lambda wildcards: {
-            name: planned(PLAN.run_scene(name))
-            for name in PLAN.study.shown_runs(MOST_SCENES)
-        },
-        size=len(PLAN.study.runs),
-        searches=lambda wildcards: preflight_searches(bool(PLAN.searches)),
     script:
         "../scripts/study/preflight.py"
-
-
-rule slope_limit:
-    """Search a limit of a slope: its yield acceleration, which the sliding block beside its runs has, or its factor of safety; extrapolated."""
-    output:
-        "{folder}/stages/{limit}.nc",
-    log:
-        "{folder}/logs/{limit}.log",
-    benchmark:
-        "{folder}/benchmarks/{limit}.tsv"
-    wildcard_constraints:
-        limit=f"({'|'.join(SLOPE_LIMITS)})(_[^/]+)?",
-    resources:
-        **asked(stage_scene, lambda wildcards: searched_limit(wildcards.limit)),
-    params:
-        sources=SEARCHING,
-        scene=lambda wildcards: planned(stage_scene(wildcards)),
-        by=lambda wildcards: searched_limit(wildcards.limit),
-        extrapolates=True,
-    script:
-        "../scripts/simulate/simulate.py"
 
 
 rule measure:
     """Measure the runs of a part of the study."""
     input:
         yields=lambda wildcards: sorted(
-            {search.file for search in PLAN.part_searches(wildcards.part).values()}
+            {search.file for search in searched_in(wildcards.part).values()}
         ),
-        runs=lambda wildcards: expand(
-            RUN, folder=RESULTS, run=PLAN.part(wildcards.part)
-        ),
+        runs=lambda wildcards: [run.file for run in PLAN.part(wildcards.part)],
     output:
         f"{RESULTS}/parts/{{part}}.csv",
     log:
@@ -71,14 +52,16 @@ rule measure:
     wildcard_constraints:
         part="[0-9]+",
     params:
+        **told(
+            lambda wildcards: {
+                "points": {run.id: run.point for run in PLAN.part(wildcards.part)},
+                "scenes": [planned(run.scene) for run in PLAN.part(wildcards.part)],
+                "searches": slope_searches(searched_in(wildcards.part)),
+                "layout": PLAN.layout._replace(labels=()),
+                "settings": PLAN.study.metrics.model_dump(),
+            }
+        ),
         sources=SEARCHING + ANALYSIS,
-        points=lambda wildcards: PLAN.part(wildcards.part),
-        scenes=lambda wildcards: [
-            planned(PLAN.run_scene(run)) for run in PLAN.part(wildcards.part)
-        ],
-        searches=lambda wildcards: PLAN.part_searches(wildcards.part),
-        layout=lambda wildcards: PLAN.layout._replace(labels=()),
-        settings=PLAN.study.metrics.model_dump(),
     script:
         "../scripts/study/measure_study.py"
 
@@ -86,9 +69,7 @@ rule measure:
 rule study:
     """Put the metrics of all runs into one table, as netCDF and CSV."""
     input:
-        run=lambda wildcards: RUN.format(
-            folder=RESULTS, run=next(iter(PLAN.study.runs))
-        ),
+        run=lambda wildcards: PLAN.part("0001")[0].file,
         parts=lambda wildcards: expand(
             "{results}/parts/{part}.csv", results=RESULTS, part=PLAN.parts
         ),
@@ -105,10 +86,16 @@ rule study:
     benchmark:
         f"{RESULTS}/benchmarks/study.tsv"
     params:
+        **told(
+            lambda wildcards: {
+                "planned": planned(PLAN.part("0001")[0].scene),
+                "layout": PLAN.layout,
+                "attrs": {
+                    "title": PLAN.study.study,
+                    "fidelity": PLAN.study.fidelity,
+                },
+            }
+        ),
         sources=ANALYSIS,
-        scene=lambda wildcards: planned(PLAN.run_scene(next(iter(PLAN.study.runs)))),
-        layout=lambda wildcards: PLAN.layout,
-        name=PLAN.study.study,
-        fidelity=PLAN.study.fidelity,
     script:
         "../scripts/study/join_study.py"

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -20,10 +20,10 @@ import pandas as pd
 import scipy  # type: ignore[import-untyped]
 from pydantic import Field, model_validator
 
-from sph.experiments.base import Label, Overrides, checked
+from sph.experiments.base import Experiment, Label, Overrides, checked
 from sph.measures.fields import check_probe
 from sph.measures.metrics import METRIC_BY_NAME
-from sph.scene.configuration import Section, dotted, found_file, key, merge, read_yaml, validated
+from sph.scene.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene.extras import of_extra
 from sph.scene.names import check_known
 from sph.scene.schema import make_scene
@@ -32,8 +32,11 @@ from sph.scene.units import Acceleration
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, scene_key, scene_keys
 from sph.study.plan import Plan
-from sph.study.tables import ROW, text_column
+from sph.study.runs import Run, laid_over
+from sph.study.tables import text_column
 
+FOLDER = "sensitivity"
+"""Folder of the results, in that of the study."""
 BASE = "base"
 """Name of the run of the scene as it is."""
 ENDS = ("low", "high")
@@ -48,7 +51,7 @@ FACTORS_FILE, BACK_FILE = "factors.json", "back_points.csv"
 SAMPLE: tuple[Variable, ...] = (
     text_column("run", "file of the run under runs/, without suffix"),
     text_column("reason", "why a run diverged"),
-    *(METRIC_BY_NAME[name]._replace(dims=ROW) for name in ("status", "collapse_class", "still_moving", "wall_time")),
+    *(METRIC_BY_NAME[name] for name in ("status", "collapse_class", "still_moving", "wall_time")),
 )
 """The columns of a sample before those of its factors and metrics."""
 Name = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
@@ -273,6 +276,8 @@ class SensitivityPlan:
 
     def __init__(self, settings: Sensitivity, plan: Plan, origin: str) -> None:
         self.settings, self.origin = settings, origin
+        self.folder = f"{plan.folder}/{FOLDER}"
+        """of the results, relative to the working folder"""
         confirm, own = settings.confirm, plan.study.fidelity
         self.fidelities = (own, confirm.fidelity if confirm else own)
         check_known(f"{origin}: confirm.fidelity", self.fidelities, plan.study.fidelities)
@@ -309,32 +314,30 @@ class SensitivityPlan:
             return dict(chosen)
         return dict(itertools.islice(self._sobol(chosen), self.confirmed if design == CONFIRM else None))
 
-    def scene(self, design: str, run: str, chosen: Chosen = ()) -> dict[str, Any]:
-        """Scene of a run of a design, as a mapping."""
-        return self._scene(self.design(design, chosen)[run], self.fidelities[design == CONFIRM])
+    def rows(self, design: str, chosen: Chosen = ()) -> list[Run]:
+        """The runs of a design, in their order; ``chosen`` as above."""
+        pattern = Run(self._bases[self.fidelities[design == CONFIRM]], folder=self.folder, target=FOLDER, group=f"{FOLDER} {design}")
+        points = self.design(design, chosen)
+        return [pattern._replace(id=f"{design}/{run}", point=self._written(point)) for run, point in points.items()]
 
-    def run_scene(self, name: str, chosen: Callable[[str], Chosen]) -> dict[str, Any]:
-        """Scene of a run by its file, ``<design>/<run>``; ``chosen`` gives what a design varies."""
-        design, _, run = name.partition("/")
-        return self.scene(design, run, chosen(design))
+    def known_by(self, design: str) -> str:
+        """The file that must be there before the runs of a design are known; empty for one that varies every factor."""
+        return "" if design in self._designs else f"{self.folder}/{BACK_FILE if design == BACK else FACTORS_FILE}"
 
-    def all_scenes(self, folder: Path) -> dict[str, dict[str, Any]]:
-        """Scene of every run that is known by what lies in the folder of results, by its file below ``runs``, without suffix."""
-        factors, points = folder / FACTORS_FILE, folder / BACK_FILE
+    def chosen(self, design: str) -> Chosen:
+        """What a design varies beside those that vary all, by that file."""
+        path = self.known_by(design)
+        return () if not path else chosen_points(path, self.axes) if design == BACK else chosen_factors(path)
+
+    def so_far(self, base: Path) -> list[Run]:
+        """The runs that are known by what lies in the folder of results, below a working folder."""
+        factors, points = (base / self.folder / name for name in (FACTORS_FILE, BACK_FILE))
         known: dict[str, Chosen] = dict.fromkeys(self._designs, ())
-        if factors.is_file():
+        if factors.is_file() and {axis.name for axis in self.axes} & {*chosen_factors(factors)}:
             known |= dict.fromkeys(("sobol", CONFIRM), chosen_factors(factors))
         if points.is_file() and self.settings.back_analysis:
             known[BACK] = chosen_points(points, self.axes)
-        return {
-            f"{design}/{run}": scene
-            for design, chosen in known.items()
-            for run, scene in zip(self.design(design, chosen), self.scenes(design, chosen), strict=True)
-        }
-
-    def scenes(self, design: str, chosen: Chosen = ()) -> list[dict[str, Any]]:
-        """Scenes of all runs of a design, in their order."""
-        return [self._scene(point, self.fidelities[design == CONFIRM]) for point in self.design(design, chosen).values()]
+        return [run for design, chosen in known.items() for run in self.rows(design, chosen)]
 
     def check(self) -> None:
         """Build the scene of every run, with its particles and probes, and of every corner of the ranges at every fidelity; ValueError
@@ -351,10 +354,12 @@ class SensitivityPlan:
                 checked(self._scene(corner, fidelity), f"{self.origin}: at {at}, fidelity {fidelity}")
 
     def _scene(self, point: Point, fidelity: str) -> dict[str, Any]:
+        return laid_over(self._bases[fidelity], self._written(point))
+
+    def _written(self, point: Point) -> dict[str, str]:
+        """Keys of the scene that a point sets."""
         factors = zip(self.settings.factors.values(), point, strict=True)
-        return merge(
-            self._bases[fidelity], dotted({name: ratio * value for factor, value in factors for name, ratio in factor.keys.items()})
-        )
+        return {name: repr(ratio * value) for factor, value in factors for name, ratio in factor.keys.items()}
 
     def _axes(self, probe: str) -> list[Axis]:
         scene = make_scene(self._bases[self.fidelities[0]], self.origin)
@@ -441,3 +446,22 @@ def load_sensitivity(path: str, study: Plan, folders: Sequence[Path] = (Path(),)
     if check:
         found.check()
     return found
+
+
+def _targets(design: SensitivityPlan) -> list[str]:
+    """Tables and figures of the analysis, with those of a back-analysis that the configuration asks for."""
+    figures = [f"figures/{name}" for name in ("morris", "tornado", "sobol", "cross_validation")]
+    asked = ["confirm.csv"] * bool(design.confirmed) + BACK_MADE * bool(design.settings.back_analysis)
+    return ["sample.csv", *figures, *asked]
+
+
+BACK_MADE = ["back_analysis.csv", "back_analysis.nc", "back_confirmed.csv", "figures/back_analysis"]
+EXPERIMENT = Experiment(
+    "sensitivity",
+    "Sensitivity",
+    load_sensitivity,
+    Sensitivity,
+    {"sensitivity": _targets, "back_analysis": lambda design: BACK_MADE},
+    f"{{results}}/{FOLDER}",
+    {"design": "morris|tornado|sobol|confirm|back"},
+)

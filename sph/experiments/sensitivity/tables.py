@@ -48,7 +48,7 @@ def sample_columns(axes: Sequence[Axis], quantities: Sequence[Quantity]) -> tupl
     return (
         *SAMPLE,
         *(number_column(axis.name, axis.unit, f"factor: {axis.label}") for axis in axes),
-        *(METRIC_BY_NAME[quantity.metric]._replace(dims=ROW) for quantity in quantities),
+        *(METRIC_BY_NAME[quantity.metric] for quantity in quantities),
     )
 
 
@@ -65,9 +65,8 @@ def read_sample(path: Path | str, axes: Sequence[Axis], quantities: Sequence[Qua
     return read_csv(path, sample_columns(axes, quantities), "a sample")
 
 
-def described(path: Path | str) -> str:
-    """Runs of a sample, from its CSV, and how many of them diverged, in words for a caption."""
-    sample = pd.read_csv(path, usecols=["run", "status"])
+def described(sample: pd.DataFrame) -> str:
+    """Runs of a sample and how many of them diverged, in words for a figure."""
     lost = diverged_runs(sample)
     return f"{len(sample)} runs, " + (f"{lost} of which diverged and are left out" if lost else "none of which diverged")
 

@@ -25,7 +25,7 @@ from sph.stability.search import Search
 from sph.storage.trajectory import Variable
 from sph.study.baseline import newmark_factor
 from sph.study.dimensions import Dimension, value_of
-from sph.study.tables import MOST_SLOPES, ROW, count_column, number_column, read_csv, text_column
+from sph.study.tables import MOST_SLOPES, count_column, number_column, read_csv, text_column
 from sph.study.verdicts import FAILS, HOLDS
 
 ONE = Searched((Dimension("amplitude", "m/s2", "", False),), "amplitude")
@@ -241,9 +241,9 @@ def confirm_columns(searched: Searched) -> tuple[Variable, ...]:
     """The columns of an end of a bracket that was run again."""
     return (
         *end_columns(searched),
-        *(METRIC_BY_NAME[name]._replace(dims=ROW) for name in PAIR),
+        *(METRIC_BY_NAME[name] for name in PAIR),
         *(
-            METRIC_BY_NAME[name]._replace(name=f"confirming_{name}", dims=ROW, text=f"{name} at the confirming fidelity")
+            METRIC_BY_NAME[name]._replace(name=f"confirming_{name}", text=f"{name} at the confirming fidelity")
             for name in ("status", *PAIR)
         ),
         *(

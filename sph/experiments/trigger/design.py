@@ -11,14 +11,14 @@ from __future__ import annotations
 import functools
 import itertools
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import pandas as pd
 from pydantic import BeforeValidator, Field, model_validator
 
-from sph.experiments.base import Label, Overrides, check_file_names, file_name
+from sph.experiments.base import Experiment, Label, Overrides, check_file_names, file_name
 from sph.experiments.trigger.hazard import Hazard, read_hazard
 from sph.experiments.trigger.refinement import Place, Span
 from sph.measures.metrics import CLASSES
@@ -27,10 +27,10 @@ from sph.scene.names import check_known
 from sph.scene.scheme import has_key
 from sph.scene.units import acceleration
 from sph.study.dimensions import Dimension, Values, check_names, dimension, in_order, in_si, point_name, scene_key, scene_keys, value_of
-from sph.study.plan import Plan
+from sph.study.plan import Plan, yields
 from sph.study.planned import Planned, planned
+from sph.study.runs import Kind, Run
 from sph.study.schema import Point
-from sph.study.searches import SlopeSearch
 
 FOLDER = "trigger"
 """Folder of the results, in that of the study at the searching fidelity."""
@@ -222,7 +222,7 @@ def label_among(written: Iterable[str], value: str) -> str:
 class TriggerPlan:
     """A configuration with the study it belongs to: folders, plans of every case and fidelity, lattices."""
 
-    def __init__(self, trigger: Trigger, study: Plan, origin: str, folders: Sequence[Path]) -> None:
+    def __init__(self, trigger: Trigger, study: Plan, origin: str, folders: Sequence[Path], check: bool = True) -> None:
         self.trigger, self._study, self.origin = trigger, study, origin
         self._hazard_file = found_file(folders, trigger.hazard, f"{origin}: hazard") if trigger.hazard else None
         self.fidelity = trigger.fidelity or study.study.fidelity
@@ -247,7 +247,8 @@ class TriggerPlan:
                 self.plans[plan.folder] = plan
                 self.folders[fidelity, case] = plan.folder
         self.folder = study.at(self.fidelity).folder
-        self._validate()
+        if check:
+            self._validate()
 
     def _validate(self) -> None:
         """Build every scene at the ends of the lattices."""
@@ -326,31 +327,54 @@ class TriggerPlan:
         """The last round of a search."""
         return self.maps.levels if search == "maps" else self.trigger.levels
 
+    def file(self, name: str, **at: str) -> str:
+        """A file of the searches, by its name in their folder, with values of wildcards in it."""
+        return f"{self.folder}/{FOLDER}/{name}".format(**at)
+
     def points(self, search: str, number: int | None = None) -> str:
         """File of the points up to a round of a search, or to its last."""
-        return f"{self.folder}/{FOLDER}/rounds/{search}-{self.levels(search) if number is None else number}-points.csv"
+        return self.file(f"rounds/{search}-{self.levels(search) if number is None else number}-points.csv")
 
-    def runs(self, path_to_points: str, pattern: str, fidelity: str | None = None) -> list[str]:
-        """Files of the runs of a table of points, in its order, at the searching fidelity or another; ``pattern`` as of the rule."""
-        return [pattern.format(folder=folder, run=point_name(point)) for folder, point in self._points(path_to_points, fidelity)]
+    def wanted(self, path_to_points: Path | str, fidelity: str | None = None) -> list[Run]:
+        """The runs of a table of points, in its order, at the searching fidelity or another."""
+        return self.runs_at(list(_wanted(path_to_points)), fidelity)
 
-    def planned(self, path_to_points: str, fidelity: str | None = None) -> list[Planned]:
-        """Scenes of the same runs."""
-        return [planned(self.plans[folder].scene(**point)) for folder, point in self._points(path_to_points, fidelity)]
+    def runs_at(self, asked: Sequence[tuple[str, Point]], fidelity: str | None = None) -> list[Run]:
+        """The runs of cases and points; KeyError for a case that is none."""
+        folders = [self.folders[fidelity or self.fidelity, case] for case, _ in asked]
+        names = [point_name(point) for _, point in asked]
+        points: dict[str, dict[str, Point]] = {folder: {} for folder in folders}
+        for folder, name, (_, point) in zip(folders, names, asked, strict=True):
+            points[folder][name] = point
+        shared = {folder: self.plans[folder].runs_at(at) for folder, at in points.items()}
+        return [shared[folder].runs[name] for folder, name in zip(folders, names, strict=True)]
 
-    def asked(self, base: Path) -> Iterator[tuple[str, str, str, Point]]:
-        """Target, case, folder and point of every run that the searches have asked for so far, by the tables below a working folder."""
-        tables = base / self.folder / FOLDER / "rounds"
-        rounds = [(search, path) for search in SEARCHED.values() for path in sorted(tables.glob(f"{search}-*-wanted.csv"))]
-        for target, path in [*rounds, ("confirm", tables / "confirm-wanted.csv")]:
-            if path.is_file():
-                fidelity = self.confirm["fidelity"] if target == "confirm" else self.fidelity
-                yield from ((target, case, self.folders[fidelity, case], point) for case, point in _wanted(path))
+    def tables(self, base: Path) -> list[tuple[str, Path]]:
+        """The tables of the points that the searches have asked for so far, below a working folder, each with the target that asks."""
+        rounds = base / self.folder / FOLDER / "rounds"
+        found = [(search, path) for search in SEARCHED.values() for path in sorted(rounds.glob(f"{search}-*-wanted.csv"))]
+        return found + [("confirm", path) for path in rounds.glob("confirm-wanted.csv") if self.trigger.confirm]
 
-    def _points(self, path_to_points: str, fidelity: str | None) -> Iterator[tuple[str, Point]]:
-        """Folder and point of every run."""
-        for case, point in _wanted(path_to_points):
-            yield self.folders[fidelity or self.fidelity, case], point
+    def so_far(self, base: Path) -> list[Run]:
+        """What the searches have asked for so far, with stages and searches of slopes, and the searches that every one needs.
+
+        Points of an earlier configuration are left out.
+        """
+        points: dict[str, dict[str, Point]] = {folder: {} for folder in self.plans}
+        of: dict[tuple[str, str], tuple[str, str]] = {}
+        for target, path in self.tables(base):
+            fidelity = self.confirm["fidelity"] if target == "confirm" else self.fidelity
+            for case, point in _wanted(path):
+                if (fidelity, case) in self.folders and tuple(point) == self.names:
+                    at = self.folders[fidelity, case], point_name(point)
+                    points[at[0]][at[1]] = point
+                    of.setdefault(at, (target, f"{target} {case} {point[self.trigger.intensity.dimension]}"))
+        found = [*self.searches.values()]
+        for folder, asked in points.items():
+            for run in self.plans[folder].runs_at(asked):
+                target, group = of[folder, run.id] if run.kind == Kind.RUN else ("", run.group)
+                found.append(run._replace(target=target, group=group))
+        return found
 
     @property
     def searched(self) -> dict[str, str]:
@@ -374,16 +398,16 @@ class TriggerPlan:
         return found
 
     @functools.cached_property
-    def searches(self) -> dict[tuple[str, ...], SlopeSearch]:
+    def searches(self) -> dict[tuple[str, ...], Run]:
         """The searches for the yield accelerations of the slopes, by case and the values of the other dimensions.
 
         A case of more than ``MOST_SLOPES`` slopes has none.
         """
-        found: dict[tuple[str, ...], SlopeSearch] = {}
+        found: dict[tuple[str, ...], Run] = {}
         for case, folder in self.searched.items():
-            runs = {at: point_name(point) for at, point in self._strongest.items() if at[0] == case}
-            searches = self.plans[folder].searches_of(runs.values())
-            found |= {at: searches[run] for at, run in runs.items() if searches}
+            points = {at: point for at, point in self._strongest.items() if at[0] == case}
+            searches = yields(self.plans[folder].runs_at({point_name(point): point for point in points.values()}))
+            found |= {at: searches[point_name(point)] for at, point in points.items() if searches}
         return found
 
     @property
@@ -424,16 +448,30 @@ def names_in(columns: Iterable[str]) -> list[str]:
     return [*itertools.takewhile(lambda name: name not in ("round", "collapse_class", "wanted_class"), columns)][1:]
 
 
-def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),)) -> TriggerPlan:
-    """Validate the configuration, and scenes at the ends of its lattices; ValueError names file, key and value."""
-    return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path, folders)
+def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> TriggerPlan:
+    """Validate the configuration and, with ``check``, scenes at the ends of its lattices; ValueError names file, key and value."""
+    return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path, folders, check)
 
 
-def plan_of(study: Plan, trigger: Callable[[], TriggerPlan], folder: str) -> Plan:
-    """The plan whose stages and runs lie in a folder: that of the study, else one of the trigger's."""
-    if folder == study.folder:
-        return study
-    plans = trigger().plans
-    if folder not in plans:
-        raise ValueError(f"{folder}: nothing is configured to lie there; known are {', '.join(plans)}")
-    return plans[folder]
+MAP_FIGURES = ("shares", "map-class", "map-displacement", "map-runout", "map-failed")
+"""Figures of the maps by the names of their files."""
+EXPERIMENT = Experiment(
+    "trigger",
+    "Trigger",
+    load_trigger,
+    Trigger,
+    {
+        "trigger": lambda design: ["trigger.nc", "trigger.csv", "points.csv", "figures/trigger"],
+        "fragility": lambda design: [
+            *["trigger.csv", "points.csv", "fragility_fit.csv", "fragility_measures.csv", "exceedance.csv"],
+            *["fragility_annual.csv"] * bool(design.trigger.hazard),
+        ],
+        "confirm": lambda design: ["confirm.csv"],
+        "maps": lambda design: [
+            *["maps.csv", "cells.csv", "shares.csv"],
+            *[f"figures/{name}" for name in MAP_FIGURES],
+        ],
+    },
+    f"{{folder}}/{FOLDER}",
+    {"search": "|".join(SEARCHED.values()), "round": "[0-9]+"},
+)

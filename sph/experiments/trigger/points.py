@@ -42,7 +42,7 @@ def wanted_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
 
 def point_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
     """The columns of a point that was run."""
-    return wanted_columns(dimensions) + tuple(METRIC_BY_NAME[name]._replace(dims=ROW) for name in MEASURED)
+    return wanted_columns(dimensions) + tuple(METRIC_BY_NAME[name] for name in MEASURED)
 
 
 def division(lattice: Lattice, classes: Mapping[Key, str], boundaries: Sequence[str]) -> Callable[[Place], Hashable]:

@@ -15,10 +15,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.walls import detached
 
 
 class Contact(NamedTuple):
@@ -30,48 +31,50 @@ class Contact(NamedTuple):
     """that the walls bear, over the square of the reference density, Pa m6/kg2"""
 
 
-@jit
+@slot
 def contact_part(term, j, gx, gy, sum_x, sum_y):  # type: ignore[no-untyped-def]
     """Sums of gradients over contact walls with that of wall particle j."""
-    if term is None:
-        return sum_x, sum_y
-    else:
-        touches = 1.0 if j >= term.first else 0.0
-        return sum_x + touches * gx, sum_y + touches * gy
+    return sum_x, sum_y
 
 
-@jit
+@contact_part.of(Contact)
+def _contact_part(term, j, gx, gy, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    touches = 1.0 if j >= term.first else 0.0
+    return sum_x + touches * gx, sum_y + touches * gy
+
+
+@slot
 def keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
     """Keep the sums of particle i in ``contact`` (n, 3); its third column says which share of them is let go."""
-    if term is None:
-        return
-    else:
-        contact[i, 0] = sum_x
-        contact[i, 1] = sum_y
-        contact[i, 2] = 0.0
 
 
-@jit
+@keep_contact.of(Contact)
+def _keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    contact[i, 0] = sum_x
+    contact[i, 1] = sum_y
+    contact[i, 2] = 0.0
+
+
+@slot
 def detach(term, state, contact, i):  # type: ignore[no-untyped-def]
     """Note whether contact lets particle i go in this step; returns the part of the wall's b that it then does not see, kg/m4."""
-    if term is None:
-        return 0.0, 0.0
-    else:
-        bx, by = contact[i, 0], contact[i, 1]
-        pull = state.sxx[i] * bx * bx + 2.0 * state.sxy[i] * bx * by + state.syy[i] * by * by
-        leaves = state.vx[i] * bx + state.vy[i] * by < 0.0
-        share = 1.0 if leaves and pull > term.tension * (bx * bx + by * by) else 0.0
-        contact[i, 2] = share
-        return share * bx, share * by
+    return 0.0, 0.0
 
 
-@jit
-def detached(term, contact, i):  # type: ignore[no-untyped-def]
-    """The part of the wall's b that particle i does not see in this step, kg/m4."""
-    if term is None:
-        return 0.0, 0.0
-    else:
-        return contact[i, 2] * contact[i, 0], contact[i, 2] * contact[i, 1]
+@detach.of(Contact)
+def _detach(term, state, contact, i):  # type: ignore[no-untyped-def]
+    bx, by = contact[i, 0], contact[i, 1]
+    pull = state.sxx[i] * bx * bx + 2.0 * state.sxy[i] * bx * by + state.syy[i] * by * by
+    leaves = state.vx[i] * bx + state.vy[i] * by < 0.0
+    share = 1.0 if leaves and pull > term.tension * (bx * bx + by * by) else 0.0
+    contact[i, 2] = share
+    return share * bx, share * by
+
+
+@detached.of(Contact)
+def _detached(term, pairs, i):  # type: ignore[no-untyped-def]
+    contact = pairs.contact
+    return contact[i, 2] * contact[i, 0], contact[i, 2] * contact[i, 1]
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Contact:

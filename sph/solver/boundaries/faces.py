@@ -15,6 +15,7 @@ from typing import NamedTuple
 from sph.scene.schema import Scene
 from sph.solver.boundaries.friction import add_push
 from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -47,26 +48,28 @@ class WallFaces(NamedTuple):
     """N/m for a metre of thickness"""
 
 
-@jit
+@slot
 def push_from_faces(term, friction, state, mass, first, last):  # type: ignore[no-untyped-def]
     """Add the push of the walls' faces to soil particles first to last, and its friction; returns the energy it stores, J/m."""
-    if term is None:
-        return 0.0
-    else:
-        energy = 0.0
-        for i in rows(first, last):
-            x, y = state.x[i], state.y[i]
-            across = up = 0.0  # how far the particle is in a contact, m, with the sign of the push
-            if y <= term.height:
-                across = _overlap(term, x - term.left, term.right - x, term.side_contact, term.side_contact)
-            if term.begin <= x <= term.end:
-                up = _overlap(term, y - term.bottom, term.top - y, term.bottom_contact, term.top_contact)
-            if across != 0.0 or up != 0.0:
-                energy += 0.5 * term.stiffness * (across * across + up * up)
-                state.ax[i] += term.stiffness * across / mass[i]
-                state.ay[i] += term.stiffness * up / mass[i]
-                add_push(friction, state, i, term.stiffness * abs(across) / mass[i], term.stiffness * abs(up) / mass[i])
-        return energy
+    return 0.0
+
+
+@push_from_faces.of(WallFaces)
+def _push_from_faces(term, friction, state, mass, first, last):  # type: ignore[no-untyped-def]
+    energy = 0.0
+    for i in rows(first, last):
+        x, y = state.x[i], state.y[i]
+        across = up = 0.0  # how far the particle is in a contact, m, with the sign of the push
+        if y <= term.height:
+            across = _overlap(term, x - term.left, term.right - x, term.side_contact, term.side_contact)
+        if term.begin <= x <= term.end:
+            up = _overlap(term, y - term.bottom, term.top - y, term.bottom_contact, term.top_contact)
+        if across != 0.0 or up != 0.0:
+            energy += 0.5 * term.stiffness * (across * across + up * up)
+            state.ax[i] += term.stiffness * across / mass[i]
+            state.ay[i] += term.stiffness * up / mass[i]
+            add_push(friction, state, i, term.stiffness * abs(across) / mass[i], term.stiffness * abs(up) / mass[i])
+    return energy
 
 
 @jit

@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -31,13 +32,15 @@ class FreeSlip(NamedTuple):
     """first of those that belong to a side wall; they come last"""
 
 
-@jit
+@slot
 def first_mirror(term, n):  # type: ignore[no-untyped-def]
     """First particle that mirrors the soil, of n; n if none does."""
-    if term is None:
-        return n
-    else:
-        return term.first
+    return n
+
+
+@first_mirror.of(FreeSlip)
+def _first_mirror(term, n):  # type: ignore[no-untyped-def]
+    return term.first
 
 
 @jit
@@ -52,50 +55,54 @@ def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
     return total / weights if weights > 0.0 else 0.0
 
 
-@jit
+@slot
 def mirror_velocity(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
     """Velocity along the wall of the wall particles among first to last, from the soil beside them, m/s."""
-    if term is None:
-        return
-    else:
-        for i in range(max(term.first, first), min(term.first_side, last)):
-            state.vx[i] = _mean_of_soil(pairs, i, n_soil, state.vx)
-        for i in range(max(term.first_side, first), last):
-            state.vy[i] = _mean_of_soil(pairs, i, n_soil, state.vy)
-        wait(team)
 
 
-@jit
+@mirror_velocity.of(FreeSlip)
+def _mirror_velocity(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
+    for i in range(max(term.first, first), min(term.first_side, last)):
+        state.vx[i] = _mean_of_soil(pairs, i, n_soil, state.vx)
+    for i in range(max(term.first_side, first), last):
+        state.vy[i] = _mean_of_soil(pairs, i, n_soil, state.vy)
+    wait(team)
+
+
+@slot
 def mirror_stress(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
     """Normal stresses of the wall particles among first to last from the soil beside them; no shear."""
-    if term is None:
-        return
-    else:
-        for i in range(max(term.first, first), last):
-            state.sxx[i] = _mean_of_soil(pairs, i, n_soil, state.sxx)
-            state.syy[i] = _mean_of_soil(pairs, i, n_soil, state.syy)
-        wait(team)
 
 
-@jit
+@mirror_stress.of(FreeSlip)
+def _mirror_stress(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
+    for i in range(max(term.first, first), last):
+        state.sxx[i] = _mean_of_soil(pairs, i, n_soil, state.sxx)
+        state.syy[i] = _mean_of_soil(pairs, i, n_soil, state.syy)
+    wait(team)
+
+
+@slot
 def wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first, last):  # type: ignore[no-untyped-def]
     """Energy that the walls among particles first to last take from the soil, over dt (W/m, negative: give).
 
     A frictionless wall should take none.  This one's particles stay where they are while the soil slides
     past, so the mirror is not exact: in a collapsing slope it gives some per cent of the energy released.
     """
-    if term is None:
-        return 0.0
-    else:
-        taken = 0.0
-        for i in range(max(term.first, first), last):
-            stress_accelerations(state, pairs, correction, None, layers, None, None, i, i + 1)
-            taken += cell_mass * (
-                power(correction, state, gradient, i)
-                + (state.ax[i] - state.viscous_x[i]) / lightness(layers, i) * state.vx[i]
-                + (state.ay[i] - state.viscous_y[i]) / lightness(layers, i) * state.vy[i]
-            )
-        return taken
+    return 0.0
+
+
+@wall_work.of(FreeSlip)
+def _wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first, last):  # type: ignore[no-untyped-def]
+    taken = 0.0
+    for i in range(max(term.first, first), last):
+        stress_accelerations(state, pairs, correction, None, layers, None, None, i, i + 1)
+        taken += cell_mass * (
+            power(correction, state, gradient, i)
+            + (state.ax[i] - state.viscous_x[i]) / lightness(layers, i) * state.vx[i]
+            + (state.ay[i] - state.viscous_y[i]) / lightness(layers, i) * state.vy[i]
+        )
+    return taken
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> FreeSlip:

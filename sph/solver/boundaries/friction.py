@@ -18,6 +18,7 @@ from typing import NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.gradient_correction import transposed_shear
@@ -28,6 +29,10 @@ from sph.solver.physics.material import lightness
 class WallFriction(NamedTuple):
     """Coefficients of the term."""
 
+    first: int
+    """first particle of walls that slip"""
+    first_side: int
+    """first of those that belong to a side wall; they come last"""
     base: float
     """coefficient at base and top"""
     sides: float
@@ -42,13 +47,15 @@ def _held(limit, v, dt):  # type: ignore[no-untyped-def]
     return math.copysign(max(abs(v) - limit * dt, 0.0), v)
 
 
-@jit
+@slot
 def apply_wall_friction(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
     """Velocity of particle i after the friction of the walls."""
-    if term is None:
-        return vx, vy
-    else:
-        return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
+    return vx, vy
+
+
+@apply_wall_friction.of(WallFriction)
+def _apply_wall_friction(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+    return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
 
 
 @jit
@@ -57,58 +64,62 @@ def _strength(friction, cohesion, normal, room):  # type: ignore[no-untyped-def]
     return friction * normal + 2.0 * cohesion * room if normal > 0.0 else 0.0
 
 
-@jit
+@slot
 def add_push(term, state, i, push_x, push_y):  # type: ignore[no-untyped-def]
     """Add the friction that the push (m/s2) of a wall's face gives particle i."""
-    if term is None:
-        return
-    else:
-        state.friction_x[i] += term.base * push_y
-        state.friction_y[i] += term.sides * push_x
 
 
-@jit
-def set_friction(term, layers, slip, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+@add_push.of(WallFriction)
+def _add_push(term, state, i, push_x, push_y):  # type: ignore[no-untyped-def]
+    state.friction_x[i] += term.base * push_y
+    state.friction_y[i] += term.sides * push_x
+
+
+@slot
+def set_friction(term, layers, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
     """Largest acceleration that the walls' friction can give soil particles first to last (m/s2), in place of the walls' shear.
 
     Returns the energy over dt that goes with the shear taken away, W/m.
     """
-    if term is None or slip is None:
-        return 0.0
-    else:
-        taken = 0.0
-        sxx, syy, sxy = state.sxx, state.syy, state.sxy
-        syx = transposed_shear(correction, state)
-        for i in range(first, last):
-            base = side = base_shear = side_shear = base_room = side_room = 0.0
-            for k in range(pairs.start[i], pairs.end[i]):
-                j = pairs.neighbour[k]
-                gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
-                if j >= slip.first:
-                    ax = (sxx[i] + sxx[j]) * gx + (sxy[i] + sxy[j]) * gy
-                    ay = (syx[i] + syx[j]) * gx + (syy[i] + syy[j]) * gy
-                    if j >= slip.first_side:
-                        side -= math.copysign(1.0, gx) * ax
-                        side_shear += ay
-                        side_room += abs(gx)
-                    else:
-                        base -= math.copysign(1.0, gy) * ay
-                        base_shear += ax
-                        base_room += abs(gy)
-            base_shear *= lightness(layers, i)
-            side_shear *= lightness(layers, i)
-            state.friction_x[i] = _strength(term.base, term.base_cohesion, base, base_room) * lightness(layers, i)
-            state.friction_y[i] = _strength(term.sides, term.sides_cohesion, side, side_room) * lightness(layers, i)
-            state.ax[i] -= base_shear
-            state.ay[i] -= side_shear
-            taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])
-        return taken
+    return 0.0
+
+
+@set_friction.of(WallFriction)
+def _set_friction(term, layers, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+    taken = 0.0
+    sxx, syy, sxy = state.sxx, state.syy, state.sxy
+    syx = transposed_shear(correction, state)
+    for i in range(first, last):
+        base = side = base_shear = side_shear = base_room = side_room = 0.0
+        for k in range(pairs.start[i], pairs.end[i]):
+            j = pairs.neighbour[k]
+            gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
+            if j >= term.first:
+                ax = (sxx[i] + sxx[j]) * gx + (sxy[i] + sxy[j]) * gy
+                ay = (syx[i] + syx[j]) * gx + (syy[i] + syy[j]) * gy
+                if j >= term.first_side:
+                    side -= math.copysign(1.0, gx) * ax
+                    side_shear += ay
+                    side_room += abs(gx)
+                else:
+                    base -= math.copysign(1.0, gy) * ay
+                    base_shear += ax
+                    base_room += abs(gy)
+        base_shear *= lightness(layers, i)
+        side_shear *= lightness(layers, i)
+        state.friction_x[i] = _strength(term.base, term.base_cohesion, base, base_room) * lightness(layers, i)
+        state.friction_y[i] = _strength(term.sides, term.sides_cohesion, side, side_room) * lightness(layers, i)
+        state.ax[i] -= base_shear
+        state.ay[i] -= side_shear
+        taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])
+    return taken
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> WallFriction:
     wanted, unit = scene.walls.friction, 1e3 / scene.soil.density**2
     assert wanted is not None
-    return WallFriction(wanted.base, wanted.sides, unit * wanted.base_cohesion, unit * wanted.sides_cohesion)
+    first, first_side = particles.first_slip, particles.first_slip_side
+    return WallFriction(first, first_side, wanted.base, wanted.sides, unit * wanted.base_cohesion, unit * wanted.sides_cohesion)
 
 
 TERM = Term("wall_friction", "walls.friction", lambda scene: scene.walls.friction is not None, _make)

@@ -22,8 +22,10 @@ from sph.solver.boundaries.contact import contact_part, detach, keep_contact
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
+from sph.solver.physics.gradient_correction import Sums
 from sph.solver.physics.initial_arrangement import is_intact, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
+from sph.solver.physics.walls import add_wall, add_wall_gradient, in_wall, paired
 
 
 class NoSlip(NamedTuple):
@@ -41,13 +43,14 @@ class NoSlip(NamedTuple):
     right: float
 
 
-@jit
-def in_wall(term, i):  # type: ignore[no-untyped-def]
-    """Whether particle i belongs to a no-slip wall."""
-    if term is None:
-        return False
-    else:
-        return (i >= term.first) & (i < term.end)
+@in_wall.of(NoSlip)
+def _in_wall(term, i):  # type: ignore[no-untyped-def]
+    return (i >= term.first) & (i < term.end)
+
+
+@paired.of(NoSlip)
+def _paired(term, i, j):  # type: ignore[no-untyped-def]
+    return not (in_wall(term, i) | in_wall(term, j))
 
 
 @jit
@@ -62,48 +65,39 @@ def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
     return 2.0 * min(x_i - term.right, 0.0), 0.0
 
 
-@jit
-def add_walls(term, contact, arrangement, beside, pairs, candidates, period, kernel, cell_mass, x, y, i, sum_x, sum_y, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Keep b_i in ``pairs.wall`` (n, 2), kg/m4; returns the sums of gradients and the moments of particle i with the walls' part.
-
-    ``beside`` says whether it has candidates in them.
-    """
-    if term is None:
-        return sum_x, sum_y, m_xx, m_xy, m_yy
-    else:
-        reach = support(kernel)
-        b_x = b_y = contact_x = contact_y = 0.0
-        if beside and not in_wall(term, i):
-            intact = is_intact(arrangement, pairs, i)
-            for k in rows(candidates.start[i], candidates.start[i + 1]):
-                j = candidates.neighbour[k]
-                dx, dy, _ = offset(arrangement, intact, period, pairs, x, y, i, j)
-                r_square = dx * dx + dy * dy
-                if in_wall(term, j) and r_square < reach * reach:
-                    slope = value_and_slope(kernel, math.sqrt(r_square))[1]
-                    gx, gy = 2.0 * cell_mass * slope * dx, 2.0 * cell_mass * slope * dy
-                    across, up = _from_image(term, x[j] + dx, y[j] + dy, x[j], y[j])
-                    b_x += gx
-                    b_y += gy
-                    contact_x, contact_y = contact_part(contact, j, gx, gy, contact_x, contact_y)
-                    m_xx -= 0.5 * gx * across
-                    m_xy -= 0.25 * (gx * up + gy * across)
-                    m_yy -= 0.5 * gy * up
-        pairs.wall[i, 0] = b_x
-        pairs.wall[i, 1] = b_y
-        keep_contact(contact, pairs.contact, i, contact_x, contact_y)
-        return sum_x + b_x, sum_y + b_y, m_xx, m_xy, m_yy
+@add_wall.of(NoSlip)
+def _add_wall(term, terms, beside, pairs, candidates, places, i, sums):  # type: ignore[no-untyped-def]
+    kernel, contact, arrangement, x, y = terms.kernel, terms.contact, terms.initial_arrangement, places.x, places.y
+    reach = support(kernel)
+    b_x = b_y = contact_x = contact_y = 0.0
+    m_xx, m_xy, m_yy = sums.m_xx, sums.m_xy, sums.m_yy
+    if beside and not in_wall(term, i):
+        intact = is_intact(arrangement, pairs, i)
+        for k in rows(candidates.start[i], candidates.start[i + 1]):
+            j = candidates.neighbour[k]
+            dx, dy, _ = offset(arrangement, intact, terms.periodic, pairs, places, i, j)
+            r_square = dx * dx + dy * dy
+            if in_wall(term, j) and r_square < reach * reach:
+                slope = value_and_slope(kernel, math.sqrt(r_square))[1]
+                gx, gy = 2.0 * terms.gradient_mass * slope * dx, 2.0 * terms.gradient_mass * slope * dy
+                across, up = _from_image(term, x[j] + dx, y[j] + dy, x[j], y[j])
+                b_x += gx
+                b_y += gy
+                contact_x, contact_y = contact_part(contact, j, gx, gy, contact_x, contact_y)
+                m_xx -= 0.5 * gx * across
+                m_xy -= 0.25 * (gx * up + gy * across)
+                m_yy -= 0.5 * gy * up
+    pairs.wall[i, 0] = b_x
+    pairs.wall[i, 1] = b_y
+    keep_contact(contact, pairs.contact, i, contact_x, contact_y)
+    return Sums(sums.x + b_x, sums.y + b_y, m_xx, m_xy, m_yy)
 
 
-@jit
-def add_wall_gradient(term, contact, state, pairs, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
-    """Sums of velocity differences times g of particle i with the walls' part."""
-    if term is None:
-        return l_xx, l_xy, l_yx, l_yy
-    else:
-        detached_x, detached_y = detach(contact, state, pairs.contact, i)
-        b_x, b_y = pairs.wall[i, 0] - detached_x, pairs.wall[i, 1] - detached_y
-        return l_xx - vx * b_x, l_xy - vx * b_y, l_yx - vy * b_x, l_yy - vy * b_y
+@add_wall_gradient.of(NoSlip)
+def _add_wall_gradient(term, contact, state, pairs, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+    detached_x, detached_y = detach(contact, state, pairs.contact, i)
+    b_x, b_y = pairs.wall[i, 0] - detached_x, pairs.wall[i, 1] - detached_y
+    return l_xx - vx * b_x, l_xy - vx * b_y, l_yx - vy * b_x, l_yy - vy * b_y
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> NoSlip:

@@ -8,10 +8,11 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.walls import wrap
 
 
 class Periodic(NamedTuple):
@@ -21,13 +22,9 @@ class Periodic(NamedTuple):
     """m"""
 
 
-@jit
-def wrap(period, dx):  # type: ignore[no-untyped-def]
-    """Horizontal distance to the nearest image of a neighbour, m."""
-    if period is None:
-        return dx
-    else:
-        return dx - period.length * math.floor(dx / period.length + 0.5)
+@wrap.of(Periodic)
+def _wrap(period, dx):  # type: ignore[no-untyped-def]
+    return dx - period.length * math.floor(dx / period.length + 0.5)
 
 
 def columns_of_cells(period: Periodic | None, x: np.ndarray, reach: float) -> tuple[np.ndarray, int]:
@@ -40,13 +37,15 @@ def columns_of_cells(period: Periodic | None, x: np.ndarray, reach: float) -> tu
     return np.minimum((inside / (period.length / columns)).astype(np.int64), columns - 1), columns
 
 
-@jit
+@slot
 def columns_around(period, column, columns):  # type: ignore[no-untyped-def]
     """First and last column to look at, each once; on periodic sides to be taken modulo their number."""
-    if period is None:
-        return max(column - 1, 0), min(column + 2, columns)
-    else:
-        return column - 1, column - 1 + min(columns, 3)
+    return max(column - 1, 0), min(column + 2, columns)
+
+
+@columns_around.of(Periodic)
+def _columns_around(period, column, columns):  # type: ignore[no-untyped-def]
+    return column - 1, column - 1 + min(columns, 3)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Periodic:

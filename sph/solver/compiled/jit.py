@@ -43,7 +43,19 @@ FILLING = "scene/scheme.py"
 """Left out: the defaults that a scheme fills in decide no run whose scene is stored with all its keys."""
 COMPILED = tuple(
     f"solver/{name}"
-    for name in ("boundaries", "compiled", "integration.py", "neighbours.py", "physics", "state.py", "terms.py", "time_step.py")
+    for name in (
+        "boundaries",
+        "compiled",
+        "integration.py",
+        "moves.py",
+        "neighbours.py",
+        "physics",
+        "renewal.py",
+        "schedule.py",
+        "state.py",
+        "terms.py",
+        "time_step.py",
+    )
 )
 """Where the text is that becomes machine code: jitted functions, and names that they use (a test holds the list against the sources)."""
 

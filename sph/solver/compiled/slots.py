@@ -1,6 +1,8 @@
-"""Functions that are chosen by the type of a record: one of several kernels, yield surfaces or laws has the place.
+"""Functions that are chosen by the type of a record, and thereby the physics that a scene has.
 
-numba knows the type of the record when it compiles the caller, so that only the function that belongs to it is compiled, into the caller.
+One of several kernels, yield surfaces or laws has a place, and so has every term of physics, which may leave it empty: there stands the
+record of its coefficients, or None.  numba knows the type of the record when it compiles the caller, so that only the function that
+belongs to it is compiled, into the caller; of what a scene does not have nothing is.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numba
+from numba import types
 from numba.extending import overload
 
 from sph.solver.compiled.jit import INLINED, OPTIONS
@@ -18,8 +21,12 @@ Function = Callable[..., Any]
 
 
 def slot(function: Function) -> Any:
-    """A function of a record and more, whose body is the record's own: ``@function.of(Record)`` gives it, with the same arguments."""
-    own: dict[type, Function] = {}
+    """A function of a record and more.
+
+    Its own body is the case without a record, None; ``@function.of(Record)`` gives that of a record, or of several, with the same
+    arguments.  All return the same type.
+    """
+    own: dict[type, Function] = {type(None): function}
 
     @functools.wraps(function)
     def from_python(*arguments: Any) -> Any:
@@ -29,14 +36,34 @@ def slot(function: Function) -> Any:
 
     @functools.wraps(function)
     def choose(*types: Any) -> Function:
-        return own[types[0].instance_class]
+        return own[record_of(types[0])]
 
-    def of(record: type) -> Callable[[Function], Function]:
-        return lambda body: own.setdefault(record, body)
+    def of(*records: type) -> Callable[[Function], Function]:
+        def give(body: Function) -> Function:
+            own.update(dict.fromkeys(records, body))
+            return body
+
+        return give
 
     overload(from_python, jit_options=INLINED)(choose)  # type: ignore[arg-type]
     from_python.of = of  # type: ignore[attr-defined]
     return from_python
+
+
+def record_of(kind: Any) -> type:
+    """Class of the record that a numba type stands for; that of None where it stands for none."""
+    return getattr(kind, "instance_class", type(None))
+
+
+def records_in(kind: Any) -> dict[str, type]:
+    """Classes of the records in the fields of a record, given by itself or by its numba type, for which code is compiled."""
+    of_type = isinstance(kind, types.Type)
+    return {name: record_of(member) if of_type else type(member) for name, member in fields_of(kind).items()}
+
+
+def fields_of(kind: Any) -> dict[str, Any]:
+    """Fields of a record, or of its numba type, by name."""
+    return dict(kind._asdict()) if hasattr(kind, "_asdict") else dict(zip(kind.fields, kind.types, strict=True))
 
 
 @slot

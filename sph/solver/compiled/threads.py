@@ -42,7 +42,7 @@ class Team(NamedTuple):
     sums: np.ndarray  # (2, blocks, sums), shared: sums over the rows of each block, of even and odd steps
     gradient: np.ndarray  # (4, n) shared: velocity gradients of the current step
     strain_rate: np.ndarray  # (3, n) shared: strain rates of the current step, see sph.solver.physics.residual_viscosity
-    turn: np.ndarray  # (blocks,) int64 of this thread alone, see sph.solver.integration
+    turn: np.ndarray  # (blocks,) int64 of this thread alone, see sph.solver.schedule
     reached: np.ndarray  # (CHUNK,) of this thread alone, see sph.solver.physics.coupling
 
 

@@ -6,7 +6,8 @@ import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.jit import rows
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, evaluate
@@ -22,54 +23,57 @@ class ArtificialStress(NamedTuple):
     """1 / W(spacing), m2"""
 
 
-@jit
+@slot
 def keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
     """Keep (W(r) / W(spacing)) to the term's exponent of pair k, from its W(r)."""
-    if term is None:
-        return
-    else:
-        nearness[k] = (value * term.inverse_kernel) ** term.exponent
 
 
-@jit
+@keep_nearness.of(ArtificialStress)
+def _keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
+    nearness[k] = (value * term.inverse_kernel) ** term.exponent
+
+
+@slot
 def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
     """Artificial stress of particles first to last: minus a share of each principal tension."""
-    if term is None:
-        return
-    else:
-        for i in rows(first, last):
-            mean = 0.5 * (state.sxx[i] + state.syy[i])
-            d = 0.5 * (state.sxx[i] - state.syy[i])
-            q = state.sxy[i]
-            radius = math.sqrt(d * d + q * q)
-            first_principal = -term.factor * max(mean + radius, 0.0)
-            second_principal = -term.factor * max(mean - radius, 0.0)
-            middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
-            cosine, sine = (d / radius, q / radius) if radius > 0.0 else (1.0, 0.0)
-            state.tension_xx[i] = middle + half * cosine
-            state.tension_yy[i] = middle - half * cosine
-            state.tension_xy[i] = half * sine
 
 
-@jit
+@set_artificial_stress.of(ArtificialStress)
+def _set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
+    for i in rows(first, last):
+        mean = 0.5 * (state.sxx[i] + state.syy[i])
+        d = 0.5 * (state.sxx[i] - state.syy[i])
+        q = state.sxy[i]
+        radius = math.sqrt(d * d + q * q)
+        first_principal = -term.factor * max(mean + radius, 0.0)
+        second_principal = -term.factor * max(mean - radius, 0.0)
+        middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
+        cosine, sine = (d / radius, q / radius) if radius > 0.0 else (1.0, 0.0)
+        state.tension_xx[i] = middle + half * cosine
+        state.tension_yy[i] = middle - half * cosine
+        state.tension_xy[i] = half * sine
+
+
+@slot
 def add_artificial_stress(term, layers, state, pairs, first, last):  # type: ignore[no-untyped-def]
     """Add the artificial stress' acceleration to particles first to last; equal and opposite for a pair."""
-    if term is None:
-        return
-    else:
-        for i in rows(first, last):
-            ax = ay = 0.0
-            for k in range(pairs.start[i], pairs.end[i]):
-                j = pairs.neighbour[k]
-                xy = state.tension_xy[i] + state.tension_xy[j]
-                ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])
-                ay += pairs.nearness[k] * (xy * pairs.gx[k] + (state.tension_yy[i] + state.tension_yy[j]) * pairs.gy[k])
-            ax *= lightness(layers, i)
-            ay *= lightness(layers, i)
-            state.viscous_x[i] += ax
-            state.viscous_y[i] += ay
-            state.ax[i] += ax
-            state.ay[i] += ay
+
+
+@add_artificial_stress.of(ArtificialStress)
+def _add_artificial_stress(term, layers, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    for i in rows(first, last):
+        ax = ay = 0.0
+        for k in range(pairs.start[i], pairs.end[i]):
+            j = pairs.neighbour[k]
+            xy = state.tension_xy[i] + state.tension_xy[j]
+            ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])
+            ay += pairs.nearness[k] * (xy * pairs.gx[k] + (state.tension_yy[i] + state.tension_yy[j]) * pairs.gy[k])
+        ax *= lightness(layers, i)
+        ay *= lightness(layers, i)
+        state.viscous_x[i] += ax
+        state.viscous_y[i] += ay
+        state.ax[i] += ax
+        state.ay[i] += ay
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialStress:

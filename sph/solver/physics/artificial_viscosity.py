@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Damping, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, Lattice, lattice_of
@@ -26,23 +26,27 @@ class ArtificialViscosity(NamedTuple):
     """alpha V_p over the reference density, m4/(s kg)"""
 
 
-@jit
+@slot
 def add_dissipation(term, layers, i, j, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
     """Add one pair's artificial viscosity; only approaching pairs (opening < 0) dissipate."""
-    if term is None:
-        return sum_x, sum_y
-    else:
-        strength = mean_impedance(layers, i, j, min(opening, 0.0) * inverse_norm)
-        return sum_x + strength * gx, sum_y + strength * gy
+    return sum_x, sum_y
 
 
-@jit
+@add_dissipation.of(ArtificialViscosity)
+def _add_dissipation(term, layers, i, j, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
+    strength = mean_impedance(layers, i, j, min(opening, 0.0) * inverse_norm)
+    return sum_x + strength * gx, sum_y + strength * gy
+
+
+@slot
 def viscous_acceleration(term, value):  # type: ignore[no-untyped-def]
     """Acceleration (m/s2) of a sum over pairs."""
-    if term is None:
-        return 0.0
-    else:
-        return term.speed * value
+    return 0.0
+
+
+@viscous_acceleration.of(ArtificialViscosity)
+def _viscous_acceleration(term, value):  # type: ignore[no-untyped-def]
+    return term.speed * value
 
 
 def viscous_rate(scene: Scene, lattice: Lattice | None = None) -> float:

@@ -11,22 +11,25 @@ state.  Until then the solid state is elastic, perfectly plastic; what it is aft
 deviator starts from the stress at t_f.  The elastic pressure is common to both.
 
 At the end of the gravity stage every particle is armed.  Soil that is at yield there has failed under
-gravity alone: its t_f is the end of the stage.  Particles held by a fixed wall (``sph.solver.state.initial_state``) yield
+gravity alone: its t_f is the end of the stage.  Particles held by a fixed wall (``sph.solver.initial_state``) yield
 because the wall carries them and not because the slope does not stand: such a one is armed once it has come off the surface clearly.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from sph.solver.compiled.jit import entry, jit, rows
+from sph.solver.compiled.slots import slot
 from sph.solver.physics.dilation import dilate
 from sph.solver.physics.elasticity import deviator_square, elastic_increment, pressure, rotate
 from sph.solver.physics.failed_solid import yields
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
 from sph.solver.physics.initial_arrangement import deform
-from sph.solver.physics.material import material_of
+from sph.solver.physics.material import YieldSurface, material_of
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
 from sph.solver.physics.seams import keep_normal_stress, slide, without_slip
@@ -66,84 +69,104 @@ def blended(state, terms, i):  # type: ignore[no-untyped-def]
     )
 
 
-@jit
-def _update_beta(fluid, loss, slip, state, i):  # type: ignore[no-untyped-def]
-    if fluid is None:
-        return 1.0
-    else:
-        beta = remaining_weight(loss, state.beta[i], mean_strain(slip, state, i))
-        beta = beta if beta > BETA_ZERO else 0.0
-        state.beta[i] = beta if state.phase[i] == FAILED else 1.0
-        return state.beta[i]
+class Strain(NamedTuple):
+    """What the velocity gradient does to a particle in a step."""
+
+    xx: float
+    """strain rates, 1/s"""
+    yy: float
+    xy: float
+    angle: float
+    """spin increment"""
+    dt: float
+    """s"""
+
+
+@slot
+def _of_particle(surface, own):  # type: ignore[no-untyped-def]
+    """A particle's ``own`` yield surface of a state that some particle of a chunk needs; None where no ``surface`` is given."""
+    return None
+
+
+@_of_particle.of(YieldSurface)
+def _own(surface, own):  # type: ignore[no-untyped-def]
+    return own
+
+
+@slot
+def _update_beta(fluid, terms, soil, state, i):  # type: ignore[no-untyped-def]
+    """New weight of the solid state of particle i."""
+    return 1.0
+
+
+@_update_beta.of(YieldSurface)
+def _lose(fluid, terms, soil, state, i):  # type: ignore[no-untyped-def]
+    beta = remaining_weight(soil.loss, state.beta[i], mean_strain(terms.slip, state, i))
+    beta = beta if beta > BETA_ZERO else 0.0
+    state.beta[i] = beta if state.phase[i] == FAILED else 1.0
+    return state.beta[i]
+
+
+@slot
+def _update_fluid(fluid, terms, soil, state, i, p, strain, time):  # type: ignore[no-untyped-def]
+    """New pressure and deviator (p, d, q, z) of the fluid state of particle i, Pa, from its elastic pressure p."""
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@_update_fluid.of(YieldSurface)
+def _flow(fluid, terms, soil, state, i, p, strain, time):  # type: ignore[no-untyped-def]
+    p = limit_tension(fluid, p)
+    d, q, z = fluid_deviator(
+        soil.fluid_law,
+        fluid,
+        p,
+        state.fluid_d[i],
+        state.fluid_q[i],
+        state.fluid_z[i],
+        strain.xx,
+        strain.yy,
+        strain.xy,
+        strain.angle,
+        strain.dt,
+    )
+    d, q = slide(terms.seams, state, i, p, d, q, z, 1.0 - state.beta[i], soil.shear_modulus, time)
+    failed = state.phase[i] == FAILED
+    state.fluid_d[i] = d if failed else 0.0
+    state.fluid_q[i] = q if failed else 0.0
+    state.fluid_z[i] = z if failed else 0.0
+    return p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i]
+
+
+@slot
+def _update_solid(solid, terms, soil, state, i, p, rates, strain, time, reached, k):  # type: ignore[no-untyped-def]
+    """That of the solid state, from elastic ``rates`` (d, q, z) of its deviator, Pa/s; notes in reached[k] if it reached its surface."""
+    return 0.0, 0.0, 0.0, 0.0
+
+
+@_update_solid.of(YieldSurface)
+def _yield(solid, terms, soil, state, i, p, rates, strain, time, reached, k):  # type: ignore[no-untyped-def]
+    rate_d, rate_q, rate_z = rates
+    dt, shear_modulus, bulk_modulus = strain.dt, soil.shear_modulus, soil.bulk_modulus
+    d, q = rotate(state.solid_d[i], state.solid_q[i], strain.angle)
+    d += rate_d * dt
+    q += rate_q * dt
+    z = state.solid_z[i] + rate_z * dt
+    bounded = yields(terms.elastic_after_failure, state, i)
+    p_limited = limit_tension(solid, p) if bounded else p
+    p_solid = dilate(terms.dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus) if bounded else p
+    factor = return_factor(solid, p_solid, d, q, z) if bounded else 1.0
+    gather_plastic_strain(terms.slip, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
+    state.solid_z[i] = z * factor
+    state.solid_d[i], state.solid_q[i] = slide(
+        terms.seams, state, i, p_solid, d * factor, q * factor, state.solid_z[i], state.beta[i], shear_modulus, time
+    )
+    reached[k] = 1.0 if factor < 1.0 or p_limited > p else 0.0
+    return p_solid, state.solid_d[i], state.solid_q[i], state.solid_z[i]
 
 
 @jit
-def _update_fluid(fluid, law, seams, shear_modulus, state, i, p, l_xx, l_yy, d_xy, angle, dt, time):  # type: ignore[no-untyped-def]
-    if fluid is None:
-        return 0.0, 0.0, 0.0, 0.0
-    else:
-        p = limit_tension(fluid, p)
-        d, q, z = fluid_deviator(law, fluid, p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i], l_xx, l_yy, d_xy, angle, dt)
-        d, q = slide(seams, state, i, p, d, q, z, 1.0 - state.beta[i], shear_modulus, time)
-        failed = state.phase[i] == FAILED
-        state.fluid_d[i] = d if failed else 0.0
-        state.fluid_q[i] = q if failed else 0.0
-        state.fluid_z[i] = z if failed else 0.0
-        return p, state.fluid_d[i], state.fluid_q[i], state.fluid_z[i]
-
-
-@jit
-def _update_solid(  # type: ignore[no-untyped-def]
-    solid,
-    after_failure,
-    dilation,
-    slip,
-    seams,
-    shear_modulus,
-    bulk_modulus,
-    state,
-    i,
-    p,
-    rate_d,
-    rate_q,
-    rate_z,
-    angle,
-    dt,
-    time,
-    reached,
-    k,
-):
-    if solid is None:
-        return 0.0, 0.0, 0.0, 0.0
-    else:
-        d, q = rotate(state.solid_d[i], state.solid_q[i], angle)
-        d += rate_d * dt
-        q += rate_q * dt
-        z = state.solid_z[i] + rate_z * dt
-        bounded = yields(after_failure, state, i)
-        p_limited = limit_tension(solid, p) if bounded else p
-        p_solid = dilate(dilation, solid, state, i, p_limited, d, q, z, shear_modulus, bulk_modulus) if bounded else p
-        factor = return_factor(solid, p_solid, d, q, z) if bounded else 1.0
-        gather_plastic_strain(slip, state, i, factor, d, q, (p_limited - p) / bulk_modulus, shear_modulus)
-        state.solid_z[i] = z * factor
-        state.solid_d[i], state.solid_q[i] = slide(
-            seams, state, i, p_solid, d * factor, q * factor, state.solid_z[i], state.beta[i], shear_modulus, time
-        )
-        reached[k] = 1.0 if factor < 1.0 or p_limited > p else 0.0
-        return p_solid, state.solid_d[i], state.solid_q[i], state.solid_z[i]
-
-
-@jit
-def _where(wanted, value):  # type: ignore[no-untyped-def]
-    if wanted is None:
-        return None
-    else:
-        return value
-
-
-@jit
-def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
-    """Density, both states, beta and stress of particles first to last; a state for which None is given does not matter to any.
+def _advance_chunk(solid, fluid, state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
+    """Density, both states, beta and stress of particles first to last; a state whose yield surface is None does not matter to any.
 
     Notes in ``reached`` who reached the failure surface; returns the internal work over dt, W/m.
     """
@@ -152,7 +175,7 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
     internal = 0.0
     for i in rows(first, last):
         soil = material_of(terms.layers, terms.soil, i)
-        solid, fluid = _where(with_solid, soil.solid), _where(with_fluid, soil.fluid)
+        own_solid, own_fluid = _of_particle(solid, soil.solid), _of_particle(fluid, soil.fluid)
         bulk = soil.bulk_modulus
         density = state.density[i]
         s = 1.0 / density
@@ -160,43 +183,21 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
             terms.gradient_correction, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
         )
         trace = l_xx + l_yy
-        d_xy = 0.5 * (l_xy + l_yx)
-        angle = 0.5 * (l_xy - l_yx) * dt
+        strain = Strain(l_xx, l_yy, 0.5 * (l_xy + l_yx), 0.5 * (l_xy - l_yx) * dt, dt)
         deform(terms.initial_arrangement, state, i, l_xx * dt, l_xy * dt, l_yx * dt, l_yy * dt)
-        rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, d_xy)
+        rates = elastic_increment(soil.shear_modulus, strain.xx, strain.yy, strain.xy)
         new_density = max(density * (1.0 - trace * dt), terms.least_density)
         state.density[i] = new_density
         p = pressure(bulk, new_density, terms.reference_density)
-        beta = _update_beta(fluid, soil.loss, terms.slip, state, i)
-        p_f, d_f, q_f, z_f = _update_fluid(
-            fluid, soil.fluid_law, terms.seams, soil.shear_modulus, state, i, p, l_xx, l_yy, d_xy, angle, dt, time
-        )
-        p_s, d_s, q_s, z_s = _update_solid(
-            solid,
-            terms.elastic_after_failure,
-            terms.dilation,
-            terms.slip,
-            terms.seams,
-            soil.shear_modulus,
-            bulk,
-            state,
-            i,
-            p,
-            rate_d,
-            rate_q,
-            rate_z,
-            angle,
-            dt,
-            time,
-            reached,
-            i - np.uint64(first),
-        )
+        beta = _update_beta(own_fluid, terms, soil, state, i)
+        p_f, d_f, q_f, z_f = _update_fluid(own_fluid, terms, soil, state, i, p, strain, time)
+        p_s, d_s, q_s, z_s = _update_solid(own_solid, terms, soil, state, i, p, rates, strain, time, reached, i - np.uint64(first))
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
         keep_normal_stress(terms.seams, i, blend(beta, p_s, p_f), d, q, z)
         water = carried_pressure(terms.pore_pressure, soil, i, beta, p, time)
         mean = -blend(beta, p_s, p_f) - 0.5 * z - water
-        rate_d, rate_q = without_slip(terms.seams, i, rate_d, rate_q)
-        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rate_z, trace)
+        rate_d, rate_q = without_slip(terms.seams, i, rates[0], rates[1])
+        damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rates[2], trace)
         s = 1.0 / (new_density * new_density)
         internal += half * power(terms.gradient_correction, state, gradient, i)
         store_stress(
@@ -204,15 +205,6 @@ def _advance_chunk(with_solid, with_fluid, state, pairs, terms, gradient, reache
         )
         internal += half * power(terms.gradient_correction, state, gradient, i)
     return internal
-
-
-@jit
-def _last_that_fails(absorbing, n_soil, last):  # type: ignore[no-untyped-def]
-    """Absorbing boundary particles stand for soil far away, and do not fail."""
-    if absorbing is None:
-        return last
-    else:
-        return min(last, n_soil)
 
 
 @jit
@@ -224,7 +216,7 @@ def _has_slipped(terms, state, i):  # type: ignore[no-untyped-def]
 def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
     """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
     newly_failed = 0
-    for i in range(first, _last_that_fails(terms.absorbing_walls, terms.n_soil, last)):
+    for i in range(first, min(last, terms.n_failing)):
         if state.phase[i] == UNARMED:
             state.phase[i] = YIELDED if reached[i - first] > 0.0 and _has_slipped(terms, state, i) else ARMED
         elif state.phase[i] == HELD:
@@ -260,6 +252,7 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
     ``gradient`` (4, n) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy; ``reached``
     (CHUNK,) is room to work in.  Returns the number of particles that failed and the internal work over dt, W/m.
     """
+    solid, fluid = terms.soil.solid, terms.soil.fluid
     failed = 0
     internal = 0.0
     for begin in range(first, min(last, terms.n_stressed), CHUNK):
@@ -271,11 +264,11 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
             some_to_arm |= state.phase[i] != ARMED and state.phase[i] != FAILED
             some_solid |= state.beta[i] > 0.0
         if not some_failed:
-            internal += _advance_chunk(True, None, state, pairs, terms, gradient, reached, time, begin, end)
+            internal += _advance_chunk(solid, None, state, pairs, terms, gradient, reached, time, begin, end)
         elif some_solid:
-            internal += _advance_chunk(True, True, state, pairs, terms, gradient, reached, time, begin, end)
+            internal += _advance_chunk(solid, fluid, state, pairs, terms, gradient, reached, time, begin, end)
         else:
-            internal += _advance_chunk(None, True, state, pairs, terms, gradient, reached, time, begin, end)
+            internal += _advance_chunk(None, fluid, state, pairs, terms, gradient, reached, time, begin, end)
         if time >= terms.armed_from and (some_to_arm or some_armed and _any_reached(reached, end - begin)):
             failed += _arm_and_fail(state, terms, reached, begin, end, time)
     return failed, internal

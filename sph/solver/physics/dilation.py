@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -34,16 +34,18 @@ class Dilation(NamedTuple):
     """the same of sin(phi)"""
 
 
-@jit
+@slot
 def dilate(term, surface, state, i, p, d, q, z, shear_modulus, bulk_modulus):  # type: ignore[no-untyped-def]
     """Pressure (Pa) after the dilation of particle i in a step, from its pressure p and trial deviator (d, q, z); notes the density."""
-    if term is None:
-        return p
-    else:
-        excess = max(shear_demand(surface, d, q, z) - strength(surface, p), 0.0)
-        growth = state.beta[i] * excess * term.flow[i] / (shear_modulus + bulk_modulus * term.friction[i] * term.flow[i])
-        state.density[i] *= 1.0 + growth
-        return p + (bulk_modulus + p) * growth
+    return p
+
+
+@dilate.of(Dilation)
+def _dilate(term, surface, state, i, p, d, q, z, shear_modulus, bulk_modulus):  # type: ignore[no-untyped-def]
+    excess = max(shear_demand(surface, d, q, z) - strength(surface, p), 0.0)
+    growth = state.beta[i] * excess * term.flow[i] / (shear_modulus + bulk_modulus * term.friction[i] * term.flow[i])
+    state.density[i] *= 1.0 + growth
+    return p + (bulk_modulus + p) * growth
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Dilation:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -22,13 +22,15 @@ class ElasticAfterFailure(NamedTuple):
     """The term; it has no coefficients."""
 
 
-@jit
+@slot
 def yields(term, state, i):  # type: ignore[no-untyped-def]
     """Whether the solid state of particle i is bounded by its yield surface."""
-    if term is None:
-        return True
-    else:
-        return state.phase[i] != FAILED
+    return True
+
+
+@yields.of(ElasticAfterFailure)
+def _yields(term, state, i):  # type: ignore[no-untyped-def]
+    return state.phase[i] != FAILED
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ElasticAfterFailure:

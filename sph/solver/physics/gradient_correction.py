@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -20,68 +21,108 @@ class GradientCorrection(NamedTuple):
     min_determinant: float
 
 
-@jit
-def invert(term, residual_viscosity, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    """Inverse of the moment matrix over density for the terms that use it; the identity without them or where it is too singular."""
-    if term is None:
-        return _invert(residual_viscosity, density, m_xx, m_xy, m_yy)
-    else:
-        return _invert(term, density, m_xx, m_xy, m_yy)
+@slot
+def either(term, other):  # type: ignore[no-untyped-def]
+    """The correction where there is one, else another term."""
+    return other
 
 
-@jit
-def _invert(term, density, m_xx, m_xy, m_yy):  # type: ignore[no-untyped-def]
-    if term is None:
+@either.of(GradientCorrection)
+def _either(term, other):  # type: ignore[no-untyped-def]
+    return term
+
+
+class Sums(NamedTuple):
+    """Sums over the pairs of a particle."""
+
+    x: float
+    """of g, kg/m4"""
+    y: float
+    m_xx: float
+    """moments, of g times the vector to the neighbour, kg/m3"""
+    m_xy: float
+    m_yy: float
+
+
+@slot
+def invert(term, density, sums):  # type: ignore[no-untyped-def]
+    """Inverse (xx, xy, yy) of the moment matrix over density for a term that uses it.
+
+    The identity without one, or where the matrix is too singular.
+    """
+    return 1.0, 0.0, 1.0
+
+
+@invert.of(GradientCorrection)
+def inverse(term, density, sums):  # type: ignore[no-untyped-def]
+    """That for the record of a term."""
+    m_xx, m_xy, m_yy = sums.m_xx, sums.m_xy, sums.m_yy
+    determinant = m_xx * m_yy - m_xy * m_xy
+    if determinant < term.min_determinant * density * density:
         return 1.0, 0.0, 1.0
-    else:
-        determinant = m_xx * m_yy - m_xy * m_xy
-        if determinant < term.min_determinant * density * density:
-            return 1.0, 0.0, 1.0
-        s = density / determinant
-        return m_yy * s, -m_xy * s, m_xx * s
+    s = density / determinant
+    return m_yy * s, -m_xy * s, m_xx * s
 
 
-@jit
+@slot
 def correct_gradient(term, b, i, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
-    """Velocity gradient exact for linear fields: L times the correction matrix."""
-    if term is None:
-        return l_xx, l_xy, l_yx, l_yy
-    else:
-        return (
-            l_xx * b[i, 0] + l_xy * b[i, 1],
-            l_xx * b[i, 1] + l_xy * b[i, 2],
-            l_yx * b[i, 0] + l_yy * b[i, 1],
-            l_yx * b[i, 1] + l_yy * b[i, 2],
-        )
+    """Velocity gradient exact for linear fields, by a term that uses it: L times the correction matrix."""
+    return l_xx, l_xy, l_yx, l_yy
 
 
-@jit
+@correct_gradient.of(GradientCorrection)
+def corrected(term, b, i, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+    """That for the record of a term."""
+    return (
+        l_xx * b[i, 0] + l_xy * b[i, 1],
+        l_xx * b[i, 1] + l_xy * b[i, 2],
+        l_yx * b[i, 0] + l_yy * b[i, 1],
+        l_yx * b[i, 1] + l_yy * b[i, 2],
+    )
+
+
+@slot
 def store_stress(term, b, i, state, sxx, syy, sxy):  # type: ignore[no-untyped-def]
     """Stress for the momentum equation, times the correction matrix where that is on."""
-    if term is None:
-        state.sxx[i] = sxx
-        state.syy[i] = syy
-        state.sxy[i] = sxy
-    else:
-        state.sxx[i] = sxx * b[i, 0] + sxy * b[i, 1]
-        state.sxy[i] = sxx * b[i, 1] + sxy * b[i, 2]
-        state.syx[i] = sxy * b[i, 0] + syy * b[i, 1]
-        state.syy[i] = sxy * b[i, 1] + syy * b[i, 2]
+    state.sxx[i] = sxx
+    state.syy[i] = syy
+    state.sxy[i] = sxy
 
 
-@jit
+@store_stress.of(GradientCorrection)
+def _store_stress(term, b, i, state, sxx, syy, sxy):  # type: ignore[no-untyped-def]
+    state.sxx[i] = sxx * b[i, 0] + sxy * b[i, 1]
+    state.sxy[i] = sxx * b[i, 1] + sxy * b[i, 2]
+    state.syx[i] = sxy * b[i, 0] + syy * b[i, 1]
+    state.syy[i] = sxy * b[i, 1] + syy * b[i, 2]
+
+
+@slot
 def transposed_shear(term, state):  # type: ignore[no-untyped-def]
     """yx component of the stress of the momentum equation; without correction it is symmetric."""
-    if term is None:
-        return state.sxy
-    else:
-        return state.syx
+    return state.sxy
+
+
+@transposed_shear.of(GradientCorrection)
+def _transposed_shear(term, state):  # type: ignore[no-untyped-def]
+    return state.syx
+
+
+@slot
+def _syx(term, state, i):  # type: ignore[no-untyped-def]
+    """That of particle i."""
+    return state.sxy[i]
+
+
+@_syx.of(GradientCorrection)
+def _own_syx(term, state, i):  # type: ignore[no-untyped-def]
+    return state.syx[i]
 
 
 @jit
 def power(term, state, gradient, i):  # type: ignore[no-untyped-def]
     """Power of the momentum equation's stress on the plain gradient sums, W/kg: conjugate to the forces."""
-    syx = state.sxy[i] if term is None else state.syx[i]
+    syx = _syx(term, state, i)
     return state.sxx[i] * gradient[0, i] + state.sxy[i] * gradient[1, i] + syx * gradient[2, i] + state.syy[i] * gradient[3, i]
 
 

@@ -27,12 +27,13 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries.periodic import wrap
-from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
+from sph.solver.moves import largest_move
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.walls import wrap
 from sph.solver.state import FAILED
 
 FAR_OFF = 0.2
@@ -63,90 +64,105 @@ class InitialArrangement(NamedTuple):
     """square of the distance by which it may have slid, m2"""
 
 
-@jit
+@slot
 def is_intact(term, pairs, i):  # type: ignore[no-untyped-def]
     """Whether particle i is intact, so that neighbours may be as at the start."""
-    if term is None:
-        return False
-    else:
-        return pairs.stretch[i, 0] == pairs.stretch[i, 0]
+    return False
 
 
-@jit
-def offset(term, intact, period, pairs, x, y, i, j):  # type: ignore[no-untyped-def]
+@is_intact.of(InitialArrangement)
+def _is_intact(term, pairs, i):  # type: ignore[no-untyped-def]
+    return pairs.stretch[i, 0] == pairs.stretch[i, 0]
+
+
+@slot
+def offset(term, intact, period, pairs, places, i, j):  # type: ignore[no-untyped-def]
     """Vector from particle j to i (m) that the pair has, and whether it is that of the start; ``intact`` says whether i is.
 
     The same for all of a row, so that a loop over it is compiled once for either.
     """
-    dx, dy = wrap(period, x[i] - x[j]), y[i] - y[j]
-    if term is None or not intact:
+    return wrap(period, places.x[i] - places.x[j]), places.y[i] - places.y[j], False
+
+
+@offset.of(InitialArrangement)
+def _offset(term, intact, period, pairs, places, i, j):  # type: ignore[no-untyped-def]
+    dx, dy = wrap(period, places.x[i] - places.x[j]), places.y[i] - places.y[j]
+    if not intact:
         return dx, dy, False
-    else:
-        first_x, first_y = wrap(period, term.x[i] - term.x[j]), term.y[i] - term.y[j]
-        f = pairs.stretch
-        new_x = (f[i, 0] + f[j, 0]) * first_x + (f[i, 1] + f[j, 1]) * first_y
-        new_y = (f[i, 2] + f[j, 2]) * first_x + (f[i, 3] + f[j, 3]) * first_y
-        first_square, off_square = first_x * first_x + first_y * first_y, (new_x - dx) ** 2 + (new_y - dy) ** 2
-        # The vector of those that are not intact is NaN, and so is how far off it is.
-        allowed = term.slide_square if max(i, j) >= term.first_slip else FAR_OFF**2 * first_square
-        kept = (first_square < term.reach_square) & (off_square <= allowed)
-        return new_x if kept else dx, new_y if kept else dy, kept
+    first_x, first_y = wrap(period, term.x[i] - term.x[j]), term.y[i] - term.y[j]
+    f = pairs.stretch
+    new_x = (f[i, 0] + f[j, 0]) * first_x + (f[i, 1] + f[j, 1]) * first_y
+    new_y = (f[i, 2] + f[j, 2]) * first_x + (f[i, 3] + f[j, 3]) * first_y
+    first_square, off_square = first_x * first_x + first_y * first_y, (new_x - dx) ** 2 + (new_y - dy) ** 2
+    # The vector of those that are not intact is NaN, and so is how far off it is.
+    allowed = term.slide_square if max(i, j) >= term.first_slip else FAR_OFF**2 * first_square
+    kept = (first_square < term.reach_square) & (off_square <= allowed)
+    return new_x if kept else dx, new_y if kept else dy, kept
 
 
-@jit
+@slot
 def keep_whether_all(term, pairs, i, as_they_lie):  # type: ignore[no-untyped-def]
     """Keep whether particle i has neighbours, ``as_they_lie`` of them, that are not as at the start."""
-    if term is None:
-        return
-    else:
-        pairs.changing[i] = as_they_lie > np.uint64(0)
 
 
-@jit
+@keep_whether_all.of(InitialArrangement)
+def _keep_whether_all(term, pairs, i, as_they_lie):  # type: ignore[no-untyped-def]
+    pairs.changing[i] = as_they_lie > np.uint64(0)
+
+
+@slot
 def start_pairs(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
     """Set the deformation with which the pairs of particles first to last are made, from what was last noted of it."""
-    if term is None:
-        return
-    else:
-        for i in range(first, last):
-            half = 0.5 if state.intact[i] else math.nan
-            for k in range(4):
-                pairs.stretch[i, k] = half * (state.stretch_pairs[k, i] + (1.0 if k == 0 or k == 3 else 0.0))
 
 
-@jit
+@start_pairs.of(InitialArrangement)
+def _start_pairs(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    for i in range(first, last):
+        half = 0.5 if state.intact[i] else math.nan
+        for k in range(4):
+            pairs.stretch[i, k] = half * (state.stretch_pairs[k, i] + (1.0 if k == 0 or k == 3 else 0.0))
+
+
+@slot
 def note_intact(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
     """Note which of particles first to last are intact now, and how they are deformed."""
-    if term is None:
-        return
-    else:
-        for i in range(first, last):
-            state.intact[i] = state.intact[i] & (state.phase[i] != FAILED)
-            for k in range(4):
-                state.stretch_pairs[k, i] = state.stretch[k, i]
-        start_pairs(term, state, pairs, first, last)
 
 
-@jit
+@note_intact.of(InitialArrangement)
+def _note_intact(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    for i in range(first, last):
+        state.intact[i] = state.intact[i] & (state.phase[i] != FAILED)
+        for k in range(4):
+            state.stretch_pairs[k, i] = state.stretch[k, i]
+    start_pairs(term, state, pairs, first, last)
+
+
+@slot
 def deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
     """Deform particle i by the increment of a displacement gradient."""
-    if term is None:
-        return
-    else:
-        f = state.stretch
-        f_xx, f_xy, f_yx, f_yy = 1.0 + f[0, i], f[1, i], f[2, i], 1.0 + f[3, i]
-        f[0, i] += xx * f_xx + xy * f_yx
-        f[1, i] += xx * f_xy + xy * f_yy
-        f[2, i] += yx * f_xx + yy * f_yx
-        f[3, i] += yx * f_xy + yy * f_yy
 
 
-@jit
-def largest_changes(term, state, pairs, look, first, last):  # type: ignore[no-untyped-def]
-    """Largest squared moves (m2) of particles first to last that their pairs and that the candidates would see.
+@deform.of(InitialArrangement)
+def _deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
+    f = state.stretch
+    f_xx, f_xy, f_yx, f_yy = 1.0 + f[0, i], f[1, i], f[2, i], 1.0 + f[3, i]
+    f[0, i] += xx * f_xx + xy * f_yx
+    f[1, i] += xx * f_xy + xy * f_yy
+    f[2, i] += yx * f_xx + yy * f_yx
+    f[3, i] += yx * f_xy + yy * f_yy
 
-    They are NaN if any is NaN or infinite.  Deformations are looked at where ``look`` is true.
+
+@slot
+def largest_changes(term, state, pairs, step, first, last):  # type: ignore[no-untyped-def]
+    """Largest squared moves (m2) of particles first to last that their pairs see, and that their pairs do not see and the candidates would.
+
+    They are NaN if any is NaN or infinite.
     """
+    return largest_move(state.x, state.y, state.x_pairs, state.y_pairs, first, last), 0.0
+
+
+@largest_changes.of(InitialArrangement)
+def _largest_changes(term, state, pairs, step, first, last):  # type: ignore[no-untyped-def]
     seen = far = total = 0.0
     for i in range(first, last):
         square = (state.x[i] - state.x_pairs[i]) ** 2 + (state.y[i] - state.y_pairs[i]) ** 2
@@ -154,7 +170,7 @@ def largest_changes(term, state, pairs, look, first, last):  # type: ignore[no-u
         seen = max(seen, square if changing else 0.0)
         far = max(far, (state.x[i] - state.x_candidates[i]) ** 2 + (state.y[i] - state.y_candidates[i]) ** 2)
         total += square
-    if look:
+    if step % LOOK_EVERY == 0:
         for i in range(first, last):
             strain = 0.0
             for k in range(4):

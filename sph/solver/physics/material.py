@@ -26,9 +26,8 @@ import numpy as np
 from sph.scene.layers import Layer, softening_of
 from sph.scene.schema import Scene
 from sph.scene.soil import Coupling, Soil
-from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
-from sph.solver.compiled.slots import with_numbers
+from sph.solver.compiled.slots import slot, with_numbers
 from sph.solver.optional import Term
 from sph.solver.particles import Particles, peak_strength
 from sph.solver.physics import capped_viscosity, elastic_viscoplastic, loss_by_slip, loss_by_time
@@ -138,39 +137,45 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
 TERM = Term("layers", "layers or uncertain random fields: tables of materials", lambda scene: bool(scene.layers or scene.varying), _make)
 
 
-@jit
+@slot
 def material_of(layers, soil, i):  # type: ignore[no-untyped-def]
     """Coefficients of particle i: those of ``soil`` where there are no layers."""
-    if layers is None:
-        return soil
-    else:
-        t, k = layers.table, layers.layer[i]
-        fluid = 2 + len(soil.solid)
-        law = fluid + len(soil.fluid)
-        return Material(
-            t[k, 0],
-            t[k, 1],
-            with_numbers(soil.solid, t, k, 2),
-            with_numbers(soil.fluid, t, k, fluid),
-            with_numbers(soil.fluid_law, t, k, law),
-            t[k, law + len(soil.fluid_law)],
-            with_numbers(soil.loss, t, k, law + len(soil.fluid_law) + 1),
-        )
+    return soil
 
 
-@jit
+@material_of.of(Layers)
+def _material_of(layers, soil, i):  # type: ignore[no-untyped-def]
+    t, k = layers.table, layers.layer[i]
+    fluid = 2 + len(soil.solid)
+    law = fluid + len(soil.fluid)
+    return Material(
+        t[k, 0],
+        t[k, 1],
+        with_numbers(soil.solid, t, k, 2),
+        with_numbers(soil.fluid, t, k, fluid),
+        with_numbers(soil.fluid_law, t, k, law),
+        t[k, law + len(soil.fluid_law)],
+        with_numbers(soil.loss, t, k, law + len(soil.fluid_law) + 1),
+    )
+
+
+@slot
 def lightness(layers, i):  # type: ignore[no-untyped-def]
     """Density of the scene's own soil over that of particle i's."""
-    if layers is None:
-        return 1.0
-    else:
-        return layers.lightness[i]
+    return 1.0
 
 
-@jit
+@lightness.of(Layers)
+def _lightness(layers, i):  # type: ignore[no-untyped-def]
+    return layers.lightness[i]
+
+
+@slot
 def mean_impedance(layers, i, j, value):  # type: ignore[no-untyped-def]
     """A value times the mean impedance of particles i and j over that of the scene's own soil."""
-    if layers is None:
-        return value
-    else:
-        return value * 0.5 * (layers.impedance[i] + layers.impedance[j])
+    return value
+
+
+@mean_impedance.of(Layers)
+def _mean_impedance(layers, i, j, value):  # type: ignore[no-untyped-def]
+    return value * 0.5 * (layers.impedance[i] + layers.impedance[j])

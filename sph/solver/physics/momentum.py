@@ -12,13 +12,12 @@ needs no loop, because sum_j g_ij is kept with the pairs.
 
 from __future__ import annotations
 
-from sph.solver.boundaries.contact import detached
-from sph.solver.boundaries.no_slip import add_wall_gradient
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.physics.artificial_viscosity import add_dissipation, viscous_acceleration
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.material import lightness
 from sph.solver.physics.residual_viscosity import add_residual, keep_residual
+from sph.solver.physics.walls import add_wall_gradient, detached
 
 
 @jit
@@ -54,7 +53,7 @@ def stress_accelerations(state, pairs, term, contact, layers, viscosity, strain_
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(term, state)
     for i in rows(first, last):
-        detached_x, detached_y = detached(contact, pairs.contact, i)
+        detached_x, detached_y = detached(contact, pairs, i)
         ax = sxx[i] * (pairs.sum_x[i] - detached_x) + sxy[i] * (pairs.sum_y[i] - detached_y)
         ay = syx[i] * (pairs.sum_x[i] - detached_x) + syy[i] * (pairs.sum_y[i] - detached_y)
         sum_x = sum_y = 0.0

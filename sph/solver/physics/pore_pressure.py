@@ -27,8 +27,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles, layer_index, overburden
 from sph.solver.physics.kernels import Kernel
@@ -45,15 +45,17 @@ class PorePressure(NamedTuple):
     """time in which gravity is brought on, s"""
 
 
-@jit
+@slot
 def carried_pressure(term, soil, i, beta, p, time):  # type: ignore[no-untyped-def]
     """Pore pressure (Pa) of particle i at a time (s), from its weight beta and its pressure p before the cut-off in tension."""
-    if term is None:
-        return 0.0
-    else:
-        grown = time / term.ramp if time < term.ramp else 1.0
-        opened = beta * (limit_tension(soil.solid, p) - p) + (1.0 - beta) * (limit_tension(soil.fluid, p) - p)
-        return max(term.pressure[i] * grown - opened, 0.0)
+    return 0.0
+
+
+@carried_pressure.of(PorePressure)
+def _carried_pressure(term, soil, i, beta, p, time):  # type: ignore[no-untyped-def]
+    grown = time / term.ramp if time < term.ramp else 1.0
+    opened = beta * (limit_tension(soil.solid, p) - p) + (1.0 - beta) * (limit_tension(soil.fluid, p) - p)
+    return max(term.pressure[i] * grown - opened, 0.0)
 
 
 def pore_pressure(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -20,13 +20,15 @@ class PrescribedMotion(NamedTuple):
     yy: float
 
 
-@jit
+@slot
 def drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
     """Velocity of a particle in the prescribed motion; without one as it is."""
-    if term is None:
-        return vx, vy
-    else:
-        return term.xx * x + term.xy * y, term.yx * x + term.yy * y
+    return vx, vy
+
+
+@drive.of(PrescribedMotion)
+def _drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
+    return term.xx * x + term.xy * y, term.yx * x + term.yy * y
 
 
 def stopped(term: PrescribedMotion | None) -> PrescribedMotion | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Damping, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, Lattice
@@ -20,33 +20,39 @@ class RayleighDamping(NamedTuple):
     """beta_R, s"""
 
 
-@jit
+@slot
 def mass_damping(term):  # type: ignore[no-untyped-def]
     """Rate of the mass-proportional part, 1/s."""
-    if term is None:
-        return 0.0
-    else:
-        return term.mass
+    return 0.0
 
 
-@jit
+@mass_damping.of(RayleighDamping)
+def _mass_damping(term):  # type: ignore[no-untyped-def]
+    return term.mass
+
+
+@slot
 def stiffness_damping(term):  # type: ignore[no-untyped-def]
     """Time of the stiffness-proportional part, s."""
-    if term is None:
-        return 0.0
-    else:
-        return term.stiffness
+    return 0.0
 
 
-@jit
+@stiffness_damping.of(RayleighDamping)
+def _stiffness_damping(term):  # type: ignore[no-untyped-def]
+    return term.stiffness
+
+
+@slot
 def damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
     """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa."""
-    if term is None:
-        return 0.0, 0.0, 0.0
-    else:
-        scale = beta * term.stiffness
-        mean = bulk_modulus * trace - 0.5 * rate_z
-        return scale * (mean + rate_d), scale * (mean - rate_d), scale * rate_q
+    return 0.0, 0.0, 0.0
+
+
+@damping_stress.of(RayleighDamping)
+def _damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
+    scale = beta * term.stiffness
+    mean = bulk_modulus * trace - 0.5 * rate_z
+    return scale * (mean + rate_d), scale * (mean - rate_d), scale * rate_q
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> RayleighDamping:

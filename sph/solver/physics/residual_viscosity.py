@@ -16,11 +16,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.jit import rows
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics import artificial_viscosity
-from sph.solver.physics.gradient_correction import correct_gradient
+from sph.solver.physics.gradient_correction import correct_gradient, corrected, inverse, invert
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import lightness, mean_impedance
 
@@ -34,59 +35,66 @@ class ResidualViscosity(NamedTuple):
     """of the moment matrix below which strain rates are not corrected"""
 
 
+invert.of(ResidualViscosity)(inverse)
+correct_gradient.of(ResidualViscosity)(corrected)
 MIN_DETERMINANT = 0.1
 """Beside a straight free surface it is 0.3 to 0.5; below, at corners and in scattered debris, corrections grow beyond all bounds."""
 
 
-@jit
+@slot
 def keep_distance(term, distance, k, r):  # type: ignore[no-untyped-def]
     """Keep the distance of pair k, m."""
-    if term is None:
-        return
-    else:
-        distance[k] = r
 
 
-@jit
+@keep_distance.of(ResidualViscosity)
+def _keep_distance(term, distance, k, r):  # type: ignore[no-untyped-def]
+    distance[k] = r
+
+
+@slot
 def keep_strain_rate(term, correction, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
     """Strain rates of particles first to last into ``strain_rate`` (3, n): xx, yy and twice xy, 1/s."""
-    if term is None:
-        return
-    else:
-        for i in rows(first, last):
-            s = 1.0 / density[i]
-            l_xx, l_xy, l_yx, l_yy = correct_gradient(
-                term, correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
-            )
-            strain_rate[0, i] = l_xx
-            strain_rate[1, i] = l_yy
-            strain_rate[2, i] = l_xy + l_yx
 
 
-@jit
+@keep_strain_rate.of(ResidualViscosity)
+def _keep_strain_rate(term, correction, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
+    for i in rows(first, last):
+        s = 1.0 / density[i]
+        l_xx, l_xy, l_yx, l_yy = correct_gradient(
+            term, correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
+        )
+        strain_rate[0, i] = l_xx
+        strain_rate[1, i] = l_yy
+        strain_rate[2, i] = l_xy + l_yx
+
+
+@slot
 def add_residual(term, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y):  # type: ignore[no-untyped-def]
     """Add the viscosity of pair k, of particles i and j, to the sums of i."""
-    if term is None:
-        return sum_x, sum_y
-    else:
-        gx, gy = pairs.gx[k], pairs.gy[k]
-        inverse_norm = pairs.inverse_norm[k]
-        opening = (state.vx[j] - state.vx[i]) * gx + (state.vy[j] - state.vy[i]) * gy
-        explained = (strain_rate[0, i] + strain_rate[0, j]) * gx * gx + (strain_rate[1, i] + strain_rate[1, j]) * gy * gy
-        explained += (strain_rate[2, i] + strain_rate[2, j]) * gx * gy
-        left = opening - 0.5 * pairs.distance[k] * inverse_norm * explained
-        strength = mean_impedance(layers, i, j, min(max(opening, left), 0.0) * inverse_norm)
-        return sum_x + strength * gx, sum_y + strength * gy
+    return sum_x, sum_y
 
 
-@jit
+@add_residual.of(ResidualViscosity)
+def _add_residual(term, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    gx, gy = pairs.gx[k], pairs.gy[k]
+    inverse_norm = pairs.inverse_norm[k]
+    opening = (state.vx[j] - state.vx[i]) * gx + (state.vy[j] - state.vy[i]) * gy
+    explained = (strain_rate[0, i] + strain_rate[0, j]) * gx * gx + (strain_rate[1, i] + strain_rate[1, j]) * gy * gy
+    explained += (strain_rate[2, i] + strain_rate[2, j]) * gx * gy
+    left = opening - 0.5 * pairs.distance[k] * inverse_norm * explained
+    strength = mean_impedance(layers, i, j, min(max(opening, left), 0.0) * inverse_norm)
+    return sum_x + strength * gx, sum_y + strength * gy
+
+
+@slot
 def keep_residual(term, layers, state, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
     """Keep the acceleration of the sums of particle i, m/s2."""
-    if term is None:
-        return
-    else:
-        state.viscous_x[i] = term.speed * sum_x * lightness(layers, i)
-        state.viscous_y[i] = term.speed * sum_y * lightness(layers, i)
+
+
+@keep_residual.of(ResidualViscosity)
+def _keep_residual(term, layers, state, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    state.viscous_x[i] = term.speed * sum_x * lightness(layers, i)
+    state.viscous_y[i] = term.speed * sum_y * lightness(layers, i)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ResidualViscosity:

@@ -31,6 +31,7 @@ from sph.scene.places import shifted
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.elasticity import rotate
@@ -87,106 +88,115 @@ def _soil_row(term, i):  # type: ignore[no-untyped-def]
     return k if k < term.soil_rows else -1
 
 
-@jit
+@slot
 def slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
     """Deviator (d, q) of a state of particle i, with its weight, whose stress on the seam is at most the seam's strength."""
-    if term is None:
+    return d, q
+
+
+@slide.of(Seams)
+def _slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
+    k = _soil_row(term, i)
+    if k < 0:
         return d, q
-    else:
-        k = _soil_row(term, i)
-        if k < 0:
-            return d, q
-        c, s = term.cosine[k], term.sine[k]
-        along, shear = d * c + q * s, q * c - d * s
-        own = p + 0.5 * z + along
-        normal = state.seam_normal[i] if state.seam_normal[i] != 0.0 else own  # 0 before the first step only
-        lost = min(max((state.seam_slip[i] - term.slip_at_peak[k]) / term.span[k], 0.0), 1.0)
-        cohesion = term.cohesion[k, 0] - lost * term.cohesion[k, 1]
-        friction = term.friction[k, 0] - lost * term.friction[k, 1]
-        limit = max(cohesion + normal * friction, 0.0)
-        held = min(max(shear, -limit), limit)
-        if time >= term.armed_from:
-            state.seam_strain[i] += weight * abs(shear - held) / shear_modulus
-        along, held = rotate(along, held, 0.5 * (held - shear) / shear_modulus)  # back by the spin of the slip
-        held = min(max(held, -limit), limit)
-        opens = friction > 0.0 and normal * friction <= -OPENING * cohesion
-        along += max(-cohesion / friction - (p + 0.5 * z + along), 0.0) if opens else 0.0
-        return along * c - held * s, along * s + held * c
+    c, s = term.cosine[k], term.sine[k]
+    along, shear = d * c + q * s, q * c - d * s
+    own = p + 0.5 * z + along
+    normal = state.seam_normal[i] if state.seam_normal[i] != 0.0 else own  # 0 before the first step only
+    lost = min(max((state.seam_slip[i] - term.slip_at_peak[k]) / term.span[k], 0.0), 1.0)
+    cohesion = term.cohesion[k, 0] - lost * term.cohesion[k, 1]
+    friction = term.friction[k, 0] - lost * term.friction[k, 1]
+    limit = max(cohesion + normal * friction, 0.0)
+    held = min(max(shear, -limit), limit)
+    if time >= term.armed_from:
+        state.seam_strain[i] += weight * abs(shear - held) / shear_modulus
+    along, held = rotate(along, held, 0.5 * (held - shear) / shear_modulus)  # back by the spin of the slip
+    held = min(max(held, -limit), limit)
+    opens = friction > 0.0 and normal * friction <= -OPENING * cohesion
+    along += max(-cohesion / friction - (p + 0.5 * z + along), 0.0) if opens else 0.0
+    return along * c - held * s, along * s + held * c
 
 
-@jit
+@slot
 def keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
     """Keep the effective normal stress of particle i on its seam."""
-    if term is None:
-        return
-    else:
-        k = _soil_row(term, i)
-        if k >= 0:
-            term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
 
 
-@jit
+@keep_normal_stress.of(Seams)
+def _keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
+    k = _soil_row(term, i)
+    if k >= 0:
+        term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
+
+
+@slot
 def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
     """Rates (d, q) of the deviator of particle i without that of shear along its seam."""
-    if term is None:
+    return d, q
+
+
+@without_slip.of(Seams)
+def _without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
+    k = _soil_row(term, i)
+    if k < 0:
         return d, q
-    else:
-        k = _soil_row(term, i)
-        if k < 0:
-            return d, q
-        along = d * term.cosine[k] + q * term.sine[k]
-        return along * term.cosine[k], along * term.sine[k]
+    along = d * term.cosine[k] + q * term.sine[k]
+    return along * term.cosine[k], along * term.sine[k]
 
 
-@jit
+@slot
 def average_seams(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
     """Slip and mean normal stress of the particles first to last that lie at seams."""
-    if term is None:
-        return
-    else:
-        for i in range(first, last):
-            k = term.row[i]
-            if k >= 0:
-                slip = normal = grip = 0.0
-                for m in range(term.first[k], term.first[k + 1]):
-                    j = term.near[m]
-                    met = term.weight[m] * pairs.grip[term.particle[j]]
-                    slip += term.to_slip[m] * state.seam_strain[term.particle[j]]
-                    normal += met * term.normal[j]
-                    grip += met
-                state.seam_slip[i] = slip
-                state.seam_normal[i] = normal / grip if grip > 0.0 else 0.0
 
 
-@jit
+@average_seams.of(Seams)
+def _average_seams(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+    for i in range(first, last):
+        k = term.row[i]
+        if k >= 0:
+            slip = normal = grip = 0.0
+            for m in range(term.first[k], term.first[k + 1]):
+                j = term.near[m]
+                met = term.weight[m] * pairs.grip[term.particle[j]]
+                slip += term.to_slip[m] * state.seam_strain[term.particle[j]]
+                normal += met * term.normal[j]
+                grip += met
+            state.seam_slip[i] = slip
+            state.seam_normal[i] = normal / grip if grip > 0.0 else 0.0
+
+
+@slot
 def across(term, i, j):  # type: ignore[no-untyped-def]
     """Whether particles i and j lie on the two sides of a seam."""
-    if term is None:
-        return False
-    else:
-        return term.side[i] != 0 and term.side[i] == -term.side[j]
+    return False
 
 
-@jit
+@across.of(Seams)
+def _across(term, i, j):  # type: ignore[no-untyped-def]
+    return term.side[i] != 0 and term.side[i] == -term.side[j]
+
+
+@slot
 def turn_gradients(term, pairs, i, begin, count):  # type: ignore[no-untyped-def]
     """Turn the gradients of particle i's pairs across a seam, among the ``count`` from ``begin`` on, normal to it."""
-    if term is None:
-        return
-    else:
-        if term.side[i] != 0:
-            grip = 0.0
-            for k in range(begin, begin + count):
-                j = pairs.neighbour[k]
-                if across(term, i, j):
-                    a, b = term.row[i], term.row[j]
-                    c, s = 0.5 * (term.cosine[a] + term.cosine[b]), 0.5 * (term.sine[a] + term.sine[b])  # the same for both directions
-                    gx, gy = np.float64(pairs.gx[k]), np.float64(pairs.gy[k])
-                    nx, ny = 0.5 * ((1.0 - c) * gx - s * gy), 0.5 * ((1.0 + c) * gy - s * gx)
-                    pairs.gx[k] = nx
-                    pairs.gy[k] = ny
-                    pairs.inverse_norm[k] = 0.0  # no artificial viscosity
-                    grip += math.sqrt(nx * nx + ny * ny)
-            pairs.grip[i] = grip
+
+
+@turn_gradients.of(Seams)
+def _turn_gradients(term, pairs, i, begin, count):  # type: ignore[no-untyped-def]
+    if term.side[i] != 0:
+        grip = 0.0
+        for k in range(begin, begin + count):
+            j = pairs.neighbour[k]
+            if across(term, i, j):
+                a, b = term.row[i], term.row[j]
+                c, s = 0.5 * (term.cosine[a] + term.cosine[b]), 0.5 * (term.sine[a] + term.sine[b])  # the same for both directions
+                gx, gy = np.float64(pairs.gx[k]), np.float64(pairs.gy[k])
+                nx, ny = 0.5 * ((1.0 - c) * gx - s * gy), 0.5 * ((1.0 + c) * gy - s * gx)
+                pairs.gx[k] = nx
+                pairs.gy[k] = ny
+                pairs.inverse_norm[k] = 0.0  # no artificial viscosity
+                grip += math.sqrt(nx * nx + ny * ny)
+        pairs.grip[i] = grip
 
 
 def line_integral(kernel: Kernel, distance: np.ndarray) -> np.ndarray:

@@ -22,8 +22,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -42,20 +42,22 @@ class Seepage(NamedTuple):
     spacing: float
 
 
-@jit
+@slot
 def with_seepage(term, x, y, mass, gravity, weight_x, weight_y):  # type: ignore[no-untyped-def]
     """Acceleration (m/s2) by weight and water of a particle of a mass (kg/m) at a place, under the present gravity (m/s2)."""
-    if term is None:
-        return weight_x, weight_y
-    else:
-        u = term.push
-        across, up = (x - term.left) / term.spacing, (y - term.bottom) / term.spacing
-        k = min(max(int(across), 0), u.shape[0] - 2)
-        m = min(max(int(up), 0), u.shape[1] - 2)
-        right, above = min(max(across - k, 0.0), 1.0), min(max(up - m, 0.0), 1.0)
-        along_x = (u[k + 1, m] - u[k, m]) * (1.0 - above) + (u[k + 1, m + 1] - u[k, m + 1]) * above
-        along_y = (u[k, m + 1] - u[k, m]) * (1.0 - right) + (u[k + 1, m + 1] - u[k + 1, m]) * right
-        return weight_x - gravity * along_x / mass, weight_y - gravity * along_y / mass
+    return weight_x, weight_y
+
+
+@with_seepage.of(Seepage)
+def _with_seepage(term, x, y, mass, gravity, weight_x, weight_y):  # type: ignore[no-untyped-def]
+    u = term.push
+    across, up = (x - term.left) / term.spacing, (y - term.bottom) / term.spacing
+    k = min(max(int(across), 0), u.shape[0] - 2)
+    m = min(max(int(up), 0), u.shape[1] - 2)
+    right, above = min(max(across - k, 0.0), 1.0), min(max(up - m, 0.0), 1.0)
+    along_x = (u[k + 1, m] - u[k, m]) * (1.0 - above) + (u[k + 1, m + 1] - u[k, m + 1]) * above
+    along_y = (u[k, m + 1] - u[k, m]) * (1.0 - right) + (u[k + 1, m + 1] - u[k + 1, m]) * right
+    return weight_x - gravity * along_x / mass, weight_y - gravity * along_y / mass
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seepage:

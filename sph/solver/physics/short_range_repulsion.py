@@ -10,12 +10,13 @@ import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.boundaries.periodic import wrap
-from sph.solver.compiled.jit import jit, rows
+from sph.solver.compiled.jit import rows
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.seams import across
+from sph.solver.physics.walls import wrap
 
 
 class ShortRangeRepulsion(NamedTuple):
@@ -27,29 +28,31 @@ class ShortRangeRepulsion(NamedTuple):
     """N/m for a metre of thickness"""
 
 
-@jit
+@slot
 def add_repulsion(term, period, seams, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
     """Add the repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
 
     What moves shares a spring's energy with what moves, and has that with what stands still.
     """
-    if term is None:
-        return 0.0
-    else:
-        energy = 0.0
-        for i in rows(first, last):
-            for k in range(pairs.start[i], pairs.close_end[i]):
-                j = pairs.close[k]
-                dx = wrap(period, state.x[i] - state.x[j])
-                dy = state.y[i] - state.y[j]
-                r = math.sqrt(dx * dx + dy * dy)
-                if 0.0 < r < term.range and not across(seams, i, j):
-                    overlap = term.range - r
-                    force = term.stiffness * overlap / r
-                    energy += (0.25 if j < n_moving else 0.5) * term.stiffness * overlap * overlap
-                    state.ax[i] += force * dx / mass[i]
-                    state.ay[i] += force * dy / mass[i]
-        return energy
+    return 0.0
+
+
+@add_repulsion.of(ShortRangeRepulsion)
+def _add_repulsion(term, period, seams, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
+    energy = 0.0
+    for i in rows(first, last):
+        for k in range(pairs.start[i], pairs.close_end[i]):
+            j = pairs.close[k]
+            dx = wrap(period, state.x[i] - state.x[j])
+            dy = state.y[i] - state.y[j]
+            r = math.sqrt(dx * dx + dy * dy)
+            if 0.0 < r < term.range and not across(seams, i, j):
+                overlap = term.range - r
+                force = term.stiffness * overlap / r
+                energy += (0.25 if j < n_moving else 0.5) * term.stiffness * overlap * overlap
+                state.ax[i] += force * dx / mass[i]
+                state.ay[i] += force * dy / mass[i]
+    return energy
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ShortRangeRepulsion:

@@ -29,8 +29,8 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
@@ -57,53 +57,59 @@ class Slip(NamedTuple):
     """(particles,) bool: those whose solid state was at yield in this step"""
 
 
-@jit
+@slot
 def gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):  # type: ignore[no-untyped-def]
     """Gather the plastic strain of a step of particle i, from its trial deviator (d, q), its return factor and its opening strain."""
-    if term is None:
-        return
-    else:
-        slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(d * d + q * q) / shear_modulus
-        carries = state.beta[i] > 0.0
-        state.plastic_strain[i] = max(slipped, opening) if carries else state.plastic_strain[i]
-        term.at_yield[i] = carries and (factor < 1.0 or opening > 0.0)
 
 
-@jit
+@gather_plastic_strain.of(Slip)
+def _gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):  # type: ignore[no-untyped-def]
+    slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(d * d + q * q) / shear_modulus
+    carries = state.beta[i] > 0.0
+    state.plastic_strain[i] = max(slipped, opening) if carries else state.plastic_strain[i]
+    term.at_yield[i] = carries and (factor < 1.0 or opening > 0.0)
+
+
+@slot
 def average_plastic_strain(term, state, first, last):  # type: ignore[no-untyped-def]
     """Average the plastic strain around those of soil particles first to last whose solid state has a weight and is at yield."""
-    if term is None:
-        return
-    else:
-        for i in range(first, last):
-            if state.beta[i] > 0.0 and term.at_yield[i]:  # what is left of a step in which it had a weight says nothing
-                total = weight = 0.0
-                for k in range(term.step.size):
-                    j = term.grid[term.place[i] + term.step[k]]
-                    if j >= 0:
-                        weight += term.weight[k]
-                        total += term.weight[k] * state.plastic_strain[j] if term.soil[j] == term.soil[i] else 0.0
-                    elif j == WALL:
-                        weight += term.weight[k]
-                state.mean_plastic_strain[i] = total / weight
 
 
-@jit
+@average_plastic_strain.of(Slip)
+def _average_plastic_strain(term, state, first, last):  # type: ignore[no-untyped-def]
+    for i in range(first, last):
+        if state.beta[i] > 0.0 and term.at_yield[i]:  # what is left of a step in which it had a weight says nothing
+            total = weight = 0.0
+            for k in range(term.step.size):
+                j = term.grid[term.place[i] + term.step[k]]
+                if j >= 0:
+                    weight += term.weight[k]
+                    total += term.weight[k] * state.plastic_strain[j] if term.soil[j] == term.soil[i] else 0.0
+                elif j == WALL:
+                    weight += term.weight[k]
+            state.mean_plastic_strain[i] = total / weight
+
+
+@slot
 def mean_strain(term, state, i):  # type: ignore[no-untyped-def]
     """Mean plastic strain of particle i; 0 without the term."""
-    if term is None:
-        return 0.0
-    else:
-        return state.mean_plastic_strain[i]
+    return 0.0
 
 
-@jit
+@mean_strain.of(Slip)
+def _mean_strain(term, state, i):  # type: ignore[no-untyped-def]
+    return state.mean_plastic_strain[i]
+
+
+@slot
 def has_slipped(term, state, i, peak_strain):  # type: ignore[no-untyped-def]
     """Whether particle i, at yield, fails; without the term at once."""
-    if term is None:
-        return True
-    else:
-        return state.mean_plastic_strain[i] >= peak_strain
+    return True
+
+
+@has_slipped.of(Slip)
+def _has_slipped(term, state, i, peak_strain):  # type: ignore[no-untyped-def]
+    return state.mean_plastic_strain[i] >= peak_strain
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Slip:

@@ -230,7 +230,7 @@ def test_a_unit_is_the_users_only_where_the_file_says_none(tmp_path: Path) -> No
     for name in ("new.AT2", "a.smc", "a.csv", "a.V2"):
         path = tmp_path / name
         path.write_text(TEXTS[name])
-        with pytest.raises(ValueError, match="by its own words, unit: m/s2 contradicts it"):
+        with pytest.raises(ValueError, match="unit: m/s2 contradicts"):
             read_record(path, "m/s2")
 
 
@@ -271,12 +271,12 @@ def test_names_decide_which_columns_are_read(tmp_path: Path, name: str, beside: 
         ("time,ax,ay,az", ("may each be the horizontal",)),
         ("time,az,UD", ("may each be the vertical",)),
         ("t,v,d", ("'v' is no acceleration but a velocity",)),
-        ("T (s),PSA (g)", ("'PSA (g)' is no acceleration but a spectrum",)),
+        ("T (s),PSA (g)", ("spectrum",)),
         ("period (s),Sa (g)", ("name no columns of time",)),
-        ("time,pressure", ("is no acceleration but a quantity that is not read",)),
+        ("time,pressure", ("not read",)),
         ("time,alpha,beta", ("quantity that is not known",)),
         ("time,t,acc", ("name 2 columns of time",)),
-        ("time,UD (g)", ("says that it holds a vertical component", "vertical: {file: ...}")),
+        ("time,UD (g)", ("vertical component", "vertical: {file: ...}")),
         ("time,index", ("name no column of acceleration",)),
     ],
 )
@@ -298,7 +298,7 @@ def test_lines_with_a_number_sign_are_left_out_or_hold_the_names(tmp_path: Path)
     path.write_text("# time,vel,acc_g\n0,5,1\n0.01,6,2\n")
     np.testing.assert_allclose(read_record(path).acceleration, [9.81, 19.62])
     path.write_text("# acceleration in cm/s2\ntime,acc\n0,1\n0.01,2\n")
-    with pytest.raises(ValueError, match=r"line 1: 'acceleration in cm/s2' may name a unit.*ax \(cm/s2\)"):
+    with pytest.raises(ValueError, match=r"line 1: 'acceleration in cm/s2'.*ax \(cm/s2\)"):
         read_record(path)
     np.testing.assert_allclose(read_record(path, "gal").acceleration, [0.01, 0.02])
 
@@ -343,9 +343,7 @@ def test_a_vertical_component_is_no_horizontal_motion(tmp_path: Path, name: str)
     path = tmp_path / name
     path.write_text(VERTICAL[name])
     for read in (read_record, read_components):
-        with pytest.raises(
-            ValueError, match=r"vertical component, and the horizontal one is wanted here.*vertical: \{file: \.\.\.\}"
-        ) as error:
+        with pytest.raises(ValueError, match=r"vertical component.*vertical: \{file: \.\.\.\}") as error:
             read(path)
         assert str(path) in str(error.value)
     if "E-W" not in VERTICAL[name]:
@@ -355,7 +353,7 @@ def test_a_vertical_component_is_no_horizontal_motion(tmp_path: Path, name: str)
 @pytest.mark.parametrize("name", ["a.EW", "b.ns2"])
 def test_a_horizontal_component_is_no_vertical_motion(tmp_path: Path, name: str) -> None:
     (tmp_path / name).write_text(knet(SINE, RATE))
-    with pytest.raises(ValueError, match="holds a horizontal component, and the vertical one is wanted here"):
+    with pytest.raises(ValueError, match="horizontal component"):
         read_components(tmp_path / name, wanted="vertical")
 
 
@@ -394,7 +392,7 @@ def test_the_integers_of_headers_tell_a_vertical_sensor(tmp_path: Path, ending: 
 def test_an_at2_file_of_another_quantity_is_refused(tmp_path: Path, title: str) -> None:
     path = tmp_path / "a.AT2"
     path.write_text(TEXTS["new.AT2"].replace("ACCELERATION TIME SERIES IN UNITS OF G", title))
-    with pytest.raises(ValueError, match=f"a.AT2, line 3: must be a record of acceleration over time, .*{title[:6]}"):
+    with pytest.raises(ValueError, match=f"a.AT2, line 3: .*acceleration.*{title[:6]}"):
         read_record(path)
 
 
@@ -446,7 +444,7 @@ def test_the_interval_of_a_cosmos_file_agrees_with_its_header(tmp_path: Path) ->
 def test_an_unknown_ending_is_told_the_formats(tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"record{ending}"
     path.write_text(TEXTS["new.AT2"])
-    with pytest.raises(ValueError, match=r"must be a record, by its ending .*PEER \.at2, K-NET.*COSMOS.*\.csv below a line 'time \(s\)"):
+    with pytest.raises(ValueError, match=r"PEER \.at2, K-NET.*COSMOS.*\.csv"):
         read_components(path)
     for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
         result = CliRunner().invoke(app, [command[0], str(path), *command[1:]])

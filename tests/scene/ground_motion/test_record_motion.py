@@ -15,8 +15,8 @@ from small_scenes import SLOPE
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.experiments.registry import load_study
 from sph.page.tables import key_rows
-from sph.paper.study import load_study
 from sph.scene.configuration import merge, read_scene, scene_files
 from sph.scene.ground_motion import motion_of
 from sph.scene.ground_motion.measures import measure
@@ -159,19 +159,20 @@ def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None
 
 
 BAD: list[tuple[dict[str, Any], list[str]]] = [
-    ({}, ["motion: file: is required where there are neither data nor stochastic"]),
+    ({}, ["motion: file: is required"]),
     (
         {"file": "records/h.AT2", "amplitude": 1.0, "peak_velocity": 0.1},
-        ["peak_velocity: 0.1 m/s: the record is scaled to amplitude: 1 m/s2 already"],
+        ["peak_velocity: 0.1 m/s", "amplitude: 1 m/s2"],
     ),
-    ({"file": "records/h.AT2", "arias_intensity": 1.0, "factor": 2.0}, ["factor: 2 with arias_intensity: 1 m/s must be 1 or -1"]),
+    ({"file": "records/h.AT2", "arias_intensity": 1.0, "factor": 2.0}, ["factor: 2 with arias_intensity: 1 m/s"]),
     ({"file": "absent.at2"}, ["motion: file: 'absent.at2'", "No such file"]),
     ({"file": "records"}, ["records", "is a folder; name a file"]),
     ({"file": "a\0b"}, ["motion: file: ", "null"]),
+    ({"file": ""}, ["motion.file: ", "at least 1"]),
     ({"file": 3}, ["motion.file: ", "string", "3"]),
     ({"file": "records/h.AT2", "unit": "furlong"}, ["motion.unit: ", "'m/s2'", "furlong"]),
     ({"file": "records/h.AT2", "unit": "gal"}, ["h.AT2", "contradicts"]),
-    ({"file": "records/h.AT2", "vertical": {}}, ["motion: vertical: ", "neither a second file nor a third column"]),
+    ({"file": "records/h.AT2", "vertical": {}}, ["motion: vertical: ", "third column"]),
     ({"file": "records/h.AT2", "vertical": {"file": "absent"}}, ["motion: file: 'absent'", "No such file"]),
     ({"file": "records/h.AT2", "vertical": {"file": "slow.AT2"}}, ["vertical.file", "slow.AT2", "0.02 s", "0.005 s"]),
     ({"file": "records/h.AT2", "vertical": {"file": "late.csv"}}, ["vertical.file", "late.csv: begins at 2 s", "h.AT2 at 0 s"]),
@@ -222,7 +223,7 @@ def test_steps_beside_the_samples_are_refused_where_they_miss_the_peak(start: fl
     data = {"interval": 0.005, "x": [0.0] * 5, "y": [0.0] * 5} | {direction: [0.0, 1.0, -4.0, 1.0, 0.0]}
     outputs = {"series_interval": 0.1, "frame_interval": 0.5}
     scene = merge(shaken(data=data, start=start, vertical={}), {"numerics": {"time_step": step}, "outputs": outputs})
-    with pytest.raises(ValueError, match=rf"numerics.time_step: .* misses {missed} of the peak of motion, a record every 0.005 s"):
+    with pytest.raises(ValueError, match=rf"numerics.time_step: .*{missed}.*0.005 s"):
         make_scene(scene)
 
 
@@ -334,5 +335,5 @@ def test_a_folder_and_a_pipe_are_no_records(tmp_path: Path) -> None:
     (tmp_path / "folder.csv").mkdir()
     os.mkfifo(tmp_path / "pipe.csv")  # which would be waited for without end
     for name, what in (("folder.csv", "a folder"), ("pipe.csv", "a device or a pipe")):
-        with pytest.raises(ValueError, match=rf"motion: file: .*{name}' cannot be read: is {what}; name a file"):
+        with pytest.raises(ValueError, match=rf"motion: file: .*{name}'.*{what}"):
             make_scene(shaken(file=str(tmp_path / name)))

@@ -3,19 +3,19 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sph.figures import RUN_FIGURES, save
+from sph.experiments.steps import run_figures
+from sph.figures import save
 from sph.jobs.log import Job, job_log
-from sph.paper.figures import FIGURES
 from sph.study.planned import Planned
 
 
 def draw_figure(
-    name: str,
     paths_to_runs: Sequence[str],
+    paths_to_pictures: Sequence[str],
+    name: str,
     scenes: Sequence[Planned],
     titles: Sequence[Sequence[str]],
     fidelity: str,
-    paths_to_pictures: Sequence[str],
 ) -> None:
     """Draw a figure of any study or of the paper's from runs of planned scenes.
 
@@ -25,17 +25,10 @@ def draw_figure(
     shown: Any = {} if titles else runs[0]
     for (*panel, last), run in zip(titles, runs, strict=False):
         (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
-    save((RUN_FIGURES | FIGURES)[name](shown, fidelity=fidelity), *paths_to_pictures)
+    save(run_figures()[name](shown, fidelity=fidelity), *paths_to_pictures)
 
 
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]):
-        draw_figure(
-            snakemake.params.figure,
-            snakemake.input.runs,
-            snakemake.params.scenes,
-            snakemake.params.titles,
-            snakemake.params.fidelity,
-            [snakemake.output.png, snakemake.output.pdf],
-        )
+        draw_figure(snakemake.input.runs, snakemake.output, **snakemake.params.given)

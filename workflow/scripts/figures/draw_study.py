@@ -9,13 +9,13 @@ from sph.study.tables import Layout, read_table
 
 
 def draw_study(
-    name: str,
     path_to_table: str,
+    paths_to_pictures: Sequence[str],
+    name: str,
     layout: Layout,
     dimensions: Sequence[Dimension],
     probe: str,
     note: str,
-    paths_to_pictures: Sequence[str],
 ) -> None:
     """Draw a figure of ``STUDY_FIGURES`` from the study's table."""
     save(STUDY_FIGURES[name](read_table(path_to_table, layout), dimensions, probe, note), *paths_to_pictures)
@@ -24,12 +24,4 @@ def draw_study(
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]):
-        draw_study(
-            snakemake.wildcards.figure,
-            snakemake.input.table,
-            snakemake.params.layout,
-            snakemake.params.dimensions,
-            snakemake.params.probe,
-            snakemake.params.note,
-            [snakemake.output.png, snakemake.output.pdf],
-        )
+        draw_study(snakemake.input.table, snakemake.output, **snakemake.params.given)

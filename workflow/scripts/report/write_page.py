@@ -1,30 +1,30 @@
 """Write the page of a study."""
 
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from sph.jobs.log import Job, job_log
 from sph.page.build import StudyFiles, attributes, write_page
+from sph.study.planned import Planned
+
+
+def write(path_to_page: str, given: Any, scenes: Sequence[Planned], names: Sequence[str], **facts: Any) -> int:
+    """The page, of runs and stages of planned scenes, and its size; ``names`` are those of the runs, ``facts`` go into ``StudyFiles``."""
+    for path, planned in zip([*given.runs, *given.stages], scenes, strict=True):
+        planned.check(attributes(path), path)
+    study = StudyFiles(
+        folder=str(Path(path_to_page).parent),
+        table=given.study,
+        runs=dict(zip(names, given.runs, strict=True)),
+        files=[*given.yields, *given.files],
+        **facts,
+    )
+    return write_page(path_to_page, study)
+
 
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]) as log:
-        given, params = snakemake.input, snakemake.params
-        for path, planned in zip([*given.runs, *given.stages], params.scenes, strict=True):
-            planned.check(attributes(path), path)
-        study = StudyFiles(
-            params.name,
-            params.fidelity,
-            str(Path(snakemake.output[0]).parent),
-            given.study,
-            params.layout,
-            params.dimensions,
-            params.size,
-            dict(zip(params.names, given.runs, strict=True)),
-            params.stages,
-            [*given.yields, *given.files],
-            params.sections,
-            params.shown,
-            params.probe,
-        )
-        size = write_page(snakemake.output[0], study)
+        size = write(snakemake.output[0], snakemake.input, **snakemake.params.given)
         print(f"{snakemake.output[0]}: {size / 1e6:.1f} MB", file=log)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from sph.experiments.cost_accuracy.advice import expected_sentence
+from sph.experiments.trade.advice import expected_sentence
 from sph.jobs.log import Job, job_log
 from sph.storage import trajectory
 from sph.study.planned import Planned
@@ -11,12 +11,12 @@ from sph.study.tables import Layout, join_study
 
 def join(
     paths_to_parts: Sequence[str],
-    layout: Layout,
     path_to_run: str,
-    planned: Planned,
-    attrs: Mapping[str, str],
     path_to_nc: str,
     path_to_csv: str,
+    layout: Layout,
+    planned: Planned,
+    attrs: Mapping[str, str],
 ) -> None:
     """The tables of the study; ``attrs`` and those of a run, whose scene is planned, go into the netCDF."""
     run = planned.read(path_to_run)
@@ -29,12 +29,4 @@ def join(
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]):
-        join(
-            snakemake.input.parts,
-            snakemake.params.layout,
-            snakemake.input.run,
-            snakemake.params.scene,
-            {"title": snakemake.params.name, "fidelity": snakemake.params.fidelity},
-            snakemake.output.nc,
-            snakemake.output.csv,
-        )
+        join(snakemake.input.parts, snakemake.input.run, *snakemake.output, **snakemake.params.given)

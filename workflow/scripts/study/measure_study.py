@@ -15,12 +15,12 @@ from sph.study.tables import Layout, study_rows, write_csv
 
 def measure_study(
     paths_to_runs: Sequence[str],
+    path_to_csv: str,
     scenes: Sequence[Planned],
     searches: Mapping[str, SlopeSearch],
     points: Mapping[str, Mapping[str, str]],
     layout: Layout,
     settings: Mapping[str, Any],
-    path_to_csv: str,
 ) -> None:
     """One row a run: its point, as written, and its metrics; planned scenes and ``points``, by the name of the run, in the order of the
     paths; ``searches`` of the yield accelerations of their slopes, by run, where there are any."""
@@ -36,12 +36,4 @@ def measure_study(
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]):
-        measure_study(
-            snakemake.input.runs,
-            snakemake.params.scenes,
-            snakemake.params.searches,
-            snakemake.params.points,
-            snakemake.params.layout,
-            snakemake.params.settings,
-            snakemake.output[0],
-        )
+        measure_study(snakemake.input.runs, snakemake.output[0], **snakemake.params.given)

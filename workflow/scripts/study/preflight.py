@@ -10,7 +10,7 @@ from sph.study.planned import Planned
 from sph.study.preflight import Row, study_findings, study_stability, write_preflight
 
 
-def preflight(planned: Mapping[str, Planned], size: int, searches: Sequence[str], path_to_csv: str, log: TextIO) -> None:
+def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, searches: Sequence[str]) -> None:
     """One row a finding of the planned scenes, by run; ``size`` runs has the study, of whose slopes the limits ``searches`` are searched.
 
     Errors and warnings are said at once.
@@ -37,4 +37,4 @@ def tell(rows: Iterable[Row]) -> None:
 if __name__ == "__main__":
     snakemake: Job
     with job_log(snakemake.log[0]) as log:
-        preflight(snakemake.params.scenes, snakemake.params.size, snakemake.params.searches, snakemake.output[0], log)
+        preflight(snakemake.output[0], log, **snakemake.params.given)

@@ -1,0 +1,147 @@
+"""The table of the extremes: a row holds the status of a run, which ends sound, diverged or refused, and the results of its checks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy  # type: ignore[import-untyped]
+import xarray as xr
+
+from sph.experiments.base import Trace
+from sph.experiments.extremes.design import REFUSED, Row
+from sph.experiments.extremes.figures import figure_extremes
+from sph.experiments.steps import Step, table_step
+from sph.measures.linked import largest_mass
+from sph.measures.metrics import MetricSettings, energy_gap, outline_area
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL
+from sph.storage.trajectory import Variable, scene_of
+from sph.study.tables import ROW, number_column, read_csv
+
+SHIPPED = Path(__file__).parents[1] / "measured" / "extremes.csv"
+"""Table measured for this release."""
+LINK = 2.0
+"""Particles nearer than this many spacings hang together."""
+
+EXTREMES: tuple[Variable, ...] = (
+    Variable("sweep", ROW, "str", "1", "name of the key that is varied"),
+    Variable("value", ROW, "str", "1", "its value"),
+    Variable("case", ROW, "str", "1", "the slope, or the scheme of a sweep over time steps"),
+    Variable("status", ROW, "str", "1", "complete, unfailed, diverged, or refused before any work"),
+    Variable("reason", ROW, "str", "1", "why it diverged or was refused"),
+    number_column("time_step_ratio", "1", "largest time step over its limit measured on the particles as they lay"),
+    number_column("energy_gap", "1", "largest gap in the energy budget over the largest sum of its parts"),
+    number_column("area_change", "1", "area inside the outline of the largest mass at the end over that of all soil at the start, minus 1"),
+    number_column("nearest_p05", "1", "5th percentile of the distance to the nearest soil particle at the end over the spacing: pairing"),
+    number_column("nearest_least", "1", "smallest such distance over the spacing"),
+    number_column("penetration", "1", "largest depth of soil behind the face of a wall, over all frames, over the spacing"),
+    number_column("stragglers", "1", "share of the soil that is not in the largest mass at the end"),
+    number_column(
+        "asymmetry",
+        "1",
+        "largest distance of a particle from the mirror image of its counterpart, over the spacing; NaN in scenes without symmetry",
+    ),
+    number_column("displacement", "m", "largest displacement of a soil particle"),
+    number_column("reproducible", "1", "1 if the repeats gave the same bits, 0 if not; NaN for one run"),
+    number_column("wall_time", "s", "computing time of a run"),
+)
+"""The columns."""
+
+
+def penetration(run: xr.Dataset, scene: Scene) -> float:
+    """Largest depth of soil behind the face of a wall over all frames, over the spacing."""
+    soil = run["kind"].values == SOIL
+    x, y = (run[name].values[:, soil].astype(float) for name in ("x", "y"))
+    walls, depth = scene.walls, np.zeros(1)
+    width, height = (count * scene.numerics.spacing for count in scene.lattice)
+    inside = (x >= 0.0) & (x <= width) if walls.kinds.sides.open else np.ones(x.shape, bool)
+    if walls.kinds.base.stands:
+        depth = np.append(depth, -y[inside])
+    if walls.kinds.sides.stands:
+        beside = (y >= 0.0) & (y <= height)
+        depth = np.append(depth, np.append(-x[beside], x[beside] - width))
+    return float(np.nanmax(depth)) / scene.numerics.spacing
+
+
+def asymmetry(run: xr.Dataset, scene: Scene) -> float:
+    """Largest distance of a particle from the mirror image of its counterpart, over the spacing."""
+    soil = run["kind"].values == SOIL
+    x0, y0 = run["x0"].values[soil], run["y0"].values[soil]
+    x, y = (run[name].values[-1, soil].astype(float) for name in ("x", "y"))
+    _, twin = scipy.spatial.cKDTree(np.column_stack([x0, y0])).query(np.column_stack([scene.geometry.width - x0, y0]))
+    return float(np.hypot(scene.geometry.width - x[twin] - x, y[twin] - y).max()) / scene.numerics.spacing
+
+
+def measure_extreme(run: xr.Dataset, symmetric: bool) -> dict[str, Any]:
+    """The columns of a run."""
+    scene = scene_of(run)
+    soil, spacing = run["kind"].values == SOIL, scene.numerics.spacing
+    first, last = (np.column_stack([run[name].values[frame, soil].astype(float) for name in ("x", "y")]) for frame in (0, -1))
+    values: dict[str, Any] = {
+        "status": run.attrs["status"],
+        "reason": run.attrs["status_reason"],
+        "time_step_ratio": float((run["time_step"] / run["time_step_limit"]).max()),
+        "energy_gap": energy_gap(run),
+        "wall_time": float(run.attrs["wall_time_s"]),
+        "displacement": float(np.nanmax(np.hypot(*(last - first).T))),
+        "penetration": penetration(run, scene),
+        "asymmetry": asymmetry(run, scene) if symmetric else math.nan,
+    }
+    if np.isfinite(last).all():
+        mass = largest_mass(last[:, 0], last[:, 1], LINK * spacing)
+        nearest = scipy.spatial.cKDTree(last).query(last, k=2)[0][:, 1] / spacing
+        values |= {
+            "area_change": _area(last[mass], spacing) / _area(first, spacing) - 1.0,
+            "nearest_p05": float(np.percentile(nearest, 5)),
+            "nearest_least": float(nearest.min()),
+            "stragglers": 1.0 - float(np.mean(mass)),
+        }
+    return values
+
+
+def _area(places: np.ndarray, spacing: float) -> float:
+    return outline_area(places[:, 0], places[:, 1], spacing)
+
+
+def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd.DataFrame:
+    """One row a value and case; ``read`` gives a run by its file name."""
+    table = []
+    for row in rows:
+        values: dict[str, Any] = {"status": REFUSED, "reason": row.refused}
+        if row.runs:
+            repeats = [read(name) for name in row.runs]
+            values = measure_extreme(repeats[0], row.symmetric)
+            if len(repeats) > 1:
+                values["reproducible"] = float(all(repeat.equals(repeats[0]) for repeat in repeats[1:]))
+        table.append({"sweep": row.sweep, "value": row.value, "case": row.case, **values})
+    return pd.DataFrame(table, columns=[column.name for column in EXTREMES])
+
+
+def read_extremes(path: Path | str = SHIPPED) -> pd.DataFrame:
+    """Table from its CSV; ValueError names a file that is none."""
+    return read_csv(path, EXTREMES, "the extremes")
+
+
+def measure_extremes(rows: Sequence[Row], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
+    """How far the solver can be pushed: one key at a time to the ends of its range. Every run ends valid, diverged or refused, with a
+    reason.
+    """
+    return extremes_table(rows, read)
+
+
+TRACE = Trace(
+    EXTREMES,
+    ("sweep", "value", "case"),
+    lambda design: {(row.sweep, row.value, row.case): row.runs for row in design.rows},
+    lambda run, settings: {name: value for name, value in measure_extreme(run, False).items() if name != "asymmetry"},
+)
+READERS = {"table": lambda path, given: read_extremes(path)}
+STEPS = (
+    table_step("extremes", measure_extremes, {"extremes.csv": "every run"}),
+    Step("extremes_figure_extremes", figure_extremes, {"table": "extremes.csv"}, {"figures/extremes": "figure extremes"}),
+)

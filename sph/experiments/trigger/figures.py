@@ -1,0 +1,316 @@
+"""Critical intensities, maps over a dimension and the intensity, shares of the values searched that reach a class."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import textwrap
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy  # type: ignore[import-untyped]
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER
+from sph.experiments.trigger.design import Searched
+from sph.figures.style import (
+    GREY,
+    LINE_STYLES,
+    WIDTH,
+    also_in_g,
+    class_colours,
+    colour_map,
+    curve_colours,
+    label_panels,
+    plain,
+    styled,
+    write_note,
+    written,
+)
+from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.study.dimensions import Dimension, is_number
+
+MARKERS = "osD^v<>p"
+MOST_LETTERS = 72
+"""Most characters of the titles of panels side by side, together."""
+GRID_POINTS = 241
+"""Points along each side of a map's background."""
+
+
+class Mapped(NamedTuple):
+    """A quantity of a map: its column and its words."""
+
+    column: str
+    label: str
+
+
+MAPPED = {
+    "displacement": Mapped("displacement_magnitude", "displacement of A (m)"),
+    "runout": Mapped("runout", "run-out (m)"),
+    "failed": Mapped("failed_fraction", "failed part of the soil"),
+}
+"""The quantities that are mapped, by name."""
+
+
+def _words(found: Dimension, value: str) -> str:
+    """A dimension and one of its values."""
+    return written(f"{found.symbol} = {value} {found.shown_unit}".rstrip())
+
+
+def _axis(found: Dimension) -> str:
+    """Name of an axis."""
+    return written(found.label.replace("S_R", "strength ratio S_R") if found.name == "S_R" else found.label)
+
+
+def _at(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> pd.Series:
+    """What every row is at, in words: the values of some dimensions."""
+    return table.apply(lambda row: ", ".join(_words(found, row[found.name]) for found in dimensions), axis=1)
+
+
+def _across(table: pd.DataFrame, others: Sequence[Dimension]) -> tuple[Dimension | None, list[Dimension]]:
+    """The dimension along the horizontal axis, the first of numbers if there is one, and the rest."""
+    x = next((found for found in others if table[found.name].map(is_number).all()), None)
+    return x, [found for found in others if found != x]
+
+
+@styled
+def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
+    """Critical intensity against the first other numeric dimension: a curve per value of the rest, a row per class, a column per case;
+    against the cases where that dimension has one value.
+
+    ``table`` as from ``read_critical``; bars are the brackets.  An arrow stands where there is no bracket: down, the class is reached at
+    the lowest intensity; up, it is not reached at the highest.  Raises ValueError for an empty table.
+    """
+    if table.empty:
+        raise ValueError("table: no row to draw")
+    across, rest = _across(table, searched.others)
+    cases, classes = (list(dict.fromkeys(table[name])) for name in ("case", "collapse_class"))
+    by_case = len(cases) > 1 and (across is None or table[across.name].nunique() == 1)
+    if by_case:
+        across, rest = None, list(searched.others)
+    x = table["case"].map(cases.index).astype(float) if by_case else table[across.name].astype(float) if across else 0.0
+    table = table.assign(curve=_at(table, rest), x=x)
+    columns = [cases] if by_case else [[case] for case in cases]
+    curves = list(dict.fromkeys(table["curve"]))
+    looks = [dict(color=colour, marker=MARKERS[number % len(MARKERS)]) for number, colour in enumerate(curve_colours(len(curves)))]
+    figure = Figure(figsize=(WIDTH, 0.7 + 2.3 * len(classes)), layout="constrained")
+    axes = figure.subplots(len(classes), len(columns), sharex=True, sharey=True, squeeze=False)
+    titles = []
+    for ax, (name, shown) in zip(axes.flat, itertools.product(classes, columns), strict=True):
+        rows = table[(table["collapse_class"] == name) & table["case"].isin(shown)]
+        for look, curve in zip(looks, curves, strict=True):
+            _draw_brackets(ax, rows[rows["curve"] == curve], look | ({"linestyle": ""} if by_case else {}))
+        for column, style in zip(_estimates(searched), LINE_STYLES[1:], strict=False):
+            for case in shown:
+                _draw_estimate(ax, rows[rows["case"] == case], column, by_case, color=GREY, linewidth=1.0, linestyle=style, zorder=1)
+        titles.append(name if by_case else f"{name}: {plain(case)}")
+    label_panels(axes.flat, titles)
+    axes[0, 0].set_ylim(0.0, None)
+    for ax in axes[-1]:
+        if by_case:
+            ax.set_xticks(range(len(cases)), [plain(case) for case in cases], rotation=20 if max(map(len, cases)) > 8 else 0)
+        else:
+            ax.set(xlabel=_axis(across)) if across else ax.set(xticks=[])
+    for ax in axes[:, 0]:
+        ax.set_ylabel(plain(f"critical {searched.intensity.label}"))
+    _add_g(axes[:, -1], searched)
+    handles = [Line2D([], [], markersize=4, label=curve, **look) for look, curve in zip(looks, curves, strict=True) if curve]
+    handles += [
+        Line2D([], [], color=GREY, linewidth=1.0, linestyle=style, label=label)
+        for (column, label), style in zip(_estimates(searched).items(), LINE_STYLES[1:], strict=False)
+        if table[column].notna().any()
+    ]
+    if handles:
+        figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), handlelength=3.0)
+    write_note(figure, note)
+    return figure
+
+
+def _add_g(axes: Iterable[Axes], searched: Searched) -> None:
+    """A scale in g at the right of panels with the intensity upwards, where that is an acceleration."""
+    for ax in axes:
+        if searched.intensity.unit == "m/s2":
+            also_in_g(ax, "y")
+
+
+def _estimates(searched: Searched) -> dict[str, str]:
+    """Columns of the horizontal lines, and their names; an acceleration is drawn where the intensity is one."""
+    static = {"yield_acceleration": "pseudo-static"} if searched.intensity.unit == "m/s2" else {}
+    return {**static, "newmark_intensity": "sliding block (Newmark)"}
+
+
+def _draw_estimate(ax: Axes, rows: pd.DataFrame, column: str, by_case: bool, **look: Any) -> None:
+    """An estimate of a case: from end to end of the panel, or of the case, where it is one; else along its curves."""
+    if rows["x"].nunique() == 1 or rows[column].nunique() <= 1:
+        ends = (rows["x"].iloc[0] - 0.4, rows["x"].iloc[0] + 0.4) if by_case else (0.0, 1.0)
+        transform = ax.transData if by_case else ax.get_yaxis_transform()
+        ax.hlines(rows[column].unique(), *ends, transform=transform, **look)
+        return
+    for _, curve in rows.groupby("curve"):
+        curve = curve.sort_values("x")
+        ax.plot(curve["x"], curve[column], **look)
+
+
+def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
+    rows = rows.sort_values("x")
+    found = rows[rows["outcome"] == BRACKETED]
+    error = found["resolution_error"].to_numpy()
+    ax.errorbar(found["x"], found["critical_intensity"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
+    marks = [(rows["outcome"] == outcome, end, marker, 7) for outcome, end, marker in ((AT_LOWEST, "upper", "v"), (NEVER, "lower", "^"))]
+    marks.append(((rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0)), "critical_intensity", "o", 10))
+    for where, column, marker, size in marks:
+        _draw_marks(ax, rows[where], column, marker=marker, markersize=size, markerfacecolor="none", color=look["color"])
+
+
+@styled
+def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
+    """Class over a dimension and the intensity, a column a value of the rest and a row a case; dots are the points that were run, crosses
+    those that diverged.
+
+    ``points`` as from ``read_points``.  Between the points the ground has the class nearest to the interpolated rank.  Raises
+    ValueError for an empty table.
+    """
+    colours = class_colours()
+    norm = BoundaryNorm(np.arange(len(CLASSES) + 1) - 0.5, len(CLASSES))
+    figure, panels = _panels(points, searched)
+    for ax, plane in panels:
+        known = plane[plane["collapse_class"] != UNDETERMINED]
+        values = known["collapse_class"].map(CLASSES.index).to_numpy(dtype=float)
+        _draw_ground(ax, known, values, cmap=ListedColormap(colours), norm=norm)
+        _draw_points(ax, plane)
+    handles = [Patch(facecolor=colour, edgecolor=GREY, linewidth=0.4, label=name) for colour, name in zip(colours, CLASSES, strict=True)]
+    figure.legend(handles=[*handles, *_point_handles(points)], loc="outside upper center", ncols=6)
+    write_note(figure, note)
+    return figure
+
+
+@styled
+def figure_map(points: pd.DataFrame, searched: Searched, mapped: Mapped, note: str = "") -> Figure:
+    """A quantity over a dimension and the intensity, a column a value of the rest and a row a case, linear between the points.
+
+    ``points`` as from ``read_points``, drawn as dots; crosses diverged.  Raises ValueError for an empty table.
+    """
+    figure, panels = _panels(points, searched)
+    highest = float(np.nanmax(points[mapped.column].to_numpy(), initial=0.0)) or 1.0
+    for ax, plane in panels:
+        known = plane[plane[mapped.column].notna()]
+        ground = _draw_ground(ax, known, known[mapped.column].to_numpy(), cmap=colour_map("lajolla_r"), vmin=0.0, vmax=highest)
+        _draw_points(ax, plane)
+    figure.colorbar(ground, ax=[ax for ax, _ in panels], label=mapped.label, pad=0.02, aspect=30)
+    figure.legend(handles=_point_handles(points), loc="outside upper center", ncols=2)
+    write_note(figure, note)
+    return figure
+
+
+def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
+    """A panel a case and value of the dimensions beside the first on the undivided lattice, and the points in its plane."""
+    if points.empty:
+        raise ValueError("points: no point to draw")
+    across, *rest = searched.others
+    points = points.assign(x=points[across.name].astype(float), y=points[searched.intensity_name].astype(float), plane=_at(points, rest))
+    cases = list(dict.fromkeys(points["case"]))
+    undivided = points[points["round"] == 0].sort_values([found.name for found in rest], key=lambda column: column.astype(float))
+    planes = list(dict.fromkeys(undivided["plane"]))
+    figure = Figure(figsize=(WIDTH, 0.7 + 2.4 * len(cases)), layout="constrained")
+    axes = figure.subplots(len(cases), len(planes), sharex=True, sharey=True, squeeze=False)
+    pairs = [(case, plane) for case in cases for plane in planes]
+    titles = [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs]
+    letters = max(16, MOST_LETTERS // len(planes))
+    label_panels(axes.flat, ["\n".join(textwrap.wrap(title, letters, initial_indent="(a) "))[4:] for title in titles])
+    for ax in axes[-1]:
+        ax.set_xlabel(_axis(across))
+    for ax in axes[:, 0]:
+        ax.set_ylabel(plain(searched.intensity.label))
+    _add_g(axes[:, -1], searched)
+    shown = [points[(points["case"] == case) & (points["plane"] == plane)] for case, plane in pairs]
+    return figure, list(zip(axes.flat, shown, strict=True))
+
+
+def _draw_ground(ax: Axes, plane: pd.DataFrame, values: np.ndarray, **look: Any) -> Any:
+    """Values at points, linear between them, as a picture of their plane, distances by the plane's sides."""
+    ends = [(float(plane[name].min()), float(plane[name].max())) for name in ("x", "y")]
+    scaled = np.column_stack([(plane[name] - low) / (high - low) for name, (low, high) in zip("xy", ends, strict=True)])
+    at = np.linspace(0.0, 1.0, GRID_POINTS)
+    picture = scipy.interpolate.LinearNDInterpolator(scaled, values)(*np.meshgrid(at, at))
+    return ax.imshow(picture, origin="lower", extent=(*ends[0], *ends[1]), aspect="auto", interpolation="nearest", **look)
+
+
+def _draw_points(ax: Axes, plane: pd.DataFrame) -> None:
+    diverged = plane["collapse_class"] == UNDETERMINED
+    _draw_marks(ax, plane[~diverged], "y", **RUN_LOOK)
+    _draw_marks(ax, plane[diverged], "y", **DIVERGED_LOOK)
+
+
+def _draw_marks(ax: Axes, rows: pd.DataFrame, column: str, **look: Any) -> None:
+    """Marks that may lie on the frame; a line without points would upset the layout."""
+    if len(rows):
+        ax.plot(rows["x"], rows[column], clip_on=False, **{"linestyle": "", **look})
+
+
+RUN_LOOK: dict[str, Any] = {
+    "linestyle": "",
+    "marker": "o",
+    "markersize": 2.4,
+    "color": "black",
+    "markeredgecolor": "white",
+    "markeredgewidth": 0.4,
+}
+DIVERGED_LOOK: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 6, "color": "#0072b2", "markeredgewidth": 1.6}
+
+
+def _point_handles(points: pd.DataFrame) -> list[Line2D]:
+    handles = [Line2D([], [], label="run", **RUN_LOOK)]
+    if (points["collapse_class"] == UNDETERMINED).any():
+        handles.append(Line2D([], [], label="diverged", **DIVERGED_LOOK))
+    return handles
+
+
+def _mapped(mapped: Mapped, points: pd.DataFrame, searched: Searched, note: str) -> Figure:
+    return figure_map(points, searched, mapped, note)
+
+
+@styled
+def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
+    """Share of the values searched with which a class, or a worse one, is reached, against the intensity, a panel a class.
+
+    ``shares`` as from ``read_shares``.  A band lies between the lower and the upper bound that the points leave.  It is a share of values
+    of parameters, not a probability of a ground motion.  Raises ValueError for an empty table.
+    """
+    if shares.empty:
+        raise ValueError("shares: no row to draw")
+    cases = list(dict.fromkeys(shares["case"]))
+    looks = list(zip(cases, curve_colours(len(cases)), itertools.cycle(LINE_STYLES)))
+    figure = Figure(figsize=(WIDTH, 2.7), layout="constrained")
+    axes = figure.subplots(1, len(CLASSES) - 1, sharey=True)
+    for ax, name in zip(axes, CLASSES[1:], strict=True):
+        for case, colour, line in looks:
+            rows = shares[(shares["case"] == case) & (shares["collapse_class"] == name)]
+            at = np.append(rows[f"{searched.intensity_name}_lower"], rows[f"{searched.intensity_name}_upper"].iloc[-1])
+            low, high = (np.append(rows[end], rows[end].iloc[-1]) for end in ("share_lower", "share_upper"))
+            ax.fill_between(at, low, high, step="post", color=colour, alpha=0.25, linewidth=0)
+            for bound in (low, high):
+                ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
+        ax.set(xlabel=plain(searched.intensity.label), xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
+    axes[0].set_ylabel(written(f"share of {' and '.join(found.symbol for found in searched.others)} searched"))
+    label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
+    handles = [
+        Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between its bounds")
+        for case, colour, line in looks
+    ]
+    figure.legend(handles=handles, loc="outside upper center", ncols=2)
+    write_note(figure, note)
+    return figure
+
+
+MAPS: dict[str, tuple[str, Callable[[pd.DataFrame, Searched, str], Figure]]] = {
+    "shares": ("shares", figure_shares),
+    "map-class": ("points", figure_class_map),
+    **{f"map-{name}": ("points", functools.partial(_mapped, mapped)) for name, mapped in MAPPED.items()},
+}
+"""Figures of the maps by the names of their files: the table that each shows, and a function of it, the dimensions and the note."""

@@ -1,0 +1,158 @@
+"""The verification book: a page a reference case, as Markdown and PDF, from the results of the suite."""
+
+from __future__ import annotations
+
+import inspect
+import textwrap
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib
+import matplotlib.image
+import netCDF4
+import pandas as pd
+from matplotlib.backends.backend_pdf import PdfPages
+from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
+
+from sph.experiments.validation.cases import CASES
+from sph.figures.profile import draw_circles, survey_axes
+from sph.figures.style import DPI, STYLE
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL, place_particles
+from sph.storage.files import whole
+from sph.study.verdicts import MISSES
+
+PAGE = (210 / 25.4, 297 / 25.4)
+"""Width and height of a page, inches."""
+HEAD = ("quantity", "computed", "reference", "error by resolution, coarse to fine", "tolerance", "verdict")
+
+
+class Cost(NamedTuple):
+    """What the runs of a case at one resolution took."""
+
+    level: str
+    steps: int
+    """time steps of all runs; 0 for a search, which does not keep them"""
+    seconds: float
+
+
+class Page(NamedTuple):
+    """What the book says of a case."""
+
+    name: str
+    case: Mapping[str, Any]
+    """the configuration of the case, as ``Suite.plan`` gives it"""
+    rows: pd.DataFrame
+    """its rows of the suite's table"""
+    costs: Sequence[Cost]
+    scene: Scene | None
+    """the scene of its first run at the coarsest resolution; None for a case of functions alone"""
+
+
+def costs_of(levels: Sequence[str], paths: Sequence[Path | str]) -> list[Cost]:
+    """Steps and seconds by resolution, from the files of the runs and the resolution of each."""
+    found: dict[str, Cost] = {}
+    for level, path in zip(levels, paths, strict=True):
+        with netCDF4.Dataset(path) as data:
+            particles = len(data.dimensions["particle"]) if "particle" in data.dimensions else 0
+            steps = round(float(data.getncattr("particle_steps")) / particles) if particles and "particle_steps" in data.ncattrs() else 0
+            seconds = float(data.getncattr("wall_time_s"))
+        before = found.get(level, Cost(level, 0, 0.0))
+        found[level] = Cost(level, before.steps + steps, before.seconds + seconds)
+    return list(found.values())
+
+
+def _cells(row: Mapping[Any, Any]) -> tuple[str, ...]:
+    """Cells of a quantity under ``HEAD``: errors and tolerance in per cent of the reference, or in units where that is 0."""
+    unit, exact = "" if row["units"] == "1" else f" {row['units']}", row["reference"] == 0
+
+    def share(value: float) -> str:
+        return f"{value:.2g}" if exact else f"{100 * value:.2g} %"
+
+    errors = ", ".join(share(float(error)) for error in row["errors"].split(", "))
+    return (
+        row["text"], f"{row['computed']:.4g}{unit}", f"{row['reference']:.4g}{unit}", errors, share(row["tolerance"]), row["verdict"],
+    )  # fmt: skip
+
+
+def _said(page: Page) -> list[str]:
+    """Problem, source, resolutions, cost and verdict of a case, in sentences."""
+    missed = int((page.rows["verdict"] == MISSES).sum())
+    found = {"simulation": "runs of the scene", "computation": "functions of the solver alone"}
+    by = found.get(page.case["by"], f"a search for the {page.case['by'].replace('_', ' ')}")
+    took = "; ".join(f"{cost.level}: " + f"{cost.steps} steps, " * (cost.steps > 0) + f"{cost.seconds:.3g} s" for cost in page.costs)
+    caption = " ".join((inspect.getdoc(CASES[page.name][1]) or "").split())
+    return [
+        f"Reference: {page.case['source']}.",
+        f"Result by {by}. Resolutions: {page.rows['levels'].iloc[0]}.",
+        f"Cost on one core: {took or 'under a second'}.",
+        f"Verdict: {missed} of {len(page.rows)} missed." if missed else "Verdict: holds.",
+        f"Figure: {caption}",
+    ]
+
+
+def markdown_book(pages: Sequence[Page]) -> str:
+    """The book in Markdown; pictures are those beside it, ``figures/<case>.png``."""
+    lines = ["# Verification book", ""]
+    for page in pages:
+        lines += [f"## {page.name}: {page.case['title']}", "", *(f"* {said}" for said in _said(page)), ""]
+        lines += [f"![{page.name}](figures/{page.name}.png)", "", f"| {' | '.join(HEAD)} | why this tolerance |", "|" + " --- |" * 7]
+        for row in page.rows.to_dict("records"):
+            cells = [*_cells(row), row["reason"]]
+            cells[5] = f"**{cells[5]}**" if row["verdict"] == MISSES else cells[5]
+            lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
+        lines.append("")
+    return "\n".join(lines)
+
+
+def draw_page(page: Page, picture: Path | str) -> Figure:
+    """A page of the book: words, the scene before its first step, the picture of the case, the table."""
+    figure = Figure(figsize=PAGE)
+    figure.text(0.08, 0.95, f"{page.name}  {page.case['title']}", fontsize=13, weight="bold")
+    words = "\n".join(textwrap.fill(said, 118) for said in _said(page))
+    figure.text(0.08, 0.937, words, fontsize=7.5, va="top", linespacing=1.35)
+    top = 0.925 - 0.0125 * (words.count("\n") + 1)
+    if page.scene is not None:
+        ax = figure.add_axes((0.12, top - 0.17, 0.80, 0.15))
+        particles, spacing = place_particles(page.scene), page.scene.numerics.spacing
+        for kind, colour, mask in (("soil", "0.75", particles.kind == SOIL), ("walls", "0.25", particles.kind != SOIL)):
+            if mask.any():
+                draw_circles(ax, particles.x[mask], particles.y[mask], spacing, facecolors=colour, edgecolors="none", label=kind)
+        x, y = particles.x, particles.y
+        survey_axes(ax, page.scene, (x.min() - spacing, x.max() + spacing, y.min() - spacing, y.max() + spacing))
+        ax.set_title(f"Initial particles, spacing {spacing:g} m: soil light, walls dark", fontsize=7)
+        top -= 0.22
+    height = 0.0145 * (len(page.rows) + 1)
+    image = matplotlib.image.imread(picture)
+    share = min(0.84, (top - height - 0.09) * PAGE[1] / PAGE[0] * image.shape[1] / image.shape[0], image.shape[1] / DPI / PAGE[0])
+    tall = share * PAGE[0] / PAGE[1] * image.shape[0] / image.shape[1]
+    ax = figure.add_axes(((1 - share) / 2, top - tall, share, tall))
+    ax.imshow(image)
+    ax.set_axis_off()
+    ax = figure.add_axes((0.06, top - tall - 0.025 - height, 0.88, height))
+    ax.set_axis_off()
+    table = ax.table(
+        [[textwrap.shorten(cells[0], 70), *cells[1:]] for cells in map(_cells, page.rows.to_dict("records"))],
+        colLabels=HEAD, colWidths=[0.38, 0.10, 0.10, 0.26, 0.08, 0.08], cellLoc="left", loc="center", bbox=Bbox.unit(), edges="horizontal",
+    )  # fmt: skip
+    table.auto_set_font_size(False)
+    table.set_fontsize(6)
+    for number, verdict in enumerate(page.rows["verdict"], 1):
+        if verdict == MISSES:
+            table[number, 5].get_text().set_fontweight("bold")
+    return figure
+
+
+def save_book(pages: Sequence[Page], pictures: Sequence[Path | str], path_to_markdown: Path | str, path_to_pdf: Path | str) -> None:
+    """Write the book, whole or not at all; a picture a page."""
+    with whole(path_to_markdown) as temporary:
+        temporary.write_text(markdown_book(pages), encoding="utf-8")
+    with (
+        whole(path_to_pdf) as temporary,
+        matplotlib.rc_context(STYLE),
+        PdfPages(temporary, metadata={"Title": "Verification book", "CreationDate": None}) as book,
+    ):
+        for page, picture in zip(pages, pictures, strict=True):
+            book.savefig(draw_page(page, picture))

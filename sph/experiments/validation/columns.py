@@ -1,0 +1,210 @@
+"""V1 to V3: columns of elastic soil, at rest, with waves, and shaken."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
+
+from sph.experiments.validation.level import Found, Level, Result
+from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
+
+
+def row_means(result: Result, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Height (rows,) of every row of particles and mean (rows,) of the soil's values (n,) over it."""
+    heights, row = np.unique(np.round(result.start("y0"), 9), return_inverse=True)
+    return heights, np.bincount(row, values) / np.bincount(row)
+
+
+# ---------------------------------------------------------------- V1: gravity column
+
+
+def _ratios(result: Result) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Depth over height, vertical stress over rho g z and horizontal over vertical stress, of the soil."""
+    scene = result.scene
+    depth = scene.geometry.height - result.start("y0")
+    vertical, horizontal = result.frame("stress_yy"), result.frame("stress_xx")
+    return depth / scene.geometry.height, -vertical / (scene.soil.density * GRAVITY * depth), horizontal / vertical
+
+
+def _worst(result: Result) -> float:
+    """Vertical stress over rho g z of the particle in the inner half of the column that is furthest from 1."""
+    depth, vertical, _ = _ratios(result)
+    inner = vertical[(depth >= 0.25) & (depth <= 0.75)]
+    return float(inner[np.argmax(np.abs(inner - 1.0))])
+
+
+def measure_gravity_column(level: Level) -> dict[str, Found]:
+    """Stress over its closed form, in the inner half of the column."""
+    result = level["run"]
+    depth, vertical, ratio = _ratios(result)
+    inner = (depth >= 0.25) & (depth <= 0.75)
+    rest = result.scene.soil.poisson_ratio / (1.0 - result.scene.soil.poisson_ratio)
+    return {
+        "vertical_stress": Found("mean of σ_yy/(ρ g z)", "1", float(vertical[inner].mean()), 1.0),
+        "horizontal_stress": Found("mean of σ_xx/σ_yy", "1", float(ratio[inner].mean()), rest),
+        "worst_vertical_stress": Found("σ_yy/(ρ g z) of the worst particle", "1", _worst(result), 1.0),
+        "worst_from_geostatic": Found("σ_yy/(ρ g z) of the worst particle, from geostatic stress", "1", _worst(level["geostatic"]), 1.0),
+    }
+
+
+@styled
+def draw_gravity_column(levels: Mapping[str, Level]) -> Figure:
+    """Stress against height in a column under its own weight: particles (dots), means over rows (lines), and the closed form."""
+    figure = Figure(figsize=(WIDTH, 3.2), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    for colour, (label, level) in zip(curve_colours(len(levels)), levels.items(), strict=True):
+        result = level["run"]
+        for ax, name in zip(axes, ("stress_yy", "stress_xx"), strict=True):
+            values = -1e-3 * result.frame(name)
+            height, mean = row_means(result, values)
+            ax.plot(values, result.start("y0"), linestyle="", marker=".", markersize=1.5, color=colour, alpha=0.5)
+            ax.plot(mean, height, color=colour, label=label)
+    scene = next(iter(levels.values()))["run"].scene
+    weight = 1e-3 * scene.soil.density * GRAVITY * scene.geometry.height
+    rest = scene.soil.poisson_ratio / (1.0 - scene.soil.poisson_ratio)
+    for ax, factor, name in zip(axes, (1.0, rest), ("vertical", "horizontal"), strict=True):
+        ax.plot([factor * weight, 0.0], [0.0, scene.geometry.height], color="black", linewidth=0.7, label="closed form")
+        ax.set(xlabel=f"{name} stress, compression (kPa)", xlim=(0.0, None), ylim=(0.0, scene.geometry.height))
+    axes[0].set_ylabel("height (m)")
+    label_panels(axes, ["vertical", "horizontal"])
+    axes[0].legend()
+    return figure
+
+
+# ---------------------------------------------------------------- V2: waves
+
+WAVES = {"p_wave_speed": ("probe_velocity_y", 0.095), "s_wave_speed": ("probe_velocity_x", 0.16)}
+"""Series in which each wave is seen, and the time (s) before which no reflection from the ends reaches the upper probe."""
+
+
+def travel_time(time: np.ndarray, first: np.ndarray, second: np.ndarray) -> float:
+    """Lag (s) of the second of two series (n,) at even times (n,) behind the first: the top of their correlation, between samples."""
+    correlation = np.correlate(second, first, mode="full")
+    top = int(np.argmax(correlation))
+    before, here, after = correlation[top - 1 : top + 2]
+    between = 0.5 * (before - after) / (before - 2.0 * here + after)
+    return float((top - (first.size - 1) + between) * (time[1] - time[0]))
+
+
+def _seen(result: Result, wave: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) and velocities (n, 2) at the lower and the upper probe."""
+    name, until = WAVES[wave]
+    time = result.data["sample_time"].values
+    return time[time <= until], result.data[name].values[time <= until]
+
+
+def measure_waves(level: Level) -> dict[str, Found]:
+    """Speeds from the travel time between two probes."""
+    result = level["run"]
+    height = result.data["y0"].values[result.data["probe_particle"].values]
+    soil = result.scene.soil
+    found = {}
+    for wave, reference in (("p_wave_speed", soil.p_wave_speed), ("s_wave_speed", soil.s_wave_speed)):
+        time, velocity = _seen(result, wave)
+        speed = float(height[1] - height[0]) / travel_time(time, velocity[:, 0], velocity[:, 1])
+        found[wave] = Found(f"speed of the {wave[0].upper()}-wave", "m/s", speed, reference)
+    return found
+
+
+@styled
+def draw_waves(levels: Mapping[str, Level]) -> Figure:
+    """A pulse passing two probes 30 m and 70 m above its place: P-wave and S-wave; vertical lines are the times from the closed form."""
+    figure = Figure(figsize=(WIDTH, 2.8), layout="constrained")
+    axes = figure.subplots(1, 2)
+    for ax, wave in zip(axes, WAVES, strict=True):
+        for look, colour, (label, level) in zip(LINE_STYLES, curve_colours(len(levels)), levels.items(), strict=False):
+            time, velocity = _seen(level["run"], wave)
+            ax.plot(1e3 * time, 1e3 * velocity, color=colour, linestyle=look, label=[label, None])
+        soil = level["run"].scene.soil
+        speed = soil.p_wave_speed if wave == "p_wave_speed" else soil.s_wave_speed
+        for distance in (30.0, 70.0):
+            ax.axvline(1e3 * distance / speed, color="black", linewidth=0.7)
+        ax.set(xlabel="time (ms)", ylabel="velocity (mm/s)", xlim=(0.0, 1e3 * time[-1]))
+    label_panels(axes, ["P-wave, vertical velocity", "S-wave, horizontal velocity"])
+    axes[1].legend()
+    return figure
+
+
+# ---------------------------------------------------------------- V3: shear column
+
+FREE_FROM, FREE_TO = 2.5, 6.0
+"""Interval of free vibration in which the decay is measured, s."""
+
+
+def rayleigh_ratio(scene: Scene, frequency: np.ndarray | float) -> np.ndarray | float:
+    """Damping ratio of the scene's Rayleigh pair at a frequency (Hz)."""
+    assert scene.damping is not None
+    omega = 2.0 * np.pi * np.asarray(frequency)
+    return 0.5 * (scene.damping.mass_coefficient / omega + scene.damping.stiffness_coefficient * omega)
+
+
+def amplification(scene: Scene, frequency: np.ndarray | float) -> np.ndarray | float:
+    """Closed form of surface over base at frequencies (Hz), for small damping."""
+    kh = 2.0 * np.pi * np.asarray(frequency) * scene.geometry.height / scene.soil.s_wave_speed
+    return 1.0 / np.sqrt(np.cos(kh) ** 2 + (rayleigh_ratio(scene, frequency) * kh) ** 2)
+
+
+def transfer(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (n,) between 0.5 and 10 Hz and computed amplification (n,): spectrum of the surface over that of the base."""
+    time, ground = result.data["sample_time"].values, result.data["ground_acceleration"].values
+    surface = np.gradient(result.data["probe_velocity_x"].values[:, 0], time) + ground
+    size = 16 * time.size
+    frequency = np.fft.rfftfreq(size, time[1] - time[0])
+    shown = (frequency >= 0.5) & (frequency <= 10.0)
+    return frequency[shown], np.abs(np.fft.rfft(surface, size)[shown] / np.fft.rfft(ground, size)[shown])
+
+
+def decay(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Times (n,) and sizes (n,) of the surface's velocity at its extremes in free vibration."""
+    time, velocity = result.data["sample_time"].values, np.abs(result.data["probe_velocity_x"].values[:, 0])
+    extreme = 1 + np.flatnonzero((velocity[1:-1] >= velocity[:-2]) & (velocity[1:-1] > velocity[2:]))
+    free = extreme[(time[extreme] >= FREE_FROM) & (time[extreme] <= FREE_TO)]
+    return time[free], velocity[free]
+
+
+def measure_shear_column(level: Level) -> dict[str, Found]:
+    """Resonance from the ratio of spectra, damping from the free vibration."""
+    result = level["run"]
+    scene = result.scene
+    first = scene.soil.s_wave_speed / (4.0 * scene.geometry.height)
+    frequency, ratio = transfer(result)
+    near = frequency < 2.0 * first
+    top = int(np.argmax(np.where(near, ratio, 0.0)))
+    time, size = decay(result)
+    rate = -np.polyfit(time, np.log(size), 1)[0]
+    damping = float(rayleigh_ratio(scene, first))
+    return {
+        "first_frequency": Found("frequency of the largest amplification", "Hz", float(frequency[top]), first),
+        "amplification": Found("amplification there", "1", float(ratio[top]), float(amplification(scene, first))),
+        "damping_ratio": Found("damping ratio of the free vibration", "1", float(rate / (2.0 * np.pi * frequency[top])), damping),
+    }
+
+
+@styled
+def draw_shear_column(levels: Mapping[str, Level]) -> Figure:
+    """Amplification of the surface over a rigid base, and the decay of its free vibration, with the closed forms."""
+    figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+    axes = figure.subplots(1, 2)
+    for look, colour, (label, level) in zip(LINE_STYLES, curve_colours(len(levels)), levels.items(), strict=False):
+        axes[0].plot(*transfer(level["run"]), color=colour, linestyle=look, label=label)
+        time, size = decay(level["run"])
+        axes[1].plot(time, 1e3 * size, linestyle="", marker=".", color=colour, label=label)
+    scene = level["run"].scene
+    frequency = np.linspace(0.5, 10.0, 500)
+    axes[0].plot(frequency, amplification(scene, frequency), color="black", linewidth=0.7, label="closed form")
+    first = scene.soil.s_wave_speed / (4.0 * scene.geometry.height)
+    omega = 2.0 * np.pi * first
+    fade = 1e3 * size[0] * np.exp(-float(rayleigh_ratio(scene, first)) * omega * (time - time[0]))
+    axes[1].plot(time, fade, color="black", linewidth=0.7, label="closed form")
+    axes[0].set(xlabel="frequency (Hz)", ylabel="surface over base", xlim=(0.0, 10.0), ylim=(0.0, None))
+    axes[1].set(xlabel="time (s)", ylabel="extremes of surface velocity (mm/s)", yscale="log")
+    for axis in (axes[1].yaxis.set_major_formatter, axes[1].yaxis.set_minor_formatter):
+        axis(FuncFormatter(lambda value, _: f"{value:g}"))
+    label_panels(axes, ["amplification", "free vibration"])
+    axes[0].legend()
+    return figure

@@ -1,0 +1,48 @@
+"""V15: what a closed system keeps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from sph.experiments.validation.level import Found, Level
+from sph.experiments.validation.solids import momentum
+from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.measures.metrics import energy_gap
+
+
+def measure_conservation(level: Level) -> dict[str, Found]:
+    """Momentum of two blocks that break on each other, energy budgets of them and of the paper's collapse."""
+    blocks = level["blocks"]
+    start, end = momentum(blocks.scene, blocks)
+    table = blocks.scene.initial_velocity
+    assert table is not None
+    mass, height = 0.5 * blocks.start("mass").sum(), blocks.start("y0")
+    one_block = mass * np.hypot(table.x[0], table.y[0])
+    arm = 0.25 * (height.max() - height.min())
+    drift = np.abs(end - start)
+    return {
+        "linear_momentum": Found("change of linear momentum over one block's", "1", float(drift[:2].max() / one_block), 0.0),
+        "angular_momentum": Found("change of angular momentum over one block's", "1", float(drift[2] / (one_block * arm)), 0.0),
+        "energy_blocks": Found("gap in the energy budget over its parts, blocks", "1", energy_gap(blocks.data), 0.0),
+        "energy_paper": Found("gap in the energy budget over its parts, the paper's collapse", "1", energy_gap(level["paper"].data), 0.0),
+    }
+
+
+@styled
+def draw_conservation(levels: Mapping[str, Level]) -> Figure:
+    """Where the energy goes: two blocks of weak soil that collide, and the paper's slope at S_R = 0.10; finest level."""
+    level = list(levels.values())[-1]
+    figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
+    axes = figure.subplots(1, 2)
+    names = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy", "shaking_work")
+    for ax, result in zip(axes, level.values(), strict=True):
+        time = result.data["sample_time"].values
+        for look, colour, name in zip(LINE_STYLES, curve_colours(len(names)), names, strict=False):
+            ax.plot(time, 1e-6 * result.data[name].values, color=colour, linestyle=look, label=name.replace("_", " "))
+        ax.set(xlabel="time (s)", ylabel="energy (MJ/m)", xlim=(0.0, time[-1]))
+    label_panels(axes, ["two blocks", "the paper's slope"])
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
+    return figure

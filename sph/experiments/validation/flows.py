@@ -1,0 +1,254 @@
+"""V6 to V8: flows of Bingham fluid and of grains."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from sph.experiments.validation.columns import row_means
+from sph.experiments.validation.level import Found, Level, Result
+from sph.figures.profile import draw_circles
+from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
+from sph.measures.linked import largest_mass
+from sph.measures.metrics import MetricSettings
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
+
+# ---------------------------------------------------------------- V6: plane Poiseuille flow
+
+PLUG = 0.99
+"""The plug is where the fluid is faster than this share of its largest speed."""
+
+
+def poiseuille(scene: Scene, y: np.ndarray) -> np.ndarray:
+    """Speed (m/s) of the Bingham fluid at heights (n,) between the plates, driven by gravity along them."""
+    half, soil = 0.5 * scene.geometry.height, scene.soil
+    force = soil.density * scene.gravity.acceleration
+    sheared = half - soil.cohesion_si / force
+    wall = np.minimum(np.minimum(y, 2.0 * half - y), sheared)
+    return (force * (half * wall - 0.5 * wall**2) - soil.cohesion_si * wall) / soil.viscosity
+
+
+def _plug_half_width(y: np.ndarray, speed: np.ndarray) -> float:
+    """Half the height over which a profile (n,) is faster than ``PLUG`` of its top, between rows by interpolation."""
+    limit = PLUG * speed.max()
+    fast = np.flatnonzero(speed >= limit)
+    low, high = fast[0], fast[-1]
+    lower = np.interp(limit, speed[low - 1 : low + 1], y[low - 1 : low + 1])
+    upper = np.interp(-limit, -speed[high : high + 2], y[high : high + 2])
+    return float(0.5 * (upper - lower))
+
+
+def measure_poiseuille(level: Level) -> dict[str, Found]:
+    """Profile of speed at the end of the run, row by row."""
+    result = level["run"]
+    y, speed = row_means(result, result.frame("velocity_x"))
+    exact = poiseuille(result.scene, y)
+    fine = np.linspace(0.0, result.scene.geometry.height, 10001)
+    top = float(poiseuille(result.scene, fine).max())
+    return {
+        "plug_speed": Found("speed of the plug", "m/s", float(speed.max()), top),
+        "plug_half_width": Found(
+            "half-width of the plug (faster than 99 %)",
+            "m",
+            _plug_half_width(y, speed),
+            _plug_half_width(fine, poiseuille(result.scene, fine)),
+        ),
+        "profile_error": Found(
+            "root mean square error of the profile over the plug's speed", "1", float(np.sqrt(np.mean((speed - exact) ** 2))) / top, 0.0
+        ),
+    }
+
+
+@styled
+def draw_poiseuille(levels: Mapping[str, Level]) -> Figure:
+    """Profile of a Bingham fluid's speed between two plates, row by row, and the closed form."""
+    figure = Figure(figsize=(0.6 * WIDTH, 3.0), layout="constrained")
+    ax = figure.subplots()
+    for marker, colour, (label, level) in zip("os^v", curve_colours(len(levels)), levels.items(), strict=False):
+        y, speed = row_means(level["run"], level["run"].frame("velocity_x"))
+        ax.plot(1e3 * speed, y, linestyle="", marker=marker, markersize=3, markerfacecolor="none", color=colour, label=f"spacing {label} m")
+    y = np.linspace(0.0, level["run"].scene.geometry.height, 500)
+    ax.plot(1e3 * poiseuille(level["run"].scene, y), y, color="black", linewidth=0.9, label="closed form")
+    ax.set(xlabel="speed (mm/s)", ylabel="height (m)", xlim=(0.0, None), ylim=(0.0, y[-1]))
+    ax.legend()
+    return figure
+
+
+# ---------------------------------------------------------------- spreading columns (V7, V8)
+
+
+def spread(result: Result, frame: int = -1) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the wall behind the column and height (n,) of the particles of the largest mass, m."""
+    x, y = result.frame("x", frame), result.frame("y", frame)
+    spacing = result.scene.numerics.spacing
+    mass = largest_mass(x, y, MetricSettings().link_length * spacing)
+    return result.scene.geometry.width - x[mass], y[mass]
+
+
+def front(result: Result) -> float:
+    """Distance of the deposit's front from the wall behind the column, m."""
+    return float(spread(result)[0].max()) + 0.5 * result.scene.numerics.spacing
+
+
+def height_at_wall(result: Result) -> float:
+    """Largest height within three spacings of the wall behind the column, m."""
+    distance, height = spread(result)
+    spacing = result.scene.numerics.spacing
+    return float(height[distance < 3.0 * spacing].max()) + 0.5 * spacing
+
+
+def column(scene: Scene) -> tuple[float, float]:
+    """Length and height of the column at the start, m."""
+    length, height = np.ptp(scene.geometry.bodies[0].outline, axis=0)  # type: ignore[union-attr]
+    return float(length), float(height)
+
+
+# ---------------------------------------------------------------- V7: Bingham slump
+
+
+def slump(scene: Scene) -> tuple[float, float]:
+    """Height at the centre and reach (m) of a shallow Bingham fluid at rest with the column's volume."""
+    length, height = column(scene)
+    slope = 2.0 * scene.soil.cohesion_si / (scene.soil.density * GRAVITY)
+    central = (1.5 * slope * length * height) ** (1.0 / 3.0)
+    return central, central**2 / slope
+
+
+LAYER = 0.015
+"""Thickness of the sliding layer, the upper one where there are two, m."""
+
+
+def deceleration(result: Result, thickness: float, first: float, last: float) -> float:
+    """Deceleration (m/s2) of the upper layer of a thickness (m) between two times (s)."""
+    time, y = result.data["time"].values, result.start("y0")
+    upper = y > y.max() + 0.5 * result.scene.numerics.spacing - thickness
+    speed = np.array([result.frame("velocity_x", frame)[upper].mean() for frame in range(time.size)])
+    seen = (first - 1e-3 <= time) & (time <= last + 1e-3)
+    return -float(np.polyfit(time[seen], speed[seen], 1)[0])
+
+
+def traction(result: Result) -> float:
+    """Stress that holds a sliding layer of fluid over the yield stress."""
+    soil = result.scene.soil
+    return deceleration(result, LAYER, 0.25, 0.45) * soil.density * LAYER / soil.cohesion_si
+
+
+def measure_slump(level: Level) -> dict[str, Found]:
+    """Reach and height at the end of the run, and what holds a layer that slides on the base."""
+    result = level["run"]
+    central, reach = slump(result.scene)
+    return {
+        "runout": Found("reach", "m", front(result), reach),
+        "central_height": Found("height at the centre", "m", height_at_wall(result), central),
+        "traction_on_base": Found("hold of the base on a sliding layer, over τ_y", "1", traction(level["on_base"]), 1.0),
+        "traction_on_fluid": Found("hold of the fluid on a sliding layer, over τ_y", "1", traction(level["on_fluid"]), 1.0),
+    }
+
+
+@styled
+def draw_slump(levels: Mapping[str, Level]) -> Figure:
+    """Deposit of a Bingham fluid: particles of the finest level, the column at the start (dashed), and shallow theory."""
+    result = list(levels.values())[-1]["run"]
+    central, reach = slump(result.scene)
+    length, height = column(result.scene)
+    figure = Figure(figsize=(WIDTH, 1.7), layout="constrained")
+    ax = figure.subplots()
+    spacing = result.scene.numerics.spacing
+    draw_circles(ax, 1e3 * spread(result)[0], 1e3 * spread(result)[1], 1e3 * spacing, facecolor="#d9c9a8", edgecolor="0.4", linewidth=0.1)
+    x = np.linspace(0.0, reach, 400)
+    ax.plot(1e3 * x, 1e3 * central * np.sqrt(np.maximum(1.0 - x / reach, 0.0)), color="black", label="shallow theory")
+    ax.plot(np.array([0.0, 1, 1]) * 1e3 * length, np.array([1, 1, 0.0]) * 1e3 * height, color="black", linestyle="--", linewidth=0.8)
+    for look, colour, (label, level) in zip(LINE_STYLES[1:], curve_colours(len(levels)), levels.items(), strict=False):
+        ax.axvline(1e3 * front(level["run"]), color=colour, linestyle=look, label=f"front, {label}")
+    ax.set(aspect="equal", xlabel="distance from the centre (mm)", ylabel="height (mm)", xlim=(0.0, 1.05e3 * max(reach, front(result))))
+    ax.set_ylim(0.0, 1.1e3 * height)
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside upper center", ncols=len(levels) + 1)
+    return figure
+
+
+# ---------------------------------------------------------------- V8: granular column
+
+COLUMNS = ("a10", "a15", "a20", "a30", "soil2_a10", "soil2_a20")
+"""The runs that are columns."""
+SHARE = 0.99
+"""Share of the mass within the second distance measured, which a film of single particles ahead of the deposit does not decide."""
+BIN = 0.2
+"""Length over which the thickness of a deposit is averaged, in widths of the column."""
+
+
+def aspect_ratio(scene: Scene) -> float:
+    """Height over width of the column at the start, free of rounding."""
+    width, height = column(scene)
+    return round(height / width, 9)
+
+
+def rods_runout(aspect_ratio: float) -> float:
+    """(d - d_0) / d_0 of rods from their column's height over width, at least 0.65 (Nguyen, Bui and Fukagawa 2015)."""
+    return 3.25 * aspect_ratio**0.96 if aspect_ratio <= 1.5 else 3.80 * aspect_ratio**0.73
+
+
+def rods_height(aspect_ratio: float) -> float:
+    """Height of the rods at the wall over that of their column, at least 0.65 times as high as wide (Nguyen, Bui and Fukagawa 2015)."""
+    return 1.0 / (1.42 * aspect_ratio ** (2.0 / 3.0))
+
+
+def reach_of_share(result: Result, share: float = SHARE) -> float:
+    """Distance from the wall behind the column that holds a share of the soil's mass, m."""
+    distance = result.scene.geometry.width - result.frame("x")
+    return float(np.quantile(distance, share)) + 0.5 * result.scene.numerics.spacing
+
+
+def measure_granular_column(level: Level) -> dict[str, Found]:
+    """Run-out over the column's width by front and by mass, the height that stays at the wall, and what holds a sliding layer."""
+    fronts, masses, heights = {}, {}, {}
+    for name in COLUMNS:
+        result = level[name]
+        (width, height), ratio = column(result.scene), aspect_ratio(result.scene)
+        case = f"a = {ratio:g}, φ = {result.scene.soil.friction_angle:g}°"
+        law = rods_runout(ratio)
+        fronts[f"front_{name}"] = Found(f"(d - d_0)/d_0 of the front, {case}", "1", front(result) / width - 1.0, law)
+        masses[f"mass99_{name}"] = Found(f"(d - d_0)/d_0 of 99 % of the mass, {case}", "1", reach_of_share(result) / width - 1.0, law)
+        heights[f"height_{name}"] = Found(f"h/h_0 at the wall, {case}", "1", height_at_wall(result) / height, rods_height(ratio))
+    layer = level["layer"]
+    held = deceleration(layer, column(layer.scene)[1], 0.05, 0.2) / (GRAVITY * math.sin(layer.scene.soil.friction_angle_si))
+    return {**fronts, **masses, **heights, "friction": Found("friction on a sliding layer over g sin φ", "1", held, 1.0)}
+
+
+def thickness(result: Result) -> tuple[np.ndarray, np.ndarray]:
+    """Distance from the wall behind the column (n,) and mean thickness of the deposit there (n,), in widths of the column."""
+    width = column(result.scene)[0]
+    distance = (result.scene.geometry.width - result.frame("x")) / width
+    edges = np.arange(0.0, result.scene.geometry.width / width, BIN)
+    count, _ = np.histogram(distance, edges)
+    return edges[:-1] + 0.5 * BIN, count * (result.scene.numerics.spacing / width) ** 2 / BIN
+
+
+@styled
+def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
+    """Thickness of the deposits of columns of rods, in widths of the column, heights exaggerated: dashed with the second friction angle.
+    Circle and triangle are height and front of the experiments, bars the distance that holds 99 % of the mass, thin lines the column."""
+    figure = Figure(figsize=(WIDTH, 4.2), layout="constrained")
+    axes = figure.subplots(2, 2)
+    titles = []
+    for ax, name in zip(axes.flat, ("a10", "a15", "a20", "a30"), strict=True):
+        for colour, (label, level) in zip(curve_colours(len(levels)), levels.items(), strict=True):
+            ax.plot(*thickness(level[name]), color=colour, label=label)
+            ax.plot(reach_of_share(level[name]) / column(level[name].scene)[0], 0.0, marker="|", markersize=10, color=colour, clip_on=False)
+        ratio = aspect_ratio(level[name].scene)
+        if f"soil2_{name}" in level:
+            second = level[f"soil2_{name}"]
+            ax.plot(*thickness(second), color=colour, linestyle="--", label=f"{label}, φ = {second.scene.soil.friction_angle:g}°")
+        ax.plot([0.0, 1.0, 1.0], [ratio, ratio, 0.0], color="black", linewidth=0.5)
+        ax.plot(1.0 + rods_runout(ratio), 0.0, marker="^", color="black", clip_on=False, zorder=5)
+        ax.plot(0.0, ratio * rods_height(ratio), marker="o", markersize=4, color="black", clip_on=False, zorder=5)
+        ax.set(xlim=(0.0, 1.25 * (1.0 + rods_runout(ratio))), ylim=(0.0, 1.05 * ratio))
+        titles.append(f"a = {ratio:g}, φ = {level[name].scene.soil.friction_angle:g}°")
+    label_panels(axes.flat, titles)
+    axes[0, 0].legend()
+    figure.supxlabel("distance from the wall over the column's width")
+    figure.supylabel("thickness over the column's width")
+    return figure

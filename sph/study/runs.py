@@ -1,0 +1,175 @@
+"""The runs of a study, a row each, with the stages that they share and the searches of their slopes.
+
+Runs share the *gravity stage* if they agree in every key that acts before the shaking, and the *pre-failure run*, which shakes until the
+first failure, if they agree in all keys but ``sph.solver.restart.BRANCH_KEYS``.
+
+A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``pre_failure_soil.cohesion-20_motion.frequency-1``;
+over S_R, gamma and amplitude they are ``gravity`` and ``pre_failure_amplitude-6.0``), or, where runs are numbered, after the first run
+that needs it.  A search is named after its limit and ends as the gravity stage of its slope does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from enum import StrEnum
+from typing import Any, Literal, NamedTuple
+
+from sph.scene.configuration import dotted, merge
+from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
+from sph.solver.run import Until
+from sph.study.dimensions import point_name, scene_key, value_of
+from sph.study.searches import SLOPE_LIMITS, YIELD
+
+SIMULATION = "simulation"
+LATER = ("motion", "early_stop")
+"""Sections without effect in the gravity stage."""
+
+
+class Kind(StrEnum):
+    """What a run is for."""
+
+    GRAVITY = "gravity"
+    PRE_FAILURE = "pre_failure"
+    RUN = "run"
+    SEARCH = "search"
+
+
+IDLE = {Kind.GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), Kind.PRE_FAILURE: BRANCH_KEYS}
+"""Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
+UNTIL: dict[Kind, Until] = {Kind.GRAVITY: "gravity", Kind.PRE_FAILURE: "first_failure", Kind.RUN: "end", Kind.SEARCH: "end"}
+
+
+class Run(NamedTuple):
+    """A run as a job of the workflow makes it: a run, a stage that runs go on from, or a search that makes many of one scene."""
+
+    base: Mapping[str, Any]
+    """scene, as a mapping, over which the point is laid"""
+    id: str = ""
+    """its name in the folder of its results"""
+    point: Mapping[str, str] = {}
+    """values of the dimensions that it sets, as written"""
+    folder: str = ""
+    """of its results, relative to the working folder"""
+    place: Literal["runs", "stages"] = "runs"
+    """where its file lies in that folder"""
+    kind: Kind = Kind.RUN
+    parent: str | None = None
+    """file of the stage that it goes on from"""
+    by: str = SIMULATION
+    """or the search that makes many runs of the scene (``sph.stability.record.SEARCHES``)"""
+    extrapolates: bool = False
+    """whether a search is made at two spacings"""
+    enforce_limit: bool = True
+    """whether a time step above its limit is refused"""
+    group: str = ""
+    """runs of one group take about as long"""
+    target: str = ""
+    """that it belongs to, where that is not the study itself"""
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """Its scene as a mapping."""
+        return laid_over(self.base, self.point)
+
+    @property
+    def until(self) -> Until:
+        """Where it ends."""
+        return UNTIL[self.kind]
+
+    @property
+    def needs(self) -> str:
+        """What is done with its scene, by which a job asks for resources (``sph.study.cost.needs``)."""
+        return self.by if self.by != SIMULATION else "gravity" if self.kind == Kind.GRAVITY else "end"
+
+    @property
+    def file(self) -> str:
+        """Its file, relative to the working folder; its log and benchmark are beside that."""
+        return f"{self.folder}/{self.place}/{self.id}.nc"
+
+    @property
+    def log(self) -> str:
+        """Its log."""
+        return f"{self.folder}/logs/{self.id}.log"
+
+    @property
+    def benchmark(self) -> str:
+        """Its benchmark."""
+        return f"{self.folder}/benchmarks/{self.id}.tsv"
+
+
+def laid_over(base: Mapping[str, Any], point: Mapping[str, str]) -> dict[str, Any]:
+    """A scene with values of dimensions set, both as mappings."""
+    return merge(base, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
+
+
+class SharedRuns:
+    """The runs at some points, by name, with what they share.
+
+    ``pattern`` is what the rows have in common; ``stands`` says whether the scene with some of the dimensions set is a scene.
+    """
+
+    def __init__(
+        self, points: Mapping[str, Mapping[str, str]], pattern: Run, numbered: bool, stands: Callable[[Mapping[str, str]], bool]
+    ) -> None:
+        self._pattern, self._numbered, self._stands = pattern, numbered, stands
+        self._first: dict[tuple[str, ...], str] = {}
+        self.runs: dict[str, Run] = {}
+        """by name"""
+        self._stages: dict[Kind, dict[str, Run]] = {Kind.GRAVITY: {}, Kind.PRE_FAILURE: {}}
+        self._gravity_of: dict[str, Run] = {}
+        for name, point in points.items():
+            self._add(name, point)
+        self._searches = {
+            (gravity.id, limit): gravity._replace(
+                id=limit + gravity.id.removeprefix(Kind.GRAVITY), kind=Kind.SEARCH, by=limit, extrapolates=True, group="search"
+            )
+            for gravity in self.gravities
+            for limit in SLOPE_LIMITS
+        }
+
+    def _add(self, name: str, point: Mapping[str, str]) -> None:
+        gravity = self._stage(Kind.GRAVITY, name, point)
+        pre_failure = self._stage(Kind.PRE_FAILURE, name, point, gravity.file)
+        self._gravity_of[name] = gravity
+        self.runs[name] = self._pattern._replace(id=name, point=point, parent=pre_failure.file, group=f"runs of {pre_failure.id}")
+
+    def _stage(self, kind: Kind, run: str, point: Mapping[str, str], parent: str | None = None) -> Run:
+        """The stage of a run; of one that is known already the last parent counts."""
+        acting = self._acting(kind, point)
+        label = self._first.setdefault((kind, *(f"{key} {value}" for key, value in acting.items())), run)
+        name = f"{kind}_{label if self._numbered else point_name(acting)}" if acting else str(kind)
+        known = self._stages[kind].get(name)
+        stage = known or self._pattern._replace(id=name, point=acting, place="stages", kind=kind, group=str(kind))
+        self._stages[kind][name] = stage._replace(parent=parent)
+        return stage
+
+    def _acting(self, kind: Kind, point: Mapping[str, str]) -> Mapping[str, str]:
+        """The dimensions of a point that act in a stage; all of them where the scene with these alone is refused."""
+        acting = {name: value for name, value in point.items() if not is_among(scene_key(name), IDLE[kind])}
+        return acting if len(acting) == len(point) or self._stands(acting) else point
+
+    @property
+    def gravities(self) -> list[Run]:
+        """All gravity stages."""
+        return list(self._stages[Kind.GRAVITY].values())
+
+    @property
+    def pre_failures(self) -> list[Run]:
+        """All shared pre-failure runs."""
+        return list(self._stages[Kind.PRE_FAILURE].values())
+
+    def gravity_of(self, run: str) -> Run:
+        """The gravity stage of a run."""
+        return self._gravity_of[run]
+
+    def search_of(self, run: str, limit: str = YIELD) -> Run:
+        """The search for a limit of the slope of a run."""
+        return self._searches[self._gravity_of[run].id, limit]
+
+    def searches(self, limit: str) -> list[Run]:
+        """The searches for a limit of all slopes."""
+        return [search for (_, sought), search in self._searches.items() if sought == limit]
+
+    def __iter__(self) -> Iterator[Run]:
+        """Stages, runs and searches."""
+        yield from (*self.gravities, *self.pre_failures, *self.runs.values(), *self._searches.values())
