@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable
 from pathlib import Path
+from textwrap import fill
 from typing import Any, Literal, ParamSpec
 
 import matplotlib
@@ -114,12 +115,12 @@ def written(text: str) -> str:
     return plain(text).replace("S_R", "$S_R$")
 
 
-def label_panels(axes: Iterable[Axes], titles: Iterable[str]) -> None:
-    """(a), (b), ... and a title at the left above each panel; a single panel gets no letter."""
+def label_panels(axes: Iterable[Axes], titles: Iterable[str], width: int = 100) -> None:
+    """(a), (b), ... and a title at the left above each panel, in lines of at most ``width`` characters; a single panel gets no letter."""
     pairs = list(zip(axes, titles, strict=True))
     for number, (ax, title) in enumerate(pairs):
         letter = f"({chr(ord('a') + number)}) " if len(pairs) > 1 else ""
-        ax.set_title(f"{letter}{title}", loc="left")
+        ax.set_title("\n".join(fill(line, width) for line in f"{letter}{title}".split("\n")), loc="left")
 
 
 def also_in_g(ax: Axes, axis: Literal["x", "y"]) -> Axis:

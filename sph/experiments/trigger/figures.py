@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import itertools
-import textwrap
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -221,8 +220,7 @@ def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tupl
     axes = figure.subplots(len(cases), len(planes), sharex=True, sharey=True, squeeze=False)
     pairs = [(case, plane) for case in cases for plane in planes]
     titles = [", ".join([plane] * bool(plane) + [plain(case)] * (len(cases) > 1)) for case, plane in pairs]
-    letters = max(16, MOST_LETTERS // len(planes))
-    label_panels(axes.flat, ["\n".join(textwrap.wrap(title, letters, initial_indent="(a) "))[4:] for title in titles])
+    label_panels(axes.flat, titles, max(16, MOST_LETTERS // len(planes)))
     for ax in axes[-1]:
         ax.set_xlabel(_axis(across))
     for ax in axes[:, 0]:
