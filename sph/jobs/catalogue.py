@@ -8,7 +8,7 @@ the sensitivity analysis also from the tables that they have written so far.  Th
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from pathlib import Path
+from pathlib import Path, PurePath
 from typing import Any
 
 from sph.experiments.registry import CONFIGURED, EXPERIMENTS
@@ -44,6 +44,16 @@ class Catalogue:
             file = self.plan.study.file_of(name) if experiment.alone or not experiment.keys else self.plan.experiment_file(name)
             self._designs[name] = experiment.plan(file, self.plan, self._folders, self._check or experiment.alone)
         return self._designs[name]
+
+    def refuses(self, file: str) -> bool:
+        """Whether a file below the study's results is one of an experiment whose configuration is refused, so that no rule can make it."""
+        name = PurePath(file).relative_to(PurePath(self.plan.folder).parent).parts[1]
+        if name in EXPERIMENTS:
+            try:
+                self.design(name)
+            except ValueError:
+                return True
+        return False
 
     @property
     def trigger(self) -> TriggerPlan:

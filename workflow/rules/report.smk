@@ -4,6 +4,10 @@
 # Outputs: report.html
 from sph.page.sections import existing
 
+MADE = existing(RESULTS, SECTIONS)
+# Those of an experiment whose configuration is refused now are shown as they are: as input they would keep the page from being made.
+KEPT = list(filter(CATALOGUE.refuses, MADE))
+
 
 rule page:
     """Write the page: verdicts, figures, tables, cost, and every run to look at."""
@@ -17,7 +21,7 @@ rule page:
         files=list(
             dict.fromkeys(
                 certain(RESULTS, SECTIONS)
-                + existing(RESULTS, SECTIONS)
+                + [file for file in MADE if file not in KEPT]
                 + [
                     run.file
                     for run in PLAN.shared.searches(SAFETY)
@@ -56,6 +60,7 @@ rule page:
                     for figure in PLAN.study.figure_files
                 },
                 "sections": SECTIONS,
+                "kept": {file: os.path.getmtime(file) for file in KEPT},
             }
         ),
         sources=SOLVER + PAGE,

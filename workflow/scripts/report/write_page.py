@@ -1,6 +1,6 @@
 """Write the page of a study."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -9,15 +9,16 @@ from sph.page.build import StudyFiles, attributes, write_page
 from sph.study.planned import Planned
 
 
-def write(path_to_page: str, given: Any, scenes: Sequence[Planned], names: Sequence[str], **facts: Any) -> int:
-    """The page, of runs and stages of planned scenes, and its size; ``names`` are those of the runs, ``facts`` go into ``StudyFiles``."""
+def write(path_to_page: str, given: Any, scenes: Sequence[Planned], names: Sequence[str], kept: Iterable[str], **facts: Any) -> int:
+    """The page, of runs and stages of planned scenes, and its size; ``names`` are those of the runs, ``kept`` are files that are shown
+    though nothing makes them now, ``facts`` go into ``StudyFiles``."""
     for path, planned in zip([*given.runs, *given.stages], scenes, strict=True):
         planned.check(attributes(path), path)
     study = StudyFiles(
         folder=str(Path(path_to_page).parent),
         table=given.study,
         runs=dict(zip(names, given.runs, strict=True)),
-        files=[*given.yields, *given.files],
+        files=[*given.yields, *given.files, *kept],
         **facts,
     )
     return write_page(path_to_page, study)
