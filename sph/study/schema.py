@@ -27,8 +27,8 @@ LONGEST_NAME = 120
 """Longest file name of a run that is made of its dimensions, without suffix; where one is longer, runs are numbered."""
 OWN = "own"
 """The fidelity of a study that names none: the scene as it is."""
-INPUT_FIGURES = ("fig1", "fig2", "fig3")
-"""Figures of what goes in, which need one run: geometry, motion, initial particles."""
+INPUT_FIGURES = ("section", "motion", "particles")
+"""Figures of what goes in, which need one run."""
 MOBILISED = "mobilised"
 """The figure of one run at the end of its gravity stage."""
 PROFILES = "profiles"

@@ -153,7 +153,7 @@ def test_a_grid_over_any_keys() -> None:
     scene = chosen.built(**chosen.study.runs["S_R-0.5_numerics.kernel-wendland_c2_soil.cohesion-20"])
     assert (scene.coupling.S_R, scene.soil.cohesion, scene.numerics.kernel) == (0.5, 20.0, "wendland_c2")
     assert [axis.dtype for axis in chosen.layout.axes] == ["f8", "str", "f8"]
-    assert list(chosen.study.figure_files) == [*RUN_FIGURES] == ["fig1", "fig2", "fig3", "mobilised", "profiles"]
+    assert list(chosen.study.figure_files) == [*RUN_FIGURES] == ["section", "motion", "particles", "mobilised", "profiles"]
 
 
 def ids(runs: list[Run]) -> list[str]:

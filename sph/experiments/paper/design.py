@@ -9,7 +9,7 @@ from sph.experiments.base import Experiment
 from sph.experiments.paper.claims import ClaimSettings
 from sph.scene.configuration import key, validated
 from sph.study.dimensions import SHORT_NAMES, value_of
-from sph.study.schema import INPUT_FIGURES, Axis, FigureCases, Number, Point, Study
+from sph.study.schema import Axis, FigureCases, Number, Point, Study
 
 DIMENSIONS = tuple(SHORT_NAMES)
 """The paper varies what has a short name."""
@@ -61,7 +61,7 @@ class PaperStudy(AnyStudy):
     def figure_files(self) -> dict[str, list[str]]:
         """Names of the runs from which Figs. 1-7 are drawn; ValueError where the study lacks what one needs."""
         shown = {f"fig{number}": [self.name_of(point) for _, point in self.figure_runs(number)] for number in FIGURES}
-        return dict.fromkeys(INPUT_FIGURES, shown["fig4"][:1]) | shown
+        return {f"fig{number}": shown["fig4"][:1] for number in range(1, FIGURES.start)} | shown
 
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of Figs. 4-7: panel, where there are several, and curve."""

@@ -55,7 +55,7 @@ def figure_gamma_histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe
 
 
 FIGURES: dict[str, Callable[..., Figure]] = {
-    **{name: RUN_FIGURES[name] for name in INPUT_FIGURES},
+    **{f"fig{number}": RUN_FIGURES[name] for number, name in enumerate(INPUT_FIGURES, 1)},
     "fig4": figure_profiles,
     "fig5": figure_profiles,
     "fig6": figure_strength_histories,
