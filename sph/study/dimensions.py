@@ -113,8 +113,10 @@ WORDS = {
     "youngs_modulus": "Young's modulus",
     "poisson_ratio": "Poisson's ratio",
     "stochastic": "synthetic motion",
+    "softening.slip_at_peak": "slip at the peak",
+    "softening.slip_at_residual": "slip at the residual strength",
 }
-"""Parts of keys that are not read as they are written."""
+"""Parts of keys, and ends of two parts, that are not read as they are written."""
 UNNAMED = ("soil", "coupling", "numerics", "geometry", "region", "uncertain", "variables")
 """Sections that the name of a key does without."""
 
@@ -122,6 +124,8 @@ UNNAMED = ("soil", "coupling", "numerics", "geometry", "region", "uncertain", "v
 def readable(name: str) -> str:
     """Name of a key of a scene, or of a dimension, as it is read: ``cohesion of clay`` for ``layers.clay.soil.cohesion``."""
     *sections, last = name.split(".")
+    if sections and f"{sections[-1]}.{last}" in WORDS:
+        last = f"{sections.pop()}.{last}"
     word = WORDS.get(last, last.replace("_", " "))
     owners = [section for section in sections if section not in UNNAMED]
     if not owners:

@@ -539,7 +539,7 @@ def test_figures(tmp_path: Path) -> None:
 
 def test_titles_of_maps_side_by_side_do_not_overprint() -> None:
     slip = "coupling.softening.slip_at_residual"
-    labels = {"S_R": "strength ratio", slip: "slip at residual of the softening", "amplitude": "amplitude"}
+    labels = {"S_R": "strength ratio", slip: "slip at the residual strength", "amplitude": "amplitude"}
     searched = Searched(tuple(Dimension(name, "m", label, False) for name, label in labels.items()), "amplitude")
     points = pd.concat([line("stable", "collapse", S_R=S_R, gamma=at) for S_R in ("0.1", "0.5") for at in ("0.01", "0.05", "0.25")])
     assert not overprints(figure_class_map(points.rename(columns={"gamma": slip}), searched))

@@ -129,7 +129,8 @@ def test_a_study_of_another_scene_stands_alone() -> None:
         ("layers.clay.region.top", "top of clay"),
         ("motion.frequency", "frequency of the motion"),
         ("motion.stochastic.seed", "seed of the synthetic motion"),
-        ("coupling.softening.slip_at_peak", "slip at peak of the softening"),
+        ("coupling.softening.slip_at_peak", "slip at the peak"),
+        ("layers.soft_clay.softening.slip_at_residual", "slip at the residual strength of soft clay"),
         ("numerics.kernel", "kernel"),
     ],
 )
