@@ -330,6 +330,24 @@ def _missed_table(table: pd.DataFrame) -> Reference:
     return Reference(("case", "problem", "missed", "worst error (tolerance)"), list(missed_lines(table)), note)
 
 
+def trust_text() -> str:
+    """The README's summary: known answers, the error at 25 rows of particles, and the paper's claims."""
+    known, claims, table = read_validation(SHIPPED_VALIDATION), read_measured("claims"), advice.shipped_table("resolved")
+    held, failed = known["verdict"] == HOLDS, claims["claim"][claims["verdict"] != HOLDS]
+    missed = ", ".join(known["case"][~held].unique()) or "none"
+    lines = [
+        f"* **Known answers:** {held.sum()} of {len(held)} results are within a tolerance that was written before the runs. "
+        f"Missed: {missed} ([which, and why](docs/evidence/validation.md#what-is-missed-and-why)).",
+        f"* **The paper's claims:** {len(claims) - len(failed)} of {len(claims)} hold; failed: {', '.join(map(str, failed)) or 'none'} "
+        "([each with its numbers](docs/evidence/claims.md)).",
+    ]
+    for variant in [] if table is None else summary(table[table["parameter"] == FIDELITY]):
+        if variant.variant == "standard":
+            off = "the displacement of the crest is within {}, the run-out within {} of the finest runs".format(*_errors(variant))
+            lines.insert(1, f"* **Your own slope,** 25 rows high: {off} ([what accuracy costs](docs/evidence/cost-accuracy.md)).")
+    return "\n".join(lines)
+
+
 def commands_text() -> str:
     """The pages of ``--help``, as the library of the command line writes them in Markdown, a heading a command."""
     made = subprocess.run(
@@ -455,6 +473,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,
     "origins": lambda: Reference(("table", "solver", "configuration", "version", "renewed by"), list(origin_lines())),
+    "trust": lambda: Reference((), [], trust_text()),
     "missed": lambda: _missed_table(read_validation(SHIPPED_VALIDATION)),
     "commands": lambda: Reference((), [], commands_text()),
     "schemes": _schemes_table,
