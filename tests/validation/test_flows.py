@@ -10,6 +10,7 @@ import xarray as xr
 
 from sph.experiments.validation.flows import aspect_ratio, reach_of_share, rods_height, rods_runout, thickness
 from sph.experiments.validation.level import Result
+from sph.experiments.validation.rods import LINE, SURFACE, failure_line, foot_and_angle, reach, surface
 from sph.scene.schema import make_scene
 from sph.solver.particles import SOIL
 
@@ -51,3 +52,39 @@ def test_reach_of_a_share_and_thickness_of_a_slab() -> None:
     distance, thick = thickness(result)
     np.testing.assert_allclose(thick[distance < 5.0], 0.2)
     assert not thick[distance > 5.0].any()
+
+
+def moved_column(spacing: float, foot: float, angle: float) -> Result:
+    """A column 0.1 m wide and high against the wall at x = 1 m whose particles beyond a line have moved 2 mm from the wall."""
+    x, y = (values.ravel() for values in np.meshgrid(1.0 - spacing * (np.arange(40) + 0.5), spacing * (np.arange(40) + 0.5)))
+    slid = np.where(1.0 - x > foot - y / np.tan(np.radians(angle)), 2e-3, 0.0)
+    data = xr.Dataset(
+        {
+            "kind": ("particle", np.full(x.size, SOIL)),
+            "x0": ("particle", x),
+            "y0": ("particle", y),
+            "x": (("frame", "particle"), (x - slid)[None]),
+            "y": (("frame", "particle"), y[None]),
+        }
+    )
+    scene = column_of(0.1)
+    scene["numerics"] = {**scene["numerics"], "spacing": spacing, "time_step": 1e-6}
+    return Result(make_scene(scene), data)
+
+
+def test_surface_and_line_of_failure_of_a_column() -> None:
+    result = moved_column(0.0025, 0.09, 60.0)
+    np.testing.assert_allclose(surface(result, np.array([0.01, 0.05, 0.2])), [0.1, 0.1, 0.0])
+    found = failure_line(result)
+    assert len(found) == 40
+    foot, angle = foot_and_angle(found)
+    assert foot == pytest.approx(0.09, abs=0.00125) and angle == pytest.approx(60.0, abs=1.0)
+
+
+def test_what_the_test_with_rods_gives() -> None:
+    """The points of the test lead to 0.179 m, 33 degrees and 0.43 m."""
+    foot, angle = foot_and_angle(LINE)
+    assert foot == pytest.approx(0.179, abs=5e-4) and angle == pytest.approx(33.0, abs=0.1)
+    assert reach(*SURFACE.T) == pytest.approx(0.429, abs=0.002)
+    assert reach(np.array([0.0, 0.1, 0.2]), np.array([0.1, 0.004, 0.0])) == pytest.approx(0.15)
+    assert reach(np.array([0.0, 0.1]), np.array([0.1, 0.01])) == 0.1
