@@ -23,9 +23,13 @@ MISSES = {
     ("V1", "worst_vertical_stress"): "rows of particles alternate; with ten rows by 23 %",
     ("V4", "period_small"): "five particles through the plate",
     ("V8", "front_soil2_a20"): "the tongue is thinner than a particle of 10 mm",
+    ("V23", "foot_rods"): "ten particles over the height of the column: the rods near the wall move too far",
 }
 """What the solver is known to miss on the coarsest level, and why; a miss that is gone fails the test."""
-NEAR = {("V8", "front_soil2_a10"): "the front of a tongue one particle thick lies at -24 %, rounding moves it by 4 %; tolerance 25 %"}
+NEAR = {
+    ("V8", "front_soil2_a10"): "the front of a tongue one particle thick lies at -24 %, rounding moves it by 4 %; tolerance 25 %",
+    ("V23", "mass99_rods"): "at 24 % of 25 %",
+}
 """What lies so near its tolerance on the coarsest level that rounding decides."""
 
 
@@ -66,7 +70,7 @@ def test_coarsest_level_meets_its_reference(case: str, quantity: str) -> None:
 
 @pytest.mark.long
 def test_every_case_is_measured_and_configured() -> None:
-    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 23)}
+    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 24)}
     for name in CASES:
         assert set(coarsest(name)) == set(SUITE.cases[name].quantities)
 
