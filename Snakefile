@@ -79,6 +79,8 @@ onstart:
     if workflow.is_main_process:
         claim_results(PLAN)
         CATALOGUE.write()
+        for figure, reason in PLAN.study.left_out.items():
+            print(f"{figure} is left out: {reason}", file=sys.stderr)
 
 
 onsuccess:

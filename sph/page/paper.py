@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from sph.experiments.paper import figures
 from sph.experiments.paper.design import PaperStudy
 from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, TRIGGER, Section, drawings, numbered
@@ -28,5 +30,15 @@ PAPER_SECTIONS: tuple[Section, ...] = (
 
 
 def sections_of(study: Study) -> tuple[Section, ...]:
-    """The sections of a study's page: the paper's, or those of any."""
-    return PAPER_SECTIONS if isinstance(study, PaperStudy) else SECTIONS
+    """The sections of a study's page: the paper's, without figures that are left out, or those of any."""
+    if not isinstance(study, PaperStudy):
+        return SECTIONS
+    return tuple(_without(section, study.left_out) for section in PAPER_SECTIONS)
+
+
+def _without(section: Section, left_out: Mapping[str, str]) -> Section:
+    """The section without these figures, which its text names with the reason."""
+    missing = {f"{{fidelity}}/figures/{name}.png": reason for name, reason in left_out.items()}
+    gone = [f"{section.figures[pattern].name} is left out ({missing[pattern]})." for pattern in section.figures if pattern in missing]
+    shown = {pattern: drawing for pattern, drawing in section.figures.items() if pattern not in missing}
+    return section._replace(text=" ".join([section.text, *gone]), figures=shown)

@@ -196,6 +196,11 @@ class Study(Section):
         """
         return dict.fromkeys((*INPUT_FIGURES, MOBILISED), list(self.runs)[:1]) | {PROFILES: self.profile_runs}
 
+    @property
+    def left_out(self) -> dict[str, str]:
+        """Figures that cannot be drawn of this study, with the reason."""
+        return {}
+
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of a figure: its panel, if it has several, and its curve or profile; none where it shows one run."""
         return []

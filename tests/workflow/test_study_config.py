@@ -12,6 +12,7 @@ from sph.experiments.paper import figures
 from sph.experiments.paper.design import AnyStudy, PaperStudy, paper_study
 from sph.experiments.registry import load_study
 from sph.figures import RUN_FIGURES
+from sph.page.paper import PAPER_SECTIONS, sections_of
 from sph.scene.configuration import merge, read_yaml, validated
 from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
@@ -337,3 +338,25 @@ def test_every_figure_of_the_paper_has_its_runs() -> None:
     assert list(shown) == list(figures.FIGURES)
     assert shown["fig1"] == shown["fig2"] == shown["fig3"] == ["S_R-0.10_gamma-100_amplitude-6.0"] == shown["fig4"][:1]
     assert [len(shown[f"fig{number}"]) for number in range(4, 8)] == [3, 2, 3, 4]
+
+
+def test_figures_of_the_paper_whose_runs_are_not_in_the_grid_are_left_out_and_named() -> None:
+    chosen = plan({"grid": {"S_R": ["0.25", "0.50"], "gamma": ["100", "1"], "amplitude": ["6.0"]}})
+    assert list(chosen.study.figure_files) == ["fig1", "fig2", "fig3", "fig5"]
+    assert chosen.study.figure_files["fig1"] == chosen.study.figure_files["fig5"][:1] == ["S_R-0.25_gamma-100_amplitude-6.0"]
+    assert {name: reason.split(" is ")[0] for name, reason in chosen.study.left_out.items()} == {
+        "fig4": "grid.S_R: 0.10",
+        "fig6": "grid.S_R: 0.10",
+        "fig7": "grid.S_R: 0.35",
+    }
+    section = next(section for section in sections_of(chosen.study) if section.title == "Figures")
+    assert all(f"Figure {number} is left out (grid.S_R: " in section.text for number in (4, 6, 7)) and len(section.figures) == 4
+    with pytest.raises(ValueError, match="fig4: grid.S_R: 0.10"):
+        chosen.figure_runs("fig4")
+    whole = plan({})
+    assert not whole.study.left_out and sections_of(whole.study) == PAPER_SECTIONS
+
+
+def test_what_figures_are_asked_for_by_their_keys_must_be_in_the_grid() -> None:
+    with pytest.raises(ValueError, match="grid.S_R: 0.9 .*the grid has"):
+        plan({"figures": {"strengths": ["0.9"]}})

@@ -59,9 +59,28 @@ class PaperStudy(AnyStudy):
 
     @property
     def figure_files(self) -> dict[str, list[str]]:
-        """Names of the runs from which Figs. 1-7 are drawn; ValueError where the study lacks what one needs."""
-        shown = {f"fig{number}": [self.name_of(point) for _, point in self.figure_runs(number)] for number in FIGURES}
-        return {f"fig{number}": shown["fig4"][:1] for number in range(1, FIGURES.start)} | shown
+        """Names of the runs from which Figs. 1-7 are drawn, without figures that are left out; ValueError where the grid lacks what
+        the configuration asks for."""
+        if self.figures.model_fields_set & {*PaperFigures.model_fields} - {*FigureCases.model_fields}:
+            for number in FIGURES:
+                self._runs_of(number)
+        shown = {f"fig{number}": self._runs_of(number) for number in FIGURES if f"fig{number}" not in self.left_out}
+        first = next(iter(shown.values()), list(self.runs))[:1]
+        return {f"fig{number}": first for number in range(1, FIGURES.start)} | shown
+
+    @property
+    def left_out(self) -> dict[str, str]:
+        """Figs. 4-7 whose runs are not in the grid, with the value that is missing."""
+        found = {}
+        for number in FIGURES:
+            try:
+                self._runs_of(number)
+            except ValueError as error:
+                found[f"fig{number}"] = str(error)
+        return found
+
+    def _runs_of(self, number: int) -> list[str]:
+        return [self.name_of(point) for _, point in self.figure_runs(number)]
 
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of Figs. 4-7: panel, where there are several, and curve."""
@@ -88,7 +107,7 @@ class PaperStudy(AnyStudy):
         for label in self.values[name]:
             if value_of(label) == float(value):
                 return label
-        raise ValueError(f"grid.{name}: {value} is needed by the figures, the grid has {', '.join(self.values[name])}")
+        raise ValueError(f"grid.{name}: {value} is shown in this figure, the grid has {', '.join(self.values[name])}")
 
 
 def paper_study(study: Study, what: str) -> PaperStudy:
