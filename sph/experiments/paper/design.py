@@ -61,6 +61,12 @@ class PaperStudy(AnyStudy):
     def figure_files(self) -> dict[str, list[str]]:
         """Names of the runs from which Figs. 1-7 are drawn, without figures that are left out; ValueError where the grid lacks what
         the configuration asks for."""
+        amplitudes = self.values["amplitude"]
+        if float(self.claims.amplitude) not in map(value_of, amplitudes):
+            raise ValueError(
+                f"claims.amplitude: {self.claims.amplitude} is not in grid.amplitude, which has {', '.join(amplitudes)}; write one of "
+                "these, or claims: null for a study of which no claims are asked"
+            )
         if self.figures.model_fields_set & {*PaperFigures.model_fields} - {*FigureCases.model_fields}:
             for number in FIGURES:
                 self._runs_of(number)
