@@ -1,4 +1,4 @@
-"""How far a study is, for a second terminal (``sph status``): nothing is written, locked or started.
+"""Progress of a study, for a second terminal (``sph status``): nothing is written, locked or started.
 
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
@@ -289,7 +289,7 @@ def sentence(states: Sequence[State]) -> str:
     at_least = f"; {_number(found.unknown, 'job')} of unknown time not counted" if found.unknown else ""
     if math.isnan(found.time):
         return f"nothing is running; {duration(found.work)} of computing are left, {basis}{at_least}"
-    return f"time left: about {duration(found.time)} with the {running} now at work, {basis}{at_least}; tables and figures come on top"
+    return f"time left: about {duration(found.time)} with the {running} now at work, {basis}{at_least}; tables and figures take some more"
 
 
 def _number(count: int, what: str) -> str:

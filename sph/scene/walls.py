@@ -21,7 +21,7 @@ class Kind(NamedTuple):
     open: bool = False
     """soil may leave there"""
     holds_soil: bool = False
-    """its particles stand still, and soil hangs on them"""
+    """its particles stay in place and hold the soil in tension"""
     reflects: bool = False
     """its particles have no state: soil sees its own velocity reversed there, and its own stress"""
     slips: bool = False
@@ -31,7 +31,7 @@ class Kind(NamedTuple):
     periodic: bool = False
     """soil that leaves comes in on the other side"""
     unilateral: bool = False
-    """soil comes off it: it bears no more tension than ``walls.tension``"""
+    """soil can separate from it: it bears no more tension than ``walls.tension``"""
     face: float = 0.0
     """distance to its face, over the spacing, below which the face pushes soil back; the lattice begins at 0.5"""
 

@@ -45,7 +45,7 @@ def run_to_file(
     """Simulate a scene (see ``sph.solver.run.run``) and write its trajectory, going on from the checkpoint of the same run if there is one.
 
     ``seconds`` of wall time lie between checkpoints (0: there are none; by default see ``checkpoint_seconds``); ``say`` is told in a
-    line what becomes of them; Ctrl-C leaves one, too.  ``attrs`` go into the file beside those of the run and decide nothing of it.  Waits
+    line what becomes of them; Ctrl-C leaves one, too.  ``attrs`` go into the file beside those of the run and have no effect on it.  Waits
     for another process at work on the file; what that has finished, or one that was killed, is taken over.
     """
     path = Path(path)

@@ -61,7 +61,7 @@ def _intact(scene: Scene, particles: Particles) -> np.ndarray:
 def _held(particles: Particles, scene: Scene) -> np.ndarray:
     """Particles (n,) that fixed walls hold: those of the box, and soil within the kernel's support of a fixed side wall or lid.
 
-    Soil settles under gravity and hangs on such a wall; on a fixed base it lies.
+    Soil that settles under gravity is carried by such a wall; a fixed base supports it from below.
     """
     held = np.arange(particles.x.size) >= particles.n_soil
     columns, rows = scene.lattice

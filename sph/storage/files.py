@@ -89,7 +89,7 @@ def tidy(path: Path) -> None:
 
 @contextmanager
 def alone(path: Path, role: str, wait: Callable[[], None] | None = None) -> Iterator[bool]:
-    """Be the one process that has a role at a file; yields whether another one had it before and was killed or waited for.
+    """Hold the lock on a file for one purpose; yields whether another process held it before, and was killed or waited for.
 
     The lock is a file beside it, made with its folder and deleted at the end.  A killed process holds nothing, but leaves that file.
     ``wait`` is called before waiting.

@@ -1,6 +1,6 @@
 """Free-slip walls.
 
-The paper's fixed boundary particles hold the soil: it hangs on the back wall and yields early.  A
+The paper's fixed boundary particles hold the soil: the back wall carries its weight, and it yields early.  A
 free-slip wall particle mirrors the soil beside it instead of having a state of its own: it takes
 the soil's mean velocity along the wall and stands still across, so that no shear strain arises, and it
 takes the soil's mean normal stresses without shear.  Means are weighted with the norm of the kernel

@@ -1,6 +1,6 @@
 """Seams: soil slips along a given line with the strength of a shear box, whatever the spacing.
 
-A layer of weak soil that is thinner than the kernel's reach shears the stronger soil beside it, and borrows its strength.  A seam is
+A layer of weak soil that is thinner than the kernel's reach shears the stronger soil beside it and appears too strong.  A seam is
 instead a discontinuity between the particles on its two sides, that is those within the kernel's support of its line.
 
 * **Kinematics.**  The gradient of a pair across the seam is turned normal to it, g_ij -> n (n . g_ij), in the loop over strains and in that
