@@ -1,4 +1,5 @@
-# Purpose: the documentation as a site. (`snakemake --cores 1 docs`)
+# Purpose: the documentation as a site (`snakemake --cores 1 docs`), with the pages of the gallery that have been run
+#          (`snakemake --cores 2 gallery`, a quarter of an hour).
 # Inputs:  mkdocs.yml; the pages of docs and the library's docstrings, by their contents; the gallery's scenes and studies.
 # Outputs: results/gallery: a folder a page of the gallery, as it was run, with its figures
 #          results/docs: index.html, a page for each page of docs; api: the public interface and a page a module
@@ -34,16 +35,26 @@ rule gallery_page:
         "../scripts/docs/run_page.py"
 
 
+rule gallery:
+    """Run all pages of the gallery."""
+    input:
+        expand("results/gallery/{page}", page=GALLERY),
+
+
 rule docs:
     """Write the documentation; what it needs: pip install -c constraints.txt -e ".[docs]"."""
     input:
         settings=str(SPH.parent / "mkdocs.yml"),
-        gallery=expand("results/gallery/{page}", page=GALLERY),
     output:
         "results/docs/index.html",
     log:
         "results/logs/docs.log",
     params:
         sources=lambda wildcards: contents("**/*.py", "../docs/**/*.*"),
+        gallery={
+            page: os.path.getmtime(f"results/gallery/{page}")
+            for page in GALLERY
+            if os.path.isdir(f"results/gallery/{page}")
+        },
     script:
         "../scripts/docs/write_docs.py"

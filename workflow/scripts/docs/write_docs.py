@@ -37,6 +37,18 @@ def write_api(folder: Path) -> None:
     pdoc.pdoc("sph", *hidden, output_directory=folder)
 
 
+NOT_RUN = "!!! note\n    This page has not been run here: `snakemake --cores 2 gallery` makes its results and pictures.\n\n"
+"""Stands below the title of such a page of the gallery."""
+
+
+def not_run(source: Path) -> str:
+    """A page of the gallery without links to what running it makes."""
+    if source.suffix == ".ipynb":
+        return f"# {source.stem}\n\n{NOT_RUN}"
+    title, text = source.read_text(encoding="utf-8").split("\n", 1)
+    return f"{title}\n\n{NOT_RUN}" + re.sub(r"!?\[[^\]]*\]\((?!\.\.)[^)#:]*\)", "", text)
+
+
 def on_files(files: Any, config: Any) -> Any:
     """MkDocs asks for it: the pages of the library lie in ``api``, those of the gallery take the place of their sources."""
     from mkdocs.structure.files import File
@@ -45,6 +57,9 @@ def on_files(files: Any, config: Any) -> Any:
         name, executed = f"gallery/{source.stem}.md", GALLERY / source.stem
         if former := files.get_file_from_path(name):
             files.remove(former)
+        if not (executed / "page.md").is_file():
+            files.append(File.generated(config, name, content=not_run(source)))
+            continue
         files.append(File.generated(config, name, abs_src_path=str((executed / "page.md").resolve(strict=True))))
         for made in sorted(path for path in executed.rglob("*.*") if path.is_file() and path != executed / "page.md"):
             name = f"gallery/{source.stem}/{made.relative_to(executed).as_posix()}"
@@ -64,7 +79,7 @@ def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
 
 def write_docs(path_to_settings: str, folder: Path, log: IO[str]) -> None:
     """Write the site into a folder; ValueError where what it needs is not installed, or for a warning, which the log names."""
-    for needed in ("mkdocs", "pdoc"):
+    for needed in ("mkdocs", "material", "pdoc"):
         if find_spec(needed) is None:
             raise ValueError(f'{needed} is not installed; pip install -c constraints.txt -e ".[docs]"')
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", path_to_settings, "--site-dir", str(folder.resolve())]
