@@ -31,7 +31,7 @@ What is left out is taken from the paper's scene here; without `scheme` a scene 
 A mistake is refused by a ValueError with key, value and what is allowed.  Numbers are in SI units, but for kPa and degrees in scenes.
 The first run of a kind of scene compiles for some seconds.
 
-The way through the house:
+Where to begin:
 
 1. `make_scene` and `load_scene` make a validated, immutable `Scene`, of a mapping or a YAML file.
 2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.

@@ -56,7 +56,7 @@ def test_type_checkers_are_told_the_same_names() -> None:
 
 @pytest.mark.parametrize("name", sph.__all__)
 def test_public_names_are_documented_and_annotated(name: str) -> None:
-    assert f"`{name}`" in (sph.__doc__ or "") or isinstance(getattr(sph, name), type), "the way through the house leaves it out"
+    assert f"`{name}`" in (sph.__doc__ or "") or isinstance(getattr(sph, name), type), "the docstring of the package leaves it out"
     text = inspect.getdoc(getattr(sph, name)) or ""
     assert text and text != inspect.getdoc(BaseModel) and not text.startswith(f"{name}("), "a generated docstring says nothing"
     assert {function.__qualname__: lacking(function) for function in functions(name) if lacking(function)} == {}
