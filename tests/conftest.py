@@ -24,8 +24,8 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Files that run whole studies first, so that no worker waits for them at the end."""
-    items.sort(key=lambda item: not {"workflow", "study"} & set(item.path.parts))
+    """The reference cases, which take longest, then files that run whole studies, so that no worker waits for them at the end."""
+    items.sort(key=lambda item: (item.path.name != "test_cases.py", not {"workflow", "study"} & set(item.path.parts)))
 
 
 @pytest.fixture(scope="session")
