@@ -121,7 +121,7 @@ def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
             paths.append(str(tmp_path / f"part-{part}.csv"))
             points = {name: {KERNEL.name: "cubic_spline", COHESION.name: "20"} for name in own}
             runs = [str(tmp_path / f"{name}.nc") for name in own]
-            measure(runs, [scene] * size, {}, points, LIST, MetricSettings().model_dump(), paths[-1])
+            measure(runs, paths[-1], [scene] * size, {}, points, LIST, MetricSettings().model_dump())
         join_study(paths, LIST, tmp_path / "study.nc", tmp_path / "study.csv")
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
