@@ -117,10 +117,11 @@ class Plan:
         return self.shared.gravities + self.shared.pre_failures if len(self.study.runs) <= MOST_SHOWN else []
 
     def figure_runs(self, figure: str) -> list[Run]:
-        """The runs from which a figure is drawn, by the name of its file; ValueError for one that is left out."""
-        if figure in self.study.left_out:
-            raise ValueError(f"{figure}: {self.study.left_out[figure]}")
-        names = self.study.profile_runs if figure == PROFILES else self.study.figure_files[figure]
+        """The runs from which a figure is drawn, by the name of its file; ValueError for one that the study has not."""
+        shown = self.study.figure_files
+        if figure not in shown:
+            raise ValueError(f"{figure}: {self.study.why_without(figure)}")
+        names = self.study.profile_runs if figure == PROFILES else shown[figure]
         return [self.shared.runs[name] for name in names]
 
     @functools.cached_property

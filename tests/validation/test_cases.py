@@ -22,12 +22,12 @@ QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cas
 MISSES = {
     ("V1", "worst_vertical_stress"): "rows of particles alternate; with ten rows by 23 %",
     ("V4", "period_small"): "five particles through the plate",
-    ("V8", "front_soil2_a20"): "the tongue is thinner than a particle of 10 mm",
     ("V23", "foot_rods"): "ten particles over the height of the column: the rods near the wall move too far",
 }
 """What the solver is known to miss on the coarsest level, and why; a miss that is gone fails the test."""
 NEAR = {
     ("V8", "front_soil2_a10"): "the front of a tongue one particle thick lies at -24 %, rounding moves it by 4 %; tolerance 25 %",
+    ("V8", "front_soil2_a20"): "likewise, at -22 % or beyond -25 %, as the processor rounds",
     ("V23", "mass99_rods"): "at 24 % of 25 %",
 }
 """What lies so near its tolerance on the coarsest level that rounding decides."""

@@ -45,6 +45,13 @@ class AnyStudy(Study):
         default=None,
     )
 
+    def why_without(self, figure: str) -> str:
+        """Why this study has no figure of that name: those of the paper need its dimensions, and their runs."""
+        try:
+            return paper_study(self, "the paper's figures").left_out.get(figure) or super().why_without(figure)
+        except ValueError as error:
+            return str(error)
+
     @classmethod
     def read(cls, data: Mapping[str, Any], origin: str) -> Study:
         """Validate the keys of a study, the paper's where its dimensions are those; ValueError names ``origin``, key and value."""
