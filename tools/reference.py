@@ -48,7 +48,7 @@ from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.experiments.validation.measure import SHIPPED_VALIDATION, VALIDATION, read_validation
 from sph.scene.configuration import flat, validated
-from sph.scene.schema import Scene
+from sph.scene.schema import Scene, load_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
@@ -331,7 +331,7 @@ def _missed_table(table: pd.DataFrame) -> Reference:
 
 
 def trust_text() -> str:
-    """The README's summary: known answers, the error at 25 rows of particles, and the paper's claims."""
+    """The README's summary: known answers, the error of the fidelity ``standard``, and the paper's claims."""
     known, claims, table = read_validation(SHIPPED_VALIDATION), read_measured("claims"), advice.shipped_table("resolved")
     held, failed = known["verdict"] == HOLDS, claims["claim"][claims["verdict"] != HOLDS]
     missed = ", ".join(known["case"][~held].unique()) or "none"
@@ -341,10 +341,14 @@ def trust_text() -> str:
         f"* **The paper's claims:** {len(claims) - len(failed)} of {len(claims)} hold; failed: {', '.join(map(str, failed)) or 'none'} "
         "([each with its numbers](docs/evidence/claims.md)).",
     ]
-    for variant in [] if table is None else summary(table[table["parameter"] == FIDELITY]):
-        if variant.variant == "standard":
-            off = "the displacement of the crest is within {}, the run-out within {} of the finest runs".format(*_errors(variant))
-            lines.insert(1, f"* **Your own slope,** 25 rows high: {off} ([what accuracy costs](docs/evidence/cost-accuracy.md)).")
+    if table is not None:
+        own = table[table["variant"] == "standard"]
+        ends = load_scene("config/scenes/slope_on_rock.yaml").geometry
+        rows = (ends.crest[1] - ends.toe[1]) / float(own["spacing"].iloc[0])
+        errors = next(_errors(variant) for variant in summary(table[table["parameter"] == FIDELITY]) if variant.variant == "standard")
+        off = "the displacement of the crest is within {}, the run-out within {} of the finest runs".format(*errors)
+        where = "([what accuracy costs](docs/evidence/cost-accuracy.md)). `sph info` says whether your slope is like that one."
+        lines.insert(1, f"* **Resolution:** on a slope above rock, {rows:.0f} rows of particles high, {off} {where}")
     return "\n".join(lines)
 
 

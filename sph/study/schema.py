@@ -203,7 +203,7 @@ class Study(Section):
 
     def why_without(self, figure: str) -> str:
         """Why this study has no figure of that name."""
-        return f"study {self.study!r} has {', '.join(self.figure_files)}"
+        return self.left_out.get(figure) or f"study {self.study!r} has {', '.join(self.figure_files)}"
 
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of a figure: its panel, if it has several, and its curve or profile; none where it shows one run."""

@@ -2,11 +2,17 @@
 # Inputs:  study.csv, claims.csv, figures, all runs and stages; the tables and figures of other targets that exist
 #          (sph/page/sections.py and paper.py list them); the page's sources.
 # Outputs: report.html
+import functools
+
 from sph.page.sections import existing
 
 MADE = existing(RESULTS, SECTIONS)
-# Those of an experiment whose configuration is refused now are shown as they are: as input they would keep the page from being made.
-KEPT = list(filter(CATALOGUE.refuses, MADE))
+
+
+@functools.cache
+def kept():
+    """Files of experiments whose configuration is refused now: shown as they are, since as input they would keep the page from being made."""
+    return [file for file in MADE if CATALOGUE.refuses(file)]
 
 
 rule page:
@@ -18,10 +24,10 @@ rule page:
         yields=lambda wildcards: sorted(
             {search.file for search in PLAN.searches.values()}
         ),
-        files=list(
+        files=lambda wildcards: list(
             dict.fromkeys(
                 certain(RESULTS, SECTIONS)
-                + [file for file in MADE if file not in KEPT]
+                + [file for file in MADE if file not in kept()]
                 + [
                     run.file
                     for run in PLAN.shared.searches(SAFETY)
@@ -60,7 +66,7 @@ rule page:
                     for figure in PLAN.study.figure_files
                 },
                 "sections": SECTIONS,
-                "kept": {file: os.path.getmtime(file) for file in KEPT},
+                "kept": {file: os.path.getmtime(file) for file in kept()},
             }
         ),
         sources=SOLVER + PAGE,

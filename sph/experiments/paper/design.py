@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -48,9 +49,10 @@ class AnyStudy(Study):
     def why_without(self, figure: str) -> str:
         """Why this study has no figure of that name: those of the paper need its dimensions, and their runs."""
         try:
-            return paper_study(self, "the paper's figures").left_out.get(figure) or super().why_without(figure)
+            paper_study(self, "the paper's figures")
         except ValueError as error:
             return str(error)
+        return super().why_without(figure)
 
     @classmethod
     def read(cls, data: Mapping[str, Any], origin: str) -> Study:
@@ -74,26 +76,27 @@ class PaperStudy(AnyStudy):
                 f"claims.amplitude: {self.claims.amplitude} is not in grid.amplitude, which has {', '.join(amplitudes)}; write one of "
                 "these, or claims: null for a study of which no claims are asked"
             )
-        if self.figures.model_fields_set & {*PaperFigures.model_fields} - {*FigureCases.model_fields}:
-            for number in FIGURES:
-                self._runs_of(number)
-        shown = {f"fig{number}": self._runs_of(number) for number in FIGURES if f"fig{number}" not in self.left_out}
-        first = next(iter(shown.values()), list(self.runs))[:1]
-        return {f"fig{number}": first for number in range(1, FIGURES.start)} | shown
+        drawn, left_out = self._drawn
+        if left_out and self.figures.model_fields_set & {*PaperFigures.model_fields} - {*FigureCases.model_fields}:
+            raise ValueError(next(iter(left_out.values())))
+        first = next(iter(drawn.values()), list(self.runs))[:1]
+        return {f"fig{number}": first for number in range(1, FIGURES.start)} | drawn
 
     @property
     def left_out(self) -> dict[str, str]:
         """Figs. 4-7 whose runs are not in the grid, with the value that is missing."""
-        found = {}
+        return self._drawn[1]
+
+    @functools.cached_property
+    def _drawn(self) -> tuple[dict[str, list[str]], dict[str, str]]:
+        """Names of the runs of Figs. 4-7, and what is missing for the others."""
+        drawn, left_out = {}, {}
         for number in FIGURES:
             try:
-                self._runs_of(number)
+                drawn[f"fig{number}"] = [self.name_of(point) for _, point in self.figure_runs(number)]
             except ValueError as error:
-                found[f"fig{number}"] = str(error)
-        return found
-
-    def _runs_of(self, number: int) -> list[str]:
-        return [self.name_of(point) for _, point in self.figure_runs(number)]
+                left_out[f"fig{number}"] = str(error)
+        return drawn, left_out
 
     def figure_titles(self, figure: str) -> list[list[str]]:
         """Titles of the runs of Figs. 4-7: panel, where there are several, and curve."""
