@@ -2,17 +2,9 @@
 # Inputs:  study.csv, claims.csv, figures, all runs and stages; the tables and figures of other targets that exist
 #          (sph/page/sections.py and paper.py list them); the page's sources.
 # Outputs: report.html
-import functools
-
 from sph.page.sections import existing
 
 MADE = existing(RESULTS, SECTIONS)
-
-
-@functools.cache
-def kept():
-    """Files of experiments whose configuration is refused now: shown as they are, since as input they would keep the page from being made."""
-    return [file for file in MADE if CATALOGUE.refuses(file)]
 
 
 rule page:
@@ -27,7 +19,7 @@ rule page:
         files=lambda wildcards: list(
             dict.fromkeys(
                 certain(RESULTS, SECTIONS)
-                + [file for file in MADE if file not in kept()]
+                + [file for file in MADE if not CATALOGUE.refuses(file)]
                 + [
                     run.file
                     for run in PLAN.shared.searches(SAFETY)
@@ -66,7 +58,12 @@ rule page:
                     for figure in PLAN.study.figure_files
                 },
                 "sections": SECTIONS,
-                "kept": {file: os.path.getmtime(file) for file in kept()},
+                # of experiments whose configuration is refused now: as input, they would keep the page from being made
+                "kept": {
+                    file: os.path.getmtime(file)
+                    for file in MADE
+                    if CATALOGUE.refuses(file)
+                },
             }
         ),
         sources=SOLVER + PAGE,
