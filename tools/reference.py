@@ -42,11 +42,12 @@ from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import confirm_columns, critical_columns
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.efficiency import MEASURE_COLUMNS
-from sph.experiments.trigger.exceedance import exceedance_columns
+from sph.experiments.trigger.exceedance import exceedance_columns, width_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.experiments.validation.measure import SHIPPED_VALIDATION, VALIDATION, read_validation
+from sph.measures.places import place_columns
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
 from sph.scene.scheme import NEEDED, RESOLVED
@@ -455,6 +456,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "curves_variables": lambda: _variables(curve_columns("m s-2")),
     "measures_variables": lambda: _variables(MEASURE_COLUMNS),
     "exceedance_variables": lambda: _variables(exceedance_columns("m s-2")),
+    "widths_variables": lambda: _variables(width_columns("m s-2")),
+    "place_variables": lambda: _variables(place_columns(["road"])),
     "annual_variables": lambda: _variables(annual_columns("m s-2")),
     "points_variables": lambda: _variables(point_columns(_searched().all)),
     "confirm_variables": lambda: _variables(confirm_columns(_searched())),

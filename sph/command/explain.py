@@ -143,7 +143,8 @@ class Project:
             point = {axis: row[axis] for axis in trigger.names}
             return [run.file for run in trigger.runs_at([(row["case"], point)])]
 
-        return Table(point_columns(trigger.dimensions.all), ["case", *trigger.names], files, lambda runs: measure(runs[0], settings))
+        columns = point_columns(trigger.dimensions.all, settings.places)
+        return Table(columns, ["case", *trigger.names], files, lambda runs: measure(runs[0], settings))
 
     def _study(self) -> Table:
         plan, layout = self.plan, self.plan.layout

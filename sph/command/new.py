@@ -81,11 +81,12 @@ STUDY_TEXT = """\
 study: {name}
 scene: {scene}
 fidelity: own
+second_fidelity: coarse # every run again with coarser particles, for 0.4 of the time: the page then says what they change; null: no
 grid:
   amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and half as much again
   S_R: ["0.3", "0.5", "0.7"] # of soil and layers without an S_R of their own; that of a layer is layers.NAME.S_R
 fidelities:
-  coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look
+  coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look, and to compare with
   own: {{}} # the scene as it is
 """
 

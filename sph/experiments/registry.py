@@ -20,6 +20,7 @@ NAMES = (
     "validation",
     "sensitivity",
     "trigger",
+    "spacing",
     "paper",
 )
 """Of their folders."""

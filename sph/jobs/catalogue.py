@@ -79,7 +79,7 @@ class Catalogue:
     @property
     def own(self) -> dict[str, Run]:
         """The runs, stages and searches of the study, by file."""
-        return self._rows(self.plan.folder, (), lambda: self.plan.shared)
+        return self._rows(self.plan.folder, (), lambda: (*self.plan.shared, *self.plan.second_runs))
 
     @property
     def searched(self) -> dict[str, Run]:

@@ -22,7 +22,6 @@ standing slope give no front.  Run-out is defined for shapes with a slope only (
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 
 import numpy as np
 import scipy  # type: ignore[import-untyped]
@@ -32,6 +31,7 @@ from pydantic import model_validator
 from sph.measures.fields import ProbeHistory, displacement, gravity_frame, last_at, probe_history
 from sph.measures.linked import largest_mass
 from sph.measures.mobilised import DISC, mobilised_by_layer
+from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_columns
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
@@ -91,6 +91,9 @@ class MetricSettings(Section):
         gt=0,
         le=10,
         default=0.1,
+    )
+    places: dict[PlaceName, PlaceAt] = key(
+        "places before the slope that debris may reach, such as a road, by name: x, or a distance as '12 beyond the toe'", "m", default={}
     )
     moving_window: float = key("length of the interval at the end in which a run is tested for motion", "s", gt=0, le=1000, default=0.5)
     moving_speed: float = key("speed above which a run is still moving", "m/s", gt=0, le=100, default=0.05)
@@ -257,7 +260,7 @@ Value = float | int | str
 
 
 def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> dict[str, Value]:
-    """Every metric of ``METRICS``, in its order, for one finished run.
+    """Every metric of ``METRICS``, in its order, and those of the places of the settings, for one finished run.
 
     Raises ValueError for a paused run, an unknown status and a probe that the run does not have.
     """
@@ -266,7 +269,7 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
     finished = [name for name in Status if name != Status.PAUSED]
     if status not in finished:
         raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are {', '.join(finished)}")
-    values: dict[str, Value] = {metric.name: math.nan for metric in METRICS}
+    values: dict[str, Value] = {metric.name: math.nan for metric in (*METRICS, *place_columns(settings.places))}
     values |= _facts(trajectory, scene, status)
     if status == Status.DIVERGED:
         return values | {"collapse_class": UNDETERMINED, "still_moving": 1, "reached_side": ""}
@@ -389,7 +392,9 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
         x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing, lattice_shift)
         x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe
         behind = (x0 > toe_x) & (y0 > toe_y)
-        values |= _runout_metrics(x, y, mass, mass & behind & (moved > settings.moved_threshold), scene.geometry, spacing)
+        found = _runout_metrics(x, y, mass, mass & behind & (moved > settings.moved_threshold), scene.geometry, spacing)
+        debris = Debris(soil, behind, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
+        values |= found | at_places(trajectory, scene, settings.places, debris, found["runout"])
     return values
 
 
@@ -405,7 +410,7 @@ def _nearest_distance_p05(x: np.ndarray, y: np.ndarray) -> float:
 
 def _runout_metrics(
     x: np.ndarray, y: np.ndarray, mass: np.ndarray, slope_material: np.ndarray, geometry: Slope | GroundLine, spacing: float
-) -> Mapping[str, Value]:
+) -> dict[str, float]:
     toe_x, toe_y = geometry.toe
     runout, travel_angle = 0.0, math.nan
     if slope_material.any():

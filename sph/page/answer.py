@@ -9,9 +9,14 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from sph.experiments.spacing.measure import CONVERGED, NOT_CONVERGED, read_spacing
 from sph.experiments.trade.advice import expected_sentence
+from sph.experiments.trigger.annual import annual_columns
+from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
+from sph.experiments.trigger.exceedance import SHARES, width_within
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
+from sph.measures.places import ARRIVAL, DEPTH, PASSED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.tables import AT_LEAST, MOST_VALUES, NOTHING, Table, metres
 from sph.scene.schema import Scene
@@ -19,11 +24,11 @@ from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.after_run import is_bounded, is_open
-from sph.study.dimensions import Dimension, dimension, shown_unit
+from sph.study.dimensions import Dimension, dimension, readable, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
 from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
-from sph.study.tables import EXPECTED
+from sph.study.tables import EXPECTED, read_csv
 
 FINDINGS = "{fidelity}/preflight.csv"
 """What was found in the scenes before their runs: errors and warnings are told."""
@@ -31,6 +36,10 @@ SEARCHES = "{fidelity}/stages/{limit}*.nc"
 """The searches for a limit of the slopes, where they were made."""
 CRITICAL = "*/trigger/trigger.csv"
 """The search for the critical intensities, where it was made."""
+ANNUAL = "*/trigger/fragility_annual.csv"
+"""How often a year, where a hazard curve was given."""
+SPACINGS = "{fidelity}/spacing.csv"
+"""The runs at a second spacing, where the study names one."""
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
 
@@ -39,7 +48,7 @@ class Answer(NamedTuple):
     """What the first screen says."""
 
     facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
-    levels: Table
+    tables: list[Table]
     warnings: list[str]
 
 
@@ -58,11 +67,14 @@ def answer(
         ("Factor of safety", *limit(findings, "factor-of-safety", found(_files(SAFETY)), "sph fos")),
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
+        *answer_spacing(found(SPACINGS)),
+        *at_places(table),
+        *yearly(found(ANNUAL)),
     ]
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        levels(table, dimensions, probe),
-        list(map(_raised, _warnings(table, scene, probe, rows))),
+        [levels(table, dimensions, probe), *widths(table)],
+        drifts(found(SPACINGS)) + list(map(_raised, _warnings(table, scene, probe, rows))),
     )
 
 
@@ -121,7 +133,8 @@ def searched(scene: Scene, files: Sequence[str]) -> str:
     """The intensities of the shaking at which the slopes of a search begin to go, in words; nothing without a search that found one."""
     for file in files:
         rows = read_critical(file)
-        first = rows[(rows["collapse_class"] == min(rows["collapse_class"], key=CLASSES.index)) & (rows["outcome"] == BRACKETED)]
+        order = [*CLASSES, *rows["collapse_class"]]
+        first = rows[(rows["collapse_class"] == min(rows["collapse_class"], key=order.index)) & (rows["outcome"] == BRACKETED)]
         if len(first):
             intensity = dimension(first["intensity"].iloc[0], ["1"], scene)
             name, low, high = first["collapse_class"].iloc[0], first["critical_intensity"].min(), first["critical_intensity"].max()
@@ -130,7 +143,7 @@ def searched(scene: Scene, files: Sequence[str]) -> str:
                 span = _span(low, high, in_both)
             else:
                 span = f"{_span(low, high, '{:.3g}'.format)} {intensity.shown_unit}".rstrip()
-            return f"{named}{span} (searched; class {name} or worse)"
+            return f"{named}{span} (searched; {in_words(name)})"
     return ""
 
 
@@ -150,12 +163,92 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
+def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:
+    """In how many runs a second spacing changes nothing that counts."""
+    facts = []
+    for file in files:
+        rows = read_spacing(file)
+        runs = [set(of["verdict"]) == {CONVERGED} for _, of in rows.groupby("run")]
+        at = " and ".join(f"{rows[name].iloc[0]:.3g} m" for name in ("spacing", "second_spacing"))
+        facts.append(("Spacing", f"converged in {sum(runs)} of {len(runs)} runs", f"all runs with particles of {at}"))
+    return facts
+
+
+def drifts(files: Sequence[str]) -> list[str]:
+    """The largest change of each quantity by a second spacing, where that is not converged."""
+    found = []
+    for file in files:
+        rows = read_spacing(file)
+        drifting = rows[rows["verdict"] == NOT_CONVERGED]
+        for quantity, of in drifting.groupby("quantity", sort=False):
+            worst = max(of.to_dict("records"), key=lambda row: abs(row["value"] - row["second_value"]))
+            both = sorted(((worst[f"{which}spacing"], worst[f"{which}value"]) for which in ("", "second_")), reverse=True)
+            said = ", ".join(f"{metres(value)} m at {spacing:.3g} m" for spacing, value in both)
+            towards = "" if math.isnan(worst["extrapolated"]) else f"; on a line to spacing 0 {metres(worst['extrapolated'])} m"
+            count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
+            words = readable(str(quantity))
+            found.append(f"Not converged: {words} in {len(of)} of {count} runs, most in {worst['run']}: {said}{towards}.")
+    return found
+
+
+def at_places(table: pd.DataFrame) -> list[tuple[str, str, str]]:
+    """What the debris does at each place: in how many runs it is reached, how deep it lies there and when it arrives."""
+    facts = []
+    for place in places_in(table.columns):
+        passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
+        known, there = passed.notna().sum(), passed >= 0.0
+        if there.any():
+            words = f"reached in {int(there.sum())} of {known} runs; debris up to {metres(depth[there].max())} m deep"
+            first = f"first arrival {arrival.min():.3g} s after the start of the run" if arrival.notna().any() else ""
+        else:
+            words, first = f"not reached in {known} runs", ""
+            if known:
+                first = f"the nearest debris stops {metres(-passed.max())} m short"
+        facts.append((f"At {place}", words, first))
+    return facts
+
+
+def yearly(files: Sequence[str]) -> list[tuple[str, str, str]]:
+    """How often a year each class or place is reached, by the annual frequencies of a search."""
+    found = []
+    for file in files:
+        for row in read_csv(file, annual_columns("1"), "annual frequencies").to_dict("records"):
+            fitted = not math.isnan(row["frequency"])
+            ends = ("frequency_lower", "frequency_upper") if fitted else ("frequency_least", "frequency_most")
+            span = f"{row[ends[0]]:.2g} to {row[ends[1]]:.2g}"
+            words = f"{row['frequency']:.2g} times a year ({span})" if fitted else f"{span} times a year"
+            how = "fragility over the hazard curve" if fitted else "bounds from the brackets over the hazard curve"
+            found.append((f"How often: {in_words(row['collapse_class'])}", words, how))
+    return found
+
+
+def widths(table: pd.DataFrame) -> list[Table]:
+    """Widths that most of the runs do not pass, a row an amplitude; none for a study without places."""
+    if not places_in(table.columns):
+        return []
+    rows = []
+    for value, runs in _groups(table):
+        runouts = runs["runout"].to_numpy(float)
+        bounded = AT_LEAST if runs["reached_side"].map(is_bounded).any() else ""
+        spans = [metres(width_within(runouts, share)) for share in SHARES]
+        rows.append((beside_g(value), str(len(runs)), *(bounded + span for span in spans)))
+    head = ("shaking (m/s²)", "runs", *(f"{share:.0%} (m)" for share in SHARES))
+    errors = table["expected_runout_error"].dropna()
+    error = f"the spacing adds an error of up to {errors.max():.0%}" if len(errors) else "the error of the spacing is not known"
+    note = f"Over the runs of the study, each counted alike: soils, motions and levels as they were chosen; {error}."
+    return [Table("Distance from the toe that this share of the runs does not pass", head, rows, note)]
+
+
+def _groups(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
+    """The runs of a study by the amplitude of shaking, if it has one and not too many."""
+    written = list(dict.fromkeys(table[AMPLITUDE])) if AMPLITUDE in table else []
+    groups = [(str(value), table[table[AMPLITUDE] == value]) for value in sorted(written, key=float)]
+    return groups if 0 < len(groups) <= MOST_VALUES else [("all" if groups else "of the scene", table)]
+
+
 def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
     """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row an amplitude."""
-    written = list(dict.fromkeys(table[AMPLITUDE])) if AMPLITUDE in table else []
-    groups = [(value, table[table[AMPLITUDE] == value]) for value in sorted(written, key=float)]
-    if not 0 < len(groups) <= MOST_VALUES:
-        groups = [("all" if groups else "of the scene", table)]
+    groups = _groups(table)
     rows = []
     for value, runs in groups:
         reached = [name for name in CLASSES if (runs["collapse_class"] == name).any()] or [NOTHING]

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 from sph.experiments.paper import figures
 from sph.experiments.paper.design import PaperStudy
-from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, TRIGGER, Section, drawings, numbered
+from sph.page.sections import FIGURES, MAPS, OF_EVERY_STUDY, PREFLIGHT, SECTIONS, SPACING, TRIGGER, Section, drawings, numbered
 from sph.study.schema import Study
 
 PAPER_SECTIONS: tuple[Section, ...] = (
@@ -31,9 +31,10 @@ PAPER_SECTIONS: tuple[Section, ...] = (
 
 def sections_of(study: Study) -> tuple[Section, ...]:
     """The sections of a study's page: the paper's, without figures that are left out, or those of any."""
+    second = (SPACING,) if study.second_fidelity not in (None, study.fidelity) else ()
     if not isinstance(study, PaperStudy):
-        return SECTIONS
-    return tuple(_without(section, study.left_out) for section in PAPER_SECTIONS)
+        return SECTIONS + second
+    return tuple(_without(section, study.left_out) for section in PAPER_SECTIONS) + second
 
 
 def _without(section: Section, left_out: Mapping[str, str]) -> Section:

@@ -11,10 +11,11 @@ from itertools import chain
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple, TypeVar
 
+from sph.experiments.spacing.measure import spacing_columns
 from sph.experiments.trigger.figures import MAPPED
 from sph.figures import RUN_FIGURES, STUDY_FIGURES
 from sph.figures import caption as caption_of
-from sph.page.answer import CRITICAL, FINDINGS
+from sph.page.answer import ANNUAL, CRITICAL, FINDINGS, SPACINGS
 from sph.storage.trajectory import Variable
 from sph.study.schema import INPUT_FIGURES, MOBILISED, PROFILES
 
@@ -105,6 +106,7 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
             "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
             "*/trigger/fragility_annual.csv": "How often a year, with the hazard of the site",
             "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
+            "*/trigger/widths.csv": "Run-out that most of the motions do not pass",
             "*/trigger/exceedance.csv": "Share of the motions that exceed a run-out or a displacement",
         },
         figures={
@@ -152,9 +154,18 @@ DOCS = {
     "Limits of the model": "docs/model/limits.md",
 }
 """Pages of the documentation that say what the program is worth, whichever study it runs."""
+SPACING = Section(
+    "Spacing",
+    "Every run at a second spacing: what finer or coarser particles change.",
+    "snakemake --cores 2",
+    tables={SPACINGS: "Both spacings, and the value on a line to spacing 0"},
+    variables=spacing_columns(),
+    always=True,
+)
+"""Of a study with a second fidelity."""
 SECTIONS = (PREFLIGHT, FIGURES, TRIGGER, MAPS, *OF_EVERY_STUDY)
 """The sections of a study of any dimensions, in their order on the page."""
-FIRST_SCREEN = (FINDINGS, CRITICAL)
+FIRST_SCREEN = (FINDINGS, CRITICAL, SPACINGS, ANNUAL)
 """Files from which the page begins, where they exist."""
 
 

@@ -33,10 +33,12 @@ def newmark_factor(scene: Scene, yield_acceleration: float, displacement: float)
     """Factor on the scene's motion with which the sliding block slips by a displacement (m), from its yield acceleration (m/s2).
 
     0 for a slope that does not stand without shaking, the yield acceleration over the load under one that stays, infinite for a motion that
-    nowhere drives the block downslope, NaN where the yield acceleration is; ValueError for a scene that is not shaken.
+    nowhere drives the block downslope, NaN where the yield acceleration or the displacement is; ValueError for a scene that is not shaken.
     """
     if not yield_acceleration > 0.0:
         return yield_acceleration
+    if math.isnan(displacement):
+        return math.nan
     if reference_amplitude(scene.motion) == 0.0:
         raise ValueError(f"motion: scene {scene.name} is not shaken, there is nothing to scale")
     if isinstance(scene.motion, ConstantAcceleration):

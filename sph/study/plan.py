@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from sph.measures.fields import check_probe
+from sph.measures.places import check_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
 from sph.scene.schema import Scene, make_scene
 from sph.storage.files import whole
@@ -45,7 +46,8 @@ class Plan:
 
     def at(self, fidelity: str, overrides: Mapping[str, Any] | None = None, subfolder: str = "", origin: str = "") -> Plan:
         """The same study at one of its fidelities, with scene keys laid over it, its results in a folder below."""
-        return Plan(self.study.model_copy(update={"fidelity": fidelity}), self._scene_file, origin or self.origin, overrides, subfolder)
+        study = self.study.model_copy(update={"fidelity": fidelity})
+        return Plan(study, self._scene_file, origin or self.origin, overrides, subfolder)
 
     def scene(self, **point: str) -> dict[str, Any]:
         """Scene with some of the dimensions set, as a mapping."""
@@ -94,7 +96,19 @@ class Plan:
     def jobs(self) -> list[Run]:
         """Everything that is run for the study: stages, runs, and the searches for its yield accelerations."""
         searched = {search.file for search in self.searches.values()}
-        return [run for run in self.shared if run.kind != Kind.SEARCH or run.file in searched]
+        return [run for run in self.shared if run.kind != Kind.SEARCH or run.file in searched] + self.second_runs
+
+    @functools.cached_property
+    def second(self) -> Plan | None:
+        """The study at its second fidelity; None where that is the study's own or there is none."""
+        fidelity = self.study.second_fidelity
+        return self.at(fidelity) if fidelity and fidelity != self.study.fidelity and not self._subfolder else None
+
+    @property
+    def second_runs(self) -> list[Run]:
+        """Stages and runs at the second fidelity."""
+        runs = [run for run in self.second.shared if run.kind != Kind.SEARCH] if self.second else []
+        return [run._replace(group=f"{run.group} at {self.study.second_fidelity}") for run in runs]
 
     @property
     def slope(self) -> dict[str, Any]:
@@ -150,7 +164,8 @@ class Plan:
         """How the study's tables are laid out."""
         listed = self.study.grid is None
         labels = () if listed else tuple(self.study.values.values())
-        return Layout(tuple(found.variable(listed) for found in self.dimensions), labels, self.study.numbered)
+        axes, places = tuple(found.variable(listed) for found in self.dimensions), place_columns(self.study.metrics.places)
+        return Layout(axes, labels, self.study.numbered, places)
 
     @property
     def parts(self) -> list[str]:
@@ -169,6 +184,8 @@ class Plan:
         seen: dict[tuple[float | str | None, ...], str] = {}
         for name, point in self.study.runs.items():
             self.built(**point)
+            if self.second:
+                self.second.built(**point)
             first = seen.setdefault(tuple(map(value_of, point.values())), name)
             if first != name and self.study.cases is not None:
                 at = ", ".join(f"{key} = {value}" for key, value in point.items())
@@ -180,6 +197,7 @@ class Plan:
         at = ", ".join(f"{name} = {value}" for name, value in point.items())
         scene = make_scene(self.scene(**point), f"{self.origin} at {at}" if at else self.origin)
         check_probe(self.study.metrics.probe, scene, f"{self.origin} at {at}" if at else self.origin)
+        check_places(self.study.metrics.places, scene, f"{self.origin} at {at}" if at else self.origin)
         if scene.coupling.initial_state == "fluid":
             raise ValueError(
                 f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "

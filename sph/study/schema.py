@@ -83,6 +83,11 @@ class Study(Section):
     fidelities: dict[Annotated[str, Field(pattern=NAME)], dict[str, Any]] = key(
         "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
     )
+    second_fidelity: str | None = key(
+        "one of the fidelities, with another spacing, at which every run is made again, so that the page says what the spacing changes; "
+        "null: none",
+        default=None,
+    )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(
@@ -92,6 +97,7 @@ class Study(Section):
     @model_validator(mode="after")
     def _known(self) -> Study:
         check_known("fidelity", [self.fidelity], self.fidelities)
+        check_known("second_fidelity", [self.second_fidelity] if self.second_fidelity else (), self.fidelities)
         return self
 
     @model_validator(mode="after")

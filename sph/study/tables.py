@@ -94,11 +94,12 @@ class Layout(NamedTuple):
     axes: tuple[Variable, ...] = AXES  # what varies
     labels: tuple[tuple[str, ...], ...] = ()  # of a grid, the values of every axis in order, as written; none: a list of cases
     named: bool = False  # rows hold the name of the run, which its dimensions do not tell
+    places: tuple[Variable, ...] = ()  # columns of the places that debris may reach
 
     @property
     def columns(self) -> list[Variable]:
         """Columns of the CSV."""
-        return [CASE_COLUMN] * self.named + [*self.axes, *VALUES]
+        return [CASE_COLUMN] * self.named + [*self.axes, *VALUES, *self.places]
 
     @property
     def names(self) -> list[str]:

@@ -6,11 +6,12 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 
 from sph.experiments.trigger.design import Searched
-from sph.experiments.trigger.exceedance import exceedance, exceedance_columns
+from sph.experiments.trigger.exceedance import exceedance, exceedance_columns, width_columns, width_within, widths
 from sph.experiments.trigger.figures_reach import figure_reach
 from sph.measures.metrics import UNDETERMINED
 from sph.scene.schema import Scene
@@ -86,3 +87,23 @@ def test_the_figure_counts_and_stands_over_the_section(small_slope: Any) -> None
 def test_nothing_to_draw_is_refused() -> None:
     with pytest.raises(ValueError, match="no row"):
         figure_reach(exceedance(FOUR.iloc[:0], SEARCHED), SEARCHED, {})
+
+
+def test_widths_are_those_that_enough_runs_do_not_pass(tmp_path: Path) -> None:
+    table = widths(FOUR, SEARCHED)
+    write_csv(table, tmp_path / "widths.csv")
+    pd.testing.assert_frame_equal(read_csv(tmp_path / "widths.csv", width_columns("1"), "widths"), table)
+    weak, strong = table.to_dict("records")
+    assert (weak["intensity"], weak["width_50"], weak["width_84"], weak["width_95"], weak["widest"]) == (1.0, 0.0, 2.0, 2.0, 2.0)
+    assert (strong["width_50"], strong["width_84"], strong["widest"], strong["diverged"]) == (4.0, math.inf, 8.0, 1)
+
+
+@pytest.mark.parametrize(("share", "width"), [(0.5, 10.0), (0.84, 17.0), (0.95, 19.0), (1.0, 20.0)])
+def test_a_width_of_twenty_runs(share: float, width: float) -> None:
+    assert width_within(np.random.default_rng(1).permutation(np.arange(1.0, 21.0)), share) == width
+
+
+def test_the_depth_at_a_place_is_counted_as_a_length() -> None:
+    table = exceedance(FOUR.assign(road_passed=1.0, road_depth=[0.5, NOT_KNOWN, 0.0, 1.5, 0, 0, 0, 0, 0, 0]), SEARCHED)
+    deep = table[(table["metric"] == "road_depth") & (table["intensity"] == 9.0)]
+    assert deep["exceeded"].tolist() == [0.0, 0.5, 1.5] and deep["share_lower"].tolist() == [0.5, 0.25, 0.0]

@@ -13,8 +13,8 @@ import yaml
 from scipy.integrate import quad  # type: ignore[import-untyped]
 
 from sph.experiments.registry import load_study
-from sph.experiments.trigger.annual import annual_columns, annual_table
-from sph.experiments.trigger.critical import BRACKETED, NEVER
+from sph.experiments.trigger.annual import annual_columns, annual_table, frequency_bounds
+from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
 from sph.experiments.trigger.design import TriggerPlan, load_trigger
 from sph.experiments.trigger.fragility import Lognormal
 from sph.experiments.trigger.hazard import Hazard, annual_frequency, read_hazard
@@ -96,7 +96,25 @@ def test_the_table_says_how_often_and_what_is_left_out(tmp_path: Path) -> None:
 def test_without_a_fit_there_is_no_frequency() -> None:
     never = critical(3).assign(outcome=NEVER, lower=5.0, upper=math.nan)
     (row,) = annual_table(never, SITE, 1.0, 5.0, "m/s²").to_dict("records")
-    assert math.isnan(row["frequency"]) and row["sentence"] == "Without a fit there is no annual frequency of class damaged or worse."
+    assert math.isnan(row["frequency"]) and row["frequency_least"] == 0.0
+    assert row["frequency_most"] == pytest.approx(5e-4 - 1e-5), "all of them just above 5"
+    assert row["sentence"] == (
+        "The brackets determine no fit. By them alone the slope reaches class damaged or worse between 0 and 0.00049 times a year under "
+        "this hazard curve."
+    )
+
+
+def test_brackets_alone_bound_the_frequency() -> None:
+    """Of four motions one is reached at the lowest, 2, one between 2 and 5, one never up to 5, and one diverged."""
+    found = critical(4).assign(
+        outcome=[AT_LOWEST, BRACKETED, NEVER, UNDECIDED], lower=[math.nan, 2.0, 5.0, math.nan], upper=[2.0, 5.0, math.nan, math.nan]
+    )
+    at = {0.2: SITE.at(0.2), 2.0: 8e-3, 5.0: 5e-4}
+    least, most = frequency_bounds(found, SITE)
+    assert least == pytest.approx((at[2.0] + at[5.0] - 2 * 1e-5) / 4)
+    assert most == pytest.approx((at[0.2] + at[2.0] + at[5.0] + at[0.2] - 4 * 1e-5) / 4)
+    (row,) = annual_table(critical(), SITE, 1.0, 5.0, "m/s²").to_dict("records")
+    assert row["frequency_least"] < row["frequency"] < row["frequency_most"], "narrow brackets lie about the fit"
 
 
 def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:

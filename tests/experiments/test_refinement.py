@@ -8,7 +8,7 @@ from collections.abc import Callable, Hashable
 import pytest
 from pydantic import ValidationError
 
-from sph.experiments.trigger.refinement import Cell, Place, Span, leaves
+from sph.experiments.trigger.refinement import UNSHAKEN, Cell, Place, Span, leaves
 
 
 def asked(cells: list[int], found: Callable[[Place], Hashable], levels: int) -> set[Place]:
@@ -65,3 +65,25 @@ def test_spans() -> None:
     for bad in ({"lowest": 2.0}, {"lowest": 0.0, "scale": "logarithmic"}, {"cells": 0}, {"lowest": -1.0}):
         with pytest.raises(ValidationError):
             Span(**({"lowest": 1.0, "highest": 2.0, "cells": 1} | bad))
+
+
+@pytest.mark.parametrize("limit", [0.7, 0.3, 0.01])
+def test_a_search_goes_on_below_its_smallest_value(limit: float) -> None:
+    span, levels = Span(lowest=1.0, highest=3.0, cells=2), 5
+    values: list[float] = []
+
+    def above(place: Place) -> bool:
+        if place != UNSHAKEN:
+            values.append(span.value(place[0]))
+        return place != UNSHAKEN and span.value(place[0]) > limit
+
+    cells = list(leaves([2], above, levels, lower=True))
+    (found,) = (cell for cell in cells if len({above(corner) for corner in cell.corners()}) > 1)
+    low, high = (span.value(place) for (place,) in found.corners())
+    assert found.level == levels and low <= limit < high and high - low == pytest.approx(0.5**levels) and min(values) > 0.0
+    assert sum(cell.size for cell in cells) == 3.0
+
+
+def test_a_search_that_finds_nothing_at_its_smallest_value_asks_for_nothing_below() -> None:
+    below = [cell for cell in leaves([2], lambda place: place[0] > 1.2, 4, lower=True) if cell.corner[0] < 0.0]
+    assert below == [Cell(UNSHAKEN, 0)]

@@ -237,7 +237,11 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"classes": ["collapsed"]}, ["classes.0", "collapsed", "'collapse'"]),
+        ({"classes": ["collapse", {"runout": "road"}]}, ["classes: runout", "'road' is not"]),
+        ({"classes": [{"runout": 0}]}, ["classes.0", "'runout: 0'", "a length above 0 in m"]),
+        ({"classes": [{"speed": 1}]}, ["classes.0", "'speed: 1'", "displacement: a length"]),
+        ({"intensity": {"lowest": 7.9}, "tolerance": 1e-5}, ["tolerance: 1e-05 must be at least 0.0019"]),
+        ({"classes": ["collapsed"]}, ["classes.0", "'collapsed'", "minor, damaged, collapse"]),
         ({"classes": ["stable"]}, ["classes.0", "stable"]),
         ({"tolerance": 0.0}, ["tolerance", "greater than 0"]),
         ({"tolerance": 1e-5}, ["tolerance", "1e-05", "0.00098"]),
@@ -256,7 +260,7 @@ def test_the_widest_cell_of_equal_ratios_decides(tmp_path: Path) -> None:
         ({"maps": {"cases": ["odd"]}}, ["maps.cases", "odd", "as it is"]),
         ({"maps": {"over": {"gamma": {"lowest": 0.0}}}}, ["maps.over.gamma", "logarithmic"]),
         ({"maps": {"over": {"S_R": {"highest": 1.5}}}}, ["coupling.S_R", "1.5"]),
-        ({"intensity": {"lowest": 7.9999}, "tolerance": 1e-5}, ["intensity", "too small for labels of six digits"]),
+        ({"intensity": {"cells": 64}, "tolerance": 3.1e-5}, ["intensity", "too small for labels of six digits"]),
         ({"at": {"soil.cohesion": ["100"]}}, ["maps.over", "S_R, gamma", "dimensions of at (S_R, gamma, soil.cohesion)"]),
         ({"at": {"amplitude": ["1"]}}, ["at.amplitude", "is the intensity that is searched"]),
         ({"at": {"S_R": ["0.1", "0.10"]}}, ["at.S_R", "one value twice"]),

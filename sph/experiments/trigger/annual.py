@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
+from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.fragility import CONFIDENCE, SEED, TAILS, Lognormal, brackets, fitted, resampled
 from sph.experiments.trigger.hazard import Hazard, annual_frequency
 from sph.experiments.trigger.points import CASE_COLUMN, names
@@ -32,6 +33,17 @@ def annual_columns(units: str) -> tuple[Variable, ...]:
             f"lower end of its {CONFIDENCE:.0%} interval by the samples of the fit; the hazard is taken as known",
         ),
         number_column("frequency_upper", PER_YEAR, "upper end"),
+        number_column(
+            "frequency_least",
+            PER_YEAR,
+            "the same without a fit, from the brackets alone: no motion reaches it below the upper end of its bracket, those without one "
+            "never",
+        ),
+        number_column(
+            "frequency_most",
+            PER_YEAR,
+            "every motion reaches it above the lower end of its bracket, those reached at the lowest or all diverged always",
+        ),
         number_column(
             "share_searched", "1", "part of the frequency from intensities between the lowest and the highest that were searched"
         ),
@@ -63,19 +75,33 @@ def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest:
             row |= {"frequency": own, "frequency_lower": low, "frequency_upper": high}
             row |= {"share_searched": annual_frequency(np.array([fit]), searched)[0] / own if own > 0.0 else math.nan}
             row |= {"probability_at_first": float(Lognormal(*fit).exceedance(hazard.intensity[:1])[0])}
+        row |= dict(zip(("frequency_least", "frequency_most"), frequency_bounds(found, hazard), strict=True))
         rows.append(row | {"sentence": sentence(row, unit)})
     return pd.DataFrame(rows, columns=list(ANNUAL))
 
 
+def frequency_bounds(found: pd.DataFrame, hazard: Hazard) -> tuple[float, float]:
+    """Least and most annual frequency (1/year) within the hazard curve that the brackets of equally likely motions leave possible.
+
+    ``found``: rows of the table of critical intensities.  A motion whose critical intensity is x reaches it H(x) times a year.
+    """
+    lower, upper = found["lower"].fillna(0.0).to_numpy(float), found["upper"].fillna(math.inf).to_numpy(float)
+    return hazard.mean_within(upper), hazard.mean_within(lower)
+
+
 def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says."""
-    reach = f"class {row['collapse_class']}" + ("" if row["collapse_class"] == "collapse" else " or worse")
+    reach = in_words(str(row["collapse_class"]))
     frequency, low, high, first, at_first, last, beyond = (
         float(str(row[name]))
         for name in ("frequency", "frequency_lower", "frequency_upper", "first", "probability_at_first", "last", "beyond_last")
     )
     if math.isnan(frequency):
-        return f"Without a fit there is no annual frequency of {reach}."
+        least, most = (float(str(row[name])) for name in ("frequency_least", "frequency_most"))
+        return (
+            f"The brackets determine no fit. By them alone the slope reaches {reach} between {least:.2g} and {most:.2g} times a year under "
+            f"this hazard curve."
+        )
     weaker = ""
     if at_first >= RARE:
         weaker = f" Weaker shaking than {first:.3g} {unit}".rstrip() + f", at which the chance is {at_first:.2g}, is left out."

@@ -15,9 +15,10 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.trigger.design import INTENSITIES, Searched, reached
+from sph.experiments.trigger.boundaries import block_displacement, reached
+from sph.experiments.trigger.design import INTENSITIES, Searched
 from sph.experiments.trigger.points import Key, columns_in, label_columns, names
-from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED, MetricSettings, class_displacement
+from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED, MetricSettings
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.stability.extrapolation import RATIO, SMALLEST_RATIO, to_zero
@@ -68,7 +69,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
     units = searched.intensity.variable(listed=False).units
     return (
         *label_columns(searched.others),
-        text_column("collapse_class", "the class, or a worse one, whose critical intensity is searched"),
+        text_column("collapse_class", "what the critical intensity is searched for: the class, or a worse one, or the length or place"),
         text_column("intensity", "the dimension that is searched"),
         *bracket_columns(units),
         number_column(
@@ -88,7 +89,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
             "newmark_intensity",
             units,
             "intensity of the same motion at which a rigid block with that yield acceleration slips by the displacement at which the class "
-            "begins (Newmark 1965)",
+            "begins (Newmark 1965); NaN for a run-out, which a block has not",
         ),
     )
 
@@ -114,7 +115,7 @@ class Bracket(NamedTuple):
 def bracket(points: pd.DataFrame, wanted: str, intensity: str = "amplitude") -> Bracket:
     """The bracket of a class from the points that differ in one dimension, the intensity, alone."""
     line = points.assign(value=points[intensity].astype(float)).sort_values("value")
-    line["reached"] = [reached(name, wanted) for name in line["collapse_class"]]
+    line["reached"] = [reached(run, wanted) for run in line.to_dict("records")]
     decided = line[line["reached"].notna()]
     above, standing = (decided[decided["reached"] == verdict] for verdict in (True, False))
     upper = float(above["value"].min())
@@ -172,7 +173,7 @@ def block_estimates(
     power, found = INTENSITIES[searched.intensity_name], dict[Key, dict[str, dict[str, float]]]()
     for at, scene in scenes.items():
         yield_acceleration = yields.get(at, math.nan)
-        factors = {name: newmark_factor(scene, yield_acceleration, class_displacement(name, scene, settings)) for name in classes}
+        factors = {name: newmark_factor(scene, yield_acceleration, block_displacement(name, scene, settings)) for name in classes}
         found[at] = {
             name: {"yield_acceleration": yield_acceleration, "newmark_intensity": highest * factor ** (1.0 / power)}
             for name, factor in factors.items()
@@ -280,7 +281,7 @@ def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence
     rows = []
     for end, other in zip(ends.to_dict("records"), confirming, strict=True):
         own = by_point.loc[tuple(end[name] for name in at)]
-        sides = {reached(str(name), end["wanted_class"]) for name in (own["collapse_class"], other["collapse_class"])}
+        sides = {reached(run, end["wanted_class"]) for run in (own, other)}
         rows.append(
             end
             | {name: own[name] for name in PAIR}

@@ -13,15 +13,15 @@ import itertools
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from typing import Annotated, Any, NamedTuple
 
 import pandas as pd
 from pydantic import BeforeValidator, Field, model_validator
 
 from sph.experiments.base import Experiment, Label, Overrides, check_file_names, file_name
+from sph.experiments.trigger.boundaries import Boundary, DamageClass, place_of
 from sph.experiments.trigger.hazard import Hazard, read_hazard
 from sph.experiments.trigger.refinement import Place, Span
-from sph.measures.metrics import CLASSES
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
 from sph.scene.names import check_known
 from sph.scene.scheme import has_key
@@ -43,15 +43,7 @@ LEAST_STEP = 1e-5
 SEARCHED = {"points": "trigger", "maps": "maps"}
 """Table of all points of a search, and the search."""
 
-DamageClass = Literal["minor", "damaged", "collapse"]
-assert get_args(DamageClass) == CLASSES[1:]
-Classes = tuple[DamageClass, ...]
 At = Annotated[dict[str, Values], BeforeValidator(in_si)]
-
-
-def reached(collapse_class: str, wanted: str) -> bool | None:
-    """Whether a run is of a class or a worse one; None for a diverged run, which is neither."""
-    return CLASSES.index(collapse_class) >= CLASSES.index(wanted) if collapse_class in CLASSES else None
 
 
 INTENSITIES = {
@@ -69,6 +61,10 @@ class Intensity(Span):
 
     dimension: str = key(f"what is searched, one of {', '.join(INTENSITIES)}; all but the first need a record", default="amplitude")
 
+    def bracket(self, level: int) -> float:
+        """Width of the widest bracket after ``level`` divisions, below the smallest intensity or in the last cell."""
+        return max(self.widest(level), self.lowest * 0.5**level)
+
 
 class Confirm(Section):
     """Brackets whose ends are run again at another fidelity."""
@@ -76,7 +72,7 @@ class Confirm(Section):
     fidelity: str = key("the fidelity, one of the study's", default="standard")
     cases: tuple[str, ...] | None = key("cases that are confirmed; null: all", default=None, min_length=1)
     at: At = key("values at which they are confirmed, among those searched, by dimension; all of one that is left out", default={})
-    collapse_class: DamageClass = key("the class whose brackets are confirmed", default="collapse")
+    collapse_class: Boundary = key("the class whose brackets are confirmed", default="collapse")
 
 
 class Maps(Section):
@@ -84,7 +80,9 @@ class Maps(Section):
 
     cases: tuple[str, ...] | None = key("cases that are mapped; null: all", default=None, min_length=1)
     over: dict[str, Span] = key("ranges of the dimensions that are mapped beside the intensity, by dimension", min_length=1)
-    classes: Classes = key("cells whose corners differ in reaching one of these classes are divided", default=("collapse",), min_length=1)
+    classes: tuple[DamageClass, ...] = key(
+        "cells whose corners differ in reaching one of these classes are divided", default=("collapse",), min_length=1
+    )
     levels: int = key("how often a cell is divided", ge=0, le=4, default=2)
 
 
@@ -95,7 +93,12 @@ class Trigger(Section):
     cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
     intensity: Intensity = key("the intensities of the shaking, of all searches")
     tolerance: float = key("largest width of the bracket of a critical intensity", "that of the intensity", gt=0, le=1e4)
-    classes: Classes = key("classes whose critical intensities are searched", default=("collapse",), min_length=1)
+    classes: tuple[Boundary, ...] = key(
+        "what critical intensities are searched for: classes, 'runout: NAME' for a place of metrics.places, 'runout: LENGTH' and "
+        "'displacement: LENGTH' in m",
+        default=("collapse",),
+        min_length=1,
+    )
     at: At = key("values at which they are searched, by dimension, every combination; none: at the scene's own", default={})
     periods: tuple[Annotated[float, Field(gt=0, le=100)], ...] = key(
         "periods at which the fragility is compared in the spectral acceleration, with 5 % damping", "s", default=(), max_length=50
@@ -146,7 +149,7 @@ class Trigger(Section):
                     raise ValueError(f"confirm.at.{name}: {value} is not one of those searched, {', '.join(self.at[name])}")
         check_known("confirm.collapse_class", [self.confirm.collapse_class] if self.confirm else (), self.classes)
         if self.levels > MOST_LEVELS:
-            raise ValueError(f"tolerance: {self.tolerance:g} must be at least {self.intensity.widest(MOST_LEVELS):.2g} with this lattice")
+            raise ValueError(f"tolerance: {self.tolerance:g} must be at least {self.intensity.bracket(MOST_LEVELS):.2g} with this lattice")
         self._check_extent()
         return self
 
@@ -172,7 +175,7 @@ class Trigger(Section):
     @property
     def levels(self) -> int:
         """How often a cell of intensities is divided until all are within the tolerance; ``MOST_LEVELS`` + 1 if that is not enough."""
-        narrow = (level for level in range(MOST_LEVELS + 1) if self.intensity.widest(level) <= self.tolerance * (1.0 + 1e-9))
+        narrow = (level for level in range(MOST_LEVELS + 1) if self.intensity.bracket(level) <= self.tolerance * (1.0 + 1e-9))
         return next(narrow, MOST_LEVELS + 1)
 
 
@@ -203,6 +206,11 @@ class Lattice(Section):
     spans: dict[str, Span]
     written: dict[str, tuple[str, ...]]
     """labels that the study has for numbers, by dimension; other numbers are written in six digits"""
+
+    @property
+    def goes_lower(self) -> bool:
+        """Whether the search goes on below the smallest intensity where that already reaches what it looks for."""
+        return len(self.spans) == 1 and all(span.lowest > 0.0 for span in self.spans.values())
 
     def labels(self, place: Place) -> tuple[str, ...]:
         """Values of the dimensions at a place, as written."""
@@ -238,6 +246,7 @@ class TriggerPlan:
         }
         ends = tuple(f"{end:.6g}" for end in (trigger.intensity.lowest, trigger.intensity.highest))
         searching = study if own else study.over({**trigger.at, trigger.intensity.dimension: ends})
+        check_known(f"{origin}: classes: runout", filter(None, map(place_of, trigger.classes)), study.study.metrics.places)
         wanted = {"fidelity": self.fidelity} | ({"confirm.fidelity": trigger.confirm.fidelity} if trigger.confirm else {})
         for where, fidelity in wanted.items():
             check_known(f"{origin}: {where}", [fidelity], study.study.fidelities)
@@ -319,7 +328,7 @@ class TriggerPlan:
         scene = plan.built(**dict(zip(self.names, labels, strict=True)))
         return Searched(tuple(dimension(name, self._written[name], scene) for name in self.names), self.trigger.intensity.dimension)
 
-    def classes(self, search: str) -> Classes:
+    def classes(self, search: str) -> Sequence[str]:
         """The classes whose boundaries a search refines."""
         return self.maps.classes if search == "maps" else self.trigger.classes
 
@@ -463,7 +472,7 @@ EXPERIMENT = Experiment(
     {
         "trigger": lambda design: ["trigger.nc", "trigger.csv", "points.csv", "figures/trigger"],
         "fragility": lambda design: [
-            *["trigger.csv", "points.csv", "fragility_fit.csv", "fragility_measures.csv", "exceedance.csv"],
+            *["trigger.csv", "points.csv", "fragility_fit.csv", "fragility_measures.csv", "exceedance.csv", "widths.csv"],
             *["fragility_annual.csv"] * bool(design.trigger.hazard),
         ],
         "confirm": lambda design: ["confirm.csv"],

@@ -1,4 +1,5 @@
-"""How far it goes: the share of the motions whose run-out or displacement exceeds a length, at given intensities of the shaking.
+"""How far it goes: the share of the motions whose run-out, displacement or depth of debris at a place exceeds a length, at given
+intensities of the shaking, and the width that most of them do not pass.
 
 An empirical curve, no distribution is fitted.  It is taken at the intensities at which all values of the search were run, the ends of its
 first cells at least: those at which only some were run are near their critical intensities, a choice that would distort the share.
@@ -7,12 +8,15 @@ A diverged run has no length: it may exceed any, and counts in the upper share a
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pandas as pd
 
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.points import CASE_COLUMN, label_columns, names
 from sph.measures.metrics import UNDETERMINED
+from sph.measures.places import DEPTH, column_of, places_in
 from sph.storage.trajectory import Variable
 from sph.study.tables import count_column, number_column, text_column
 
@@ -25,7 +29,7 @@ def exceedance_columns(units: str) -> tuple[Variable, ...]:
     return (
         CASE_COLUMN,
         number_column("intensity", units, "intensity of the shaking, one at which all values of the search were run"),
-        text_column("metric", " or ".join(LENGTHS)),
+        text_column("metric", f"{' or '.join(LENGTHS)}, or the depth of debris at a place"),
         number_column("exceeded", "m", "the length: 0, and each that a run has"),
         count_column("motions", "runs at this intensity, one of every motion or other value"),
         count_column("exceeding", "those with a larger value"),
@@ -48,7 +52,8 @@ def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
     at, rows = names(label_columns(searched.others)), []
     for case, line in points.groupby("case", sort=False):
         values, of_class = len(line[at].drop_duplicates()), line["collapse_class"] != UNDETERMINED
-        known = [name for name in LENGTHS if line.loc[of_class, name].notna().all()]
+        depths = [column_of(place, DEPTH) for place in places_in(line.columns)]
+        known = [name for name in (*LENGTHS, *depths) if line.loc[of_class, name].notna().all()]
         for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
             if len(runs) < values:
                 continue
@@ -62,3 +67,48 @@ def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
                     shares = (exceeding / len(runs), (exceeding + int(diverged.sum())) / len(runs))
                     rows.append((case, intensity, name, float(length), *counts, *shares))
     return pd.DataFrame(rows, columns=list(EXCEEDANCE))
+
+
+SHARES = (0.5, 0.84, 0.95)
+"""Shares of the runs whose widths are given."""
+
+
+def width_within(runouts: np.ndarray, share: float) -> float:
+    """The smallest of the run-outs (n,), m, that at least this share of the runs does not pass; infinite where too many are not known
+    (NaN), NaN without any."""
+    ordered = np.sort(np.where(np.isnan(runouts), np.inf, runouts))
+    return float(ordered[max(math.ceil(share * ordered.size - 1e-9) - 1, 0)]) if ordered.size else math.nan
+
+
+def width_name(share: float) -> str:
+    """Name of the column of the width that a share of the runs does not pass."""
+    return f"width_{100.0 * share:.0f}"
+
+
+def width_columns(units: str) -> tuple[Variable, ...]:
+    """The columns of the widths, with the unit of the intensity."""
+    return (
+        CASE_COLUMN,
+        number_column("intensity", units, "intensity of the shaking, one at which all values of the search were run"),
+        count_column("motions", "runs at this intensity, one of every motion or other value"),
+        count_column("diverged", "diverged ones, which count as if they went on without end"),
+        *(
+            number_column(width_name(share), "m", f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many diverged")
+            for share in SHARES
+        ),
+        number_column("widest", "m", "largest run-out of those that did not diverge"),
+    )
+
+
+def widths(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
+    """One row a case and intensity at which all values were run; none for a case without run-out."""
+    at, rows = names(label_columns(searched.others)), []
+    for case, line in points.groupby("case", sort=False):
+        values = len(line[at].drop_duplicates())
+        for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
+            runouts = runs["runout"].to_numpy(float)
+            diverged = int((runs["collapse_class"] == UNDETERMINED).sum())
+            if len(runs) == values and np.isnan(runouts).sum() == diverged:
+                widest = float(np.nanmax(runouts)) if diverged < len(runs) else math.nan
+                rows.append((case, intensity, len(runs), diverged, *(width_within(runouts, share) for share in SHARES), widest))
+    return pd.DataFrame(rows, columns=names(width_columns("1")))

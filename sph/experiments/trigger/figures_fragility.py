@@ -5,9 +5,10 @@ from __future__ import annotations
 import pandas as pd
 from matplotlib.figure import Figure
 
+from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.fragility import CONFIDENCE, brackets, steps
-from sph.figures.style import LINE_STYLES, WIDTH, also_in_g, class_colours, label_panels, plain, styled, write_note
+from sph.figures.style import GREY, LINE_STYLES, WIDTH, also_in_g, class_colours, label_panels, plain, styled, write_note
 from sph.measures.metrics import CLASSES
 
 
@@ -23,11 +24,13 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
     cases = list(dict.fromkeys(critical["case"]))
     figure = Figure(figsize=(WIDTH, 3.0 * len(cases) + 0.3), layout="constrained")
     axes = figure.subplots(len(cases), 1, sharex=True, squeeze=False)[:, 0]
-    colours = class_colours()
+    colours = dict(zip(CLASSES, class_colours(), strict=True))
+    lengths = [name for name in dict.fromkeys(fits["collapse_class"]) if name not in CLASSES]
     for ax, case in zip(axes, cases, strict=True):
         for fit in fits[fits["case"] == case].to_dict("records"):
             name = str(fit["collapse_class"])
-            look = {"color": colours[CLASSES.index(name)], "linestyle": LINE_STYLES[CLASSES.index(name) - 1]}
+            number = CLASSES.index(name) - 1 if name in CLASSES else lengths.index(name)
+            look = {"color": colours.get(name, GREY), "linestyle": LINE_STYLES[number % len(LINE_STYLES)]}
             curve = curves[(curves["case"] == case) & (curves["collapse_class"] == name)]
             rows = critical[(critical["case"] == case) & (critical["collapse_class"] == name)]
             if len(curve):
@@ -38,7 +41,7 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
             low, high, share = steps(*brackets(rows))
             middle = 0.5 * (low + high)
             ax.errorbar(middle, share, xerr=0.5 * (high - low), fmt="o", markersize=3, elinewidth=0.8, color=look["color"])
-        ax.set(ylim=(0.0, 1.0), ylabel="probability of reaching the class")
+        ax.set(ylim=(0.0, 1.0), ylabel="probability of reaching it" if lengths else "probability of reaching the class")
         ax.set_xlim(left=0.0)
         ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), title=f"curve, {CONFIDENCE:.0%} band, brackets")
     axes[-1].set_xlabel(plain(searched.intensity.label))
@@ -51,7 +54,7 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
 
 def _words(fit: dict[str, object], unit: str) -> str:
     """Class, parameters and counts of a fit."""
-    name = f"{fit['collapse_class']}" + ("" if fit["collapse_class"] == CLASSES[-1] else " or worse")
+    name = in_words(str(fit["collapse_class"])).removeprefix("class ")
     found = "no fit" if fit["median"] != fit["median"] else plain(f"θ = {fit['median']:.3g} {unit}, β = {fit['dispersion']:.2g}")
     others = {"never": "never reached", "at_lowest": "at the lowest", "undecided": "diverged", "not_monotone": "not monotone"}
     counted = [f"{fit[column]} {words}" for column, words in others.items() if fit[column]]

@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
 
+from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
 from sph.experiments.trigger.points import CASE_COLUMN, names
 from sph.scene.units import GRAVITY
@@ -289,7 +290,7 @@ OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "und
 
 def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says, with the ``unit`` as it is printed; accelerations in g as well."""
-    reach = f"reach class {row['collapse_class']}" + ("" if row["collapse_class"] == "collapse" else " or worse")
+    reach = f"reach {in_words(str(row['collapse_class']))}"
     counted = f"{row['motions']} motions, {row['never']} of which never reach it up to the highest intensity"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
     if math.isnan(median):

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from sph.experiments.trigger.design import Lattice, Searched
-from sph.experiments.trigger.points import CASE_COLUMN, classes_found, division, names
+from sph.experiments.trigger.points import CASE_COLUMN, division, names, runs_found
 from sph.experiments.trigger.refinement import Cell, leaves
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.storage.trajectory import Variable
@@ -55,13 +55,13 @@ def map_cells(
     lattices: Sequence[Lattice], points: pd.DataFrame, boundaries: Sequence[str], levels: int, searched: Searched
 ) -> pd.DataFrame:
     """One row a cell that is not divided, with the columns ``cell_columns``."""
-    classes = classes_found(points)
+    runs = runs_found(points)
     rows = []
     for lattice in lattices:
         own = points[points["case"] == lattice.case]
         values = {name: own[name].astype(float).to_numpy() for name in lattice.names}
         counts = [span.cells for span in lattice.spans.values()]
-        for cell in leaves(counts, division(lattice, classes, boundaries), levels):
+        for cell in leaves(counts, division(lattice, runs, boundaries), levels):
             bounds = _bounds(lattice, cell)
             inside = np.all([(values[name] >= low) & (values[name] <= high) for name, (low, high) in bounds.items()], axis=0)
             found = [name for name in CLASSES if name in set(own["collapse_class"][inside])] or [UNDETERMINED]

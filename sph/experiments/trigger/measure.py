@@ -24,7 +24,7 @@ from sph.experiments.trigger.critical import (
 )
 from sph.experiments.trigger.design import Lattice, Searched, TriggerPlan
 from sph.experiments.trigger.efficiency import measures_table, motion_measures
-from sph.experiments.trigger.exceedance import exceedance
+from sph.experiments.trigger.exceedance import exceedance, widths
 from sph.experiments.trigger.figures import MAPS, figure_critical
 from sph.experiments.trigger.figures_fragility import figure_fragility
 from sph.experiments.trigger.figures_reach import figure_reach
@@ -49,7 +49,7 @@ def want_points(lattices: Sequence[Settings], classes: Sequence[str], number: in
 def measure_points(wanted: pd.DataFrame, settings: Settings, runs: Runs, points: pd.DataFrame | None = None) -> pd.DataFrame:
     """The points of a round with the metrics of its runs, in their order, after those of the rounds before it."""
     chosen = MetricSettings(**settings)
-    return measured_points(no_points() if points is None else points, wanted, [measure(run, chosen) for run in runs])
+    return measured_points(no_points() if points is None else points, wanted, [measure(run, chosen) for run in runs], chosen.places)
 
 
 def searched_points(points: pd.DataFrame) -> pd.DataFrame:
@@ -107,7 +107,7 @@ def fragility_annual(critical: pd.DataFrame, hazard: Hazard, span: tuple[float, 
     return annual_table(critical, hazard, *span, searched.intensity.shown_unit)
 
 
-def reach(points: pd.DataFrame, scenes: Mapping[Key, Planned], searched: Searched, note: str) -> tuple[pd.DataFrame, Figure]:
+def reach(points: pd.DataFrame, scenes: Mapping[Key, Planned], searched: Searched, note: str) -> tuple[pd.DataFrame, pd.DataFrame, Figure]:
     """Share of the motions whose run-out or displacement exceeds a length, at every intensity at which all motions were run; a diverged run
     counts in the upper share alone. Every column is defined in docs/reference/files.md.
 
@@ -118,7 +118,7 @@ def reach(points: pd.DataFrame, scenes: Mapping[Key, Planned], searched: Searche
     for (case, *_), scene in scenes.items():
         by_case.setdefault(case, []).append(scene.build())
     of_one_ground = {case: built[0] for case, built in by_case.items() if all(each.geometry == built[0].geometry for each in built)}
-    return table, figure_reach(table, searched, of_one_ground, note)
+    return table, widths(points, searched), figure_reach(table, searched, of_one_ground, note)
 
 
 def want_confirmation(critical: pd.DataFrame, points: pd.DataFrame, confirm: Settings, searched: Searched) -> pd.DataFrame:
@@ -259,7 +259,11 @@ STEPS = (
         "exceedance",
         reach,
         {"points": "points.csv"},
-        {"exceedance.csv": "exceedance of run-out and displacement", "figures/exceedance": "figure of the exceedance"},
+        {
+            "exceedance.csv": "exceedance of run-out and displacement",
+            "widths.csv": "widths that debris does not pass",
+            "figures/exceedance": "figure of the exceedance",
+        },
         lambda design: {"scenes": design.shaken, "searched": design.dimensions, "note": design.note()},
     ),
     Step(

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from sph.experiments.trigger.design import Lattice, names_in, reached
-from sph.experiments.trigger.refinement import Place, leaves
+from sph.experiments.trigger.boundaries import reached
+from sph.experiments.trigger.design import Lattice, names_in
+from sph.experiments.trigger.refinement import UNSHAKEN, Place, leaves
 from sph.measures.metrics import METRIC_BY_NAME, UNDETERMINED
+from sph.measures.places import place_columns, places_in
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import Dimension, is_number
 from sph.study.tables import ROW, columns_of, count_column, read_csv, text_column
@@ -40,40 +42,42 @@ def wanted_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
     return (*label_columns(dimensions), ROUND_COLUMN)
 
 
-def point_columns(dimensions: Sequence[Dimension]) -> tuple[Variable, ...]:
+def point_columns(dimensions: Sequence[Dimension], places: Iterable[str] = ()) -> tuple[Variable, ...]:
     """The columns of a point that was run."""
-    return wanted_columns(dimensions) + tuple(METRIC_BY_NAME[name] for name in MEASURED)
+    return wanted_columns(dimensions) + tuple(METRIC_BY_NAME[name] for name in MEASURED) + place_columns(places)
 
 
-def division(lattice: Lattice, classes: Mapping[Key, str], boundaries: Sequence[str]) -> Callable[[Place], Hashable]:
-    """What is found at a place of a lattice: for every boundary whether its class is reached.
+def division(lattice: Lattice, runs: Mapping[Key, Mapping[Any, Any]], boundaries: Sequence[str]) -> Callable[[Place], Hashable]:
+    """What is found at a place of a lattice: which boundaries its run comes to; without shaking to none.
 
-    A diverged run is of no class; it differs from every run that has one, so that the search closes in on it from both sides.
+    A diverged run is on no side of them; it differs from every run that is, so that the search closes in on it from both sides.
     """
 
     def found(place: Place) -> Hashable:
-        name = classes[lattice.case, *lattice.labels(place)]
-        return name if name == UNDETERMINED else tuple(reached(name, boundary) for boundary in boundaries)
+        if place == UNSHAKEN:
+            return tuple(False for _ in boundaries)
+        run = runs[lattice.case, *lattice.labels(place)]
+        return UNDETERMINED if run["collapse_class"] == UNDETERMINED else tuple(reached(run, boundary) for boundary in boundaries)
 
     return found
 
 
-def classes_found(points: pd.DataFrame) -> dict[Key, str]:
-    """Class of every point, by case and labels."""
+def runs_found(points: pd.DataFrame) -> dict[Key, Mapping[Any, Any]]:
+    """The row of every point, by case and labels."""
     at = ["case", *names_in(points.columns)]
-    return {tuple(map(str, at)): str(name) for *at, name in points[[*at, "collapse_class"]].itertuples(index=False)}
+    return {tuple(str(row[name]) for name in at): row for row in points.to_dict("records")}
 
 
 def wanted_points(lattices: Sequence[Lattice], points: pd.DataFrame, boundaries: Sequence[str], number: int) -> pd.DataFrame:
     """The points that a round wants and that are not in the table: corners of the cells divided ``number`` times, sorted by value."""
-    classes = classes_found(points)
+    runs = runs_found(points)
     wanted: dict[Key, None] = {}
     for lattice in lattices:
         cells = [span.cells for span in lattice.spans.values()]
-        for cell in leaves(cells, division(lattice, classes, boundaries), number):
-            wanted |= {(lattice.case, *lattice.labels(corner)): None for corner in cell.corners()}
+        for cell in leaves(cells, division(lattice, runs, boundaries), number, lattice.goes_lower):
+            wanted |= {(lattice.case, *lattice.labels(corner)): None for corner in cell.corners() if corner != UNSHAKEN}
     columns = ["case", *lattices[0].names]
-    rows = [dict(zip(columns, point, strict=True)) | {"round": number} for point in wanted if point not in classes]
+    rows = [dict(zip(columns, point, strict=True)) | {"round": number} for point in wanted if point not in runs]
     return by_value(pd.DataFrame(rows, columns=[*columns, "round"]))
 
 
@@ -88,16 +92,18 @@ def by_value(points: pd.DataFrame) -> pd.DataFrame:
     return points.sort_values(["case", *names_in(points.columns)], key=rank).reset_index(drop=True)
 
 
-def measured_points(earlier: pd.DataFrame, wanted: pd.DataFrame, metrics: Sequence[Mapping[str, Any]]) -> pd.DataFrame:
+def measured_points(
+    earlier: pd.DataFrame, wanted: pd.DataFrame, metrics: Sequence[Mapping[str, Any]], places: Iterable[str] = ()
+) -> pd.DataFrame:
     """The table of the earlier points and those of a round, from the metrics of its runs in its order."""
     rows = [{**point, **found} for point, found in zip(wanted.to_dict("records"), metrics, strict=True)]
-    new = pd.DataFrame(rows, columns=[*wanted.columns, *MEASURED])
+    new = pd.DataFrame(rows, columns=[*wanted.columns, *MEASURED, *names(place_columns(places))])
     return by_value(pd.concat([earlier, new], ignore_index=True) if len(earlier) and len(new) else earlier if len(earlier) else new)
 
 
 def read_points(path: Path | str) -> pd.DataFrame:
     """Table of points that were run, from its CSV; ValueError names a file that is none."""
-    return read_csv(path, columns_in(path, point_columns(())), "the points of a search")
+    return read_csv(path, columns_in(path, point_columns((), places_in(columns_of(path)))), "the points of a search")
 
 
 def read_wanted(path: Path | str) -> pd.DataFrame:

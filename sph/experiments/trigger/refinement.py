@@ -16,6 +16,8 @@ from pydantic import model_validator
 from sph.scene.configuration import Section, key
 
 Place = tuple[float, ...]
+UNSHAKEN: Place = (-1.0,)
+"""Lower end of the cell below the smallest value of a search along one dimension: 0, of which no run is made."""
 
 
 class Span(Section):
@@ -35,7 +37,9 @@ class Span(Section):
         return self
 
     def value(self, place: float) -> float:
-        """The value at a place, from 0 to ``cells``."""
+        """The value at a place, from 0 to ``cells``; in the cell below the smallest value, from -1 to 0, between 0 and that."""
+        if place < 0.0:
+            return self.lowest * (1.0 + place)
         part = place / self.cells
         if self.scale == "logarithmic":
             return float(self.lowest * (self.highest / self.lowest) ** part)
@@ -67,13 +71,14 @@ class Cell(NamedTuple):
         return [Cell(corner, self.level + 1) for corner in self.corners(0.5 * self.size)]
 
 
-def leaves(cells: Sequence[int], found: Callable[[Place], Hashable], levels: int) -> Iterator[Cell]:
+def leaves(cells: Sequence[int], found: Callable[[Place], Hashable], levels: int, lower: bool = False) -> Iterator[Cell]:
     """The cells that are not divided: those whose corners agree, and those of the last level.
 
     ``cells`` (d,) is the number of undivided cells along each dimension; ``found`` returns what is at a place, and is asked only for
-    corners of cells above the last level.
+    corners of cells above the last level.  With ``lower`` the cell below the smallest value is one of them.
     """
     waiting = [Cell(tuple(map(float, corner)), 0) for corner in itertools.product(*map(range, cells))]
+    waiting += [Cell(UNSHAKEN, 0)] * lower
     while waiting:
         cell = waiting.pop()
         if cell.level < levels and len({found(corner) for corner in cell.corners()}) > 1:

@@ -1,0 +1,1 @@
+"""What a second spacing changes in the runs of a study."""

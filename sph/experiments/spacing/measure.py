@@ -1,0 +1,99 @@
+"""What a second spacing changes: displacement, run-out and distance from places of every run at both, extrapolated, with a verdict."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import pandas as pd
+
+from sph.experiments.steps import Runs, Step
+from sph.measures.metrics import UNDETERMINED, MetricSettings, measure
+from sph.measures.places import PASSED, column_of
+from sph.storage.trajectory import Variable
+from sph.study.tables import number_column, read_csv, read_table, text_column
+
+RELATIVE = 0.1
+"""Change of a value between the two spacings, over that at the finer, up to which it is converged."""
+CONVERGED, NOT_CONVERGED, UNKNOWN = "converged", "not converged", "undetermined"
+"""Verdicts; undetermined: a run diverged."""
+LENGTHS = ("displacement_magnitude", "runout")
+
+
+def spacing_columns() -> tuple[Variable, ...]:
+    """The columns of the table."""
+    return (
+        text_column("run", "name of the run: its files are runs/<run>.nc at both fidelities"),
+        text_column("quantity", f"{' or '.join(LENGTHS)}, or the run-out past a place"),
+        number_column("spacing", "m", "of the study"),
+        number_column("value", "m", "of the quantity there"),
+        number_column("second_spacing", "m", "of the second fidelity"),
+        number_column("second_value", "m", "of the quantity there"),
+        number_column("extrapolated", "m", "at spacing 0, on the line through both; NaN where the class of the run is not the same"),
+        number_column("extrapolation_error", "m", "half of the step from the finer spacing to it"),
+        text_column(
+            "verdict",
+            f"{CONVERGED}: the class is the same, and the two values differ by at most {RELATIVE:.0%} of that at the finer spacing, or by "
+            "less than what counts as motion (metrics.onset_threshold; for a run-out half the coarser spacing); else "
+            f"{NOT_CONVERGED}; {UNKNOWN}: a run diverged",
+        ),
+    )
+
+
+def spacing_table(
+    study: pd.DataFrame, runs: Runs, names: Sequence[str], spacings: tuple[float, float], settings: Mapping[str, Any], layout: Any
+) -> pd.DataFrame:
+    """Every run of the study at a second spacing: displacement, run-out and run-out past places at both, on a line to spacing 0, and
+    whether they agree. Every column is defined in docs/reference/files.md.
+    """
+    chosen, rows = MetricSettings(**settings), []
+    quantities = (*LENGTHS, *(column_of(place, PASSED) for place in chosen.places))
+    for name, own, run in zip(names, study.to_dict("records"), runs, strict=True):
+        second = measure(run, chosen)
+        rows += [
+            (name, quantity, *compared(own, second, quantity, spacings, chosen.onset_threshold))
+            for quantity in quantities
+            if own["collapse_class"] == UNDETERMINED or not math.isnan(own[quantity])
+        ]
+    return pd.DataFrame(rows, columns=[column.name for column in spacing_columns()])
+
+
+def compared(
+    own: Mapping[Any, Any], second: Mapping[Any, Any], quantity: str, spacings: tuple[float, float], moved: float
+) -> tuple[float, float, float, float, float, float, str]:
+    """The columns of a quantity but its name, from the metrics of a run at both ``spacings`` (m); ``moved`` (m) counts as motion."""
+    values = float(own[quantity]), float(second[quantity])
+    (fine, at_fine), (coarse, at_coarse) = sorted(zip(spacings, values, strict=True))
+    classes = {own["collapse_class"], second["collapse_class"]}
+    step = (at_fine - at_coarse) * fine / (coarse - fine)
+    if UNDETERMINED in classes:
+        verdict = UNKNOWN
+    else:
+        least = moved if quantity == LENGTHS[0] else 0.5 * coarse
+        near = abs(at_fine - at_coarse) <= max(RELATIVE * abs(at_fine), least)
+        verdict = CONVERGED if near and len(classes) == 1 else NOT_CONVERGED
+    if len(classes) > 1:
+        step = math.nan
+    lowest = -math.inf if quantity not in LENGTHS else 0.0
+    extrapolated = max(at_fine + step, lowest) if not math.isnan(step) else math.nan
+    return spacings[0], values[0], spacings[1], values[1], extrapolated, 0.5 * abs(step), verdict
+
+
+def read_spacing(path: Any) -> pd.DataFrame:
+    """The table from its CSV; ValueError names a file that is none."""
+    return read_csv(path, spacing_columns(), "the second spacing")
+
+
+READERS: dict[str, Callable[[str, Mapping[str, Any]], Any]] = {"study": lambda path, given: read_table(path, given["layout"])}
+STEPS = (
+    Step(
+        "spacing_table",
+        spacing_table,
+        {"study": "study.csv"},
+        {"spacing.csv": "what a second spacing changes"},
+        lambda design: {"names": list(design.own.study.runs), "spacings": design.spacings, "layout": design.own.layout},
+        runs=lambda design: design.second.shared.runs.values(),
+    ),
+)
+"""The jobs."""

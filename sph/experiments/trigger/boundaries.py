@@ -1,0 +1,103 @@
+"""What a search asks of a run: whether it is of a class or a worse one, or has gone as far as a length or a place."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal, NamedTuple, get_args
+
+from pydantic import AfterValidator, BeforeValidator
+
+from sph.measures.metrics import CLASSES, COLLAPSE, MetricSettings, class_displacement
+from sph.measures.places import PASSED, PlaceName, column_of
+from sph.scene.schema import Scene
+
+DamageClass = Literal["minor", "damaged", "collapse"]
+assert get_args(DamageClass) == CLASSES[1:]
+
+RUNOUT, DISPLACEMENT = "runout", "displacement"
+COLUMNS = {RUNOUT: "runout", DISPLACEMENT: "displacement_magnitude"}
+"""Metrics of the lengths that a search can ask for."""
+
+
+class Bound(NamedTuple):
+    """A length that a metric must reach."""
+
+    quantity: str  # RUNOUT or DISPLACEMENT
+    column: str
+    least: float  # m
+    place: str  # '' for a length
+
+
+def bound(wanted: str) -> Bound:
+    """The bound of what is no class, as 'runout: road', 'runout: 20' or 'displacement: 0.1'; ValueError for anything else."""
+    quantity, _, limit = (part.strip() for part in wanted.partition(":"))
+    try:
+        length = float(limit)
+    except ValueError:
+        length = math.nan
+    if quantity in COLUMNS and 0.0 < length < math.inf:
+        return Bound(quantity, COLUMNS[quantity], length, "")
+    if quantity == RUNOUT and math.isnan(length) and limit:
+        return Bound(quantity, column_of(limit, PASSED), 0.0, limit)
+    raise ValueError(
+        f"{wanted!r} is none of {', '.join(CLASSES[1:])}, {RUNOUT}: a place of metrics.places or a length above 0 in m, "
+        f"{DISPLACEMENT}: a length above 0 in m"
+    )
+
+
+def _written(value: Any) -> Any:
+    if isinstance(value, Mapping) and len(value) == 1:
+        return ": ".join(map(str, *value.items()))
+    return value
+
+
+def _known(wanted: str) -> str:
+    if wanted not in CLASSES[1:]:
+        bound(wanted)
+    return wanted
+
+
+Boundary = Annotated[
+    str,
+    BeforeValidator(
+        _written,
+        json_schema_input_type=DamageClass | dict[Literal["runout", "displacement"], float | PlaceName],
+    ),
+    AfterValidator(_known),
+]
+"""A class of damage, or a length as 'runout: road', written in a file as one key and its value."""
+
+
+def place_of(wanted: str) -> str:
+    """The place that a run must reach; '' where no place is asked for."""
+    return "" if wanted in CLASSES else bound(wanted).place
+
+
+def reached(run: Mapping[Any, Any], wanted: str) -> bool | None:
+    """Whether a run, by its metrics, has come to a boundary; None for a diverged run, which is on neither side."""
+    name = run["collapse_class"]
+    if name not in CLASSES:
+        return None
+    if wanted in CLASSES:
+        return CLASSES.index(name) >= CLASSES.index(wanted)
+    found = bound(wanted)
+    return bool(float(run[found.column]) >= found.least)
+
+
+def in_words(wanted: str) -> str:
+    """A boundary as what a slope reaches."""
+    if wanted in CLASSES:
+        return f"class {wanted}" + ("" if wanted == COLLAPSE else " or worse")
+    found = bound(wanted)
+    if found.place:
+        return f"the place {found.place} with debris"
+    return f"a {'run-out' if found.quantity == RUNOUT else 'displacement'} of {found.least:g} m"
+
+
+def block_displacement(wanted: str, scene: Scene, settings: MetricSettings) -> float:
+    """Displacement (m) of a sliding block at which it comes to a boundary; NaN for a run-out, which a block has not."""
+    if wanted in CLASSES:
+        return class_displacement(wanted, scene, settings)
+    found = bound(wanted)
+    return found.least if found.quantity == DISPLACEMENT else math.nan

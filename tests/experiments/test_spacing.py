@@ -1,0 +1,101 @@
+"""What a second spacing changes, on numbers that are known."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+
+from sph.experiments.registry import load_study
+from sph.experiments.spacing.design import load_spacing
+from sph.experiments.spacing.measure import CONVERGED, NOT_CONVERGED, UNKNOWN, compared, read_spacing, spacing_columns
+from sph.jobs.catalogue import Catalogue
+from sph.measures.metrics import UNDETERMINED
+from sph.page.answer import answer_spacing, drifts
+from sph.study.plan import Plan
+from sph.study.tables import write_csv
+
+ROOT = Path(__file__).resolve().parents[2]
+FINE, COARSE = 1.0, 1.5
+
+
+def run(displacement: float, runout: float = 0.0, name: str = "collapse") -> dict[str, Any]:
+    return {"collapse_class": name, "displacement_magnitude": displacement, "runout": runout, "road_passed": runout - 8.0}
+
+
+@pytest.mark.parametrize(
+    ("quantity", "own", "second", "extrapolated", "verdict"),
+    [
+        ("displacement_magnitude", run(10.0), run(9.1), 11.8, CONVERGED),
+        ("displacement_magnitude", run(10.0), run(8.9), 12.2, NOT_CONVERGED),
+        ("displacement_magnitude", run(0.03), run(0.07), 0.0, CONVERGED),  # neither is what counts as motion
+        ("displacement_magnitude", run(5.0), run(5.0, name="damaged"), math.nan, NOT_CONVERGED),
+        ("runout", run(0.0, 2.0), run(0.0, 1.3), 3.4, CONVERGED),  # half of the coarser spacing
+        ("runout", run(0.0, 2.0), run(0.0, 1.2), 3.6, NOT_CONVERGED),
+        ("road_passed", run(0.0, 2.0), run(0.0, 3.5), -9.0, NOT_CONVERGED),  # short of the road by more
+        ("runout", run(0.0, 2.0), run(math.nan, math.nan, UNDETERMINED), math.nan, UNKNOWN),
+    ],
+)
+def test_two_spacings_compared(quantity: str, own: Any, second: Any, extrapolated: float, verdict: str) -> None:
+    """On the line through 1.5 and 1 m the value at 0 is that at 1 m and twice its change."""
+    found = compared(own, second, quantity, (FINE, COARSE), 0.05)
+    assert found[:4] == pytest.approx((FINE, own[quantity], COARSE, second[quantity]), nan_ok=True)
+    assert found[4] == pytest.approx(extrapolated, nan_ok=True) and found[6] == verdict
+    turned = compared(second, own, quantity, (COARSE, FINE), 0.05)
+    assert turned[4:] == pytest.approx(found[4:], nan_ok=True), "whichever of the two is the study's own"
+
+
+def study(**changes: Any) -> Plan:
+    config = yaml.safe_load((ROOT / "config" / "studies" / "gentle_layered.yaml").read_text(encoding="utf-8"))
+    return load_study(config | changes, [ROOT])
+
+
+def test_every_run_of_the_study_is_made_at_the_second_fidelity() -> None:
+    plan = study()
+    found = load_spacing("", plan)
+    assert found.spacings == (1.0, 2.0) and list(found.second.study.runs) == list(plan.study.runs)
+    files = {row.file for row in plan.jobs}
+    assert {row.file for row in found.second.shared.runs.values()} <= files <= Catalogue(plan, [ROOT]).own.keys()
+    assert {file.split("/")[2] for file in files} == {"own", "coarse"}
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"second_fidelity": None}, "names none beside fidelity 'own'"),
+        ({"fidelity": "coarse"}, "names none beside fidelity 'coarse'"),
+        ({"second_fidelity": "same", "fidelities": {"own": {}, "same": {}}}, "'same' has the spacing of 'own', 1 m"),
+    ],
+)
+def test_nothing_to_compare_is_refused(changes: dict[str, Any], words: str) -> None:
+    plan = study(**changes)
+    with pytest.raises(ValueError, match="second_fidelity: ") as raised:
+        load_spacing("", plan)
+    assert words in str(raised.value)
+
+
+def test_an_unknown_second_fidelity_is_refused() -> None:
+    with pytest.raises(ValueError, match="second_fidelity: 'finest' is not one of"):
+        study(second_fidelity="finest")
+
+
+def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
+    runs = {"weak": (run(15.3), run(9.9)), "strong": (run(0.01, name="stable"), run(0.01, name="stable"))}
+    rows = [
+        (name, quantity, *compared(*both, quantity, (1.27, 1.9), 0.05))
+        for name, both in runs.items()
+        for quantity in ("displacement_magnitude", "runout")
+    ]
+    table, file = pd.DataFrame(rows, columns=[column.name for column in spacing_columns()]), tmp_path / "spacing.csv"
+    write_csv(table, file)
+    pd.testing.assert_frame_equal(read_spacing(file), table)
+    assert answer_spacing([str(file)]) == [("Spacing", "converged in 1 of 2 runs", "all runs with particles of 1.27 m and 1.9 m")]
+    assert drifts([str(file)]) == [
+        "Not converged: displacement magnitude in 1 of 2 runs, most in weak: 9.90 m at 1.9 m, 15.3 m at 1.27 m; "
+        "on a line to spacing 0 26.2 m."
+    ]
+    assert answer_spacing([]) == drifts([]) == []

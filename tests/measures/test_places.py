@@ -1,0 +1,87 @@
+"""Places before the slope on hand-made trajectories."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+import xarray as xr
+from synthetic import PAPER, synthetic, translation
+
+from sph.measures.metrics import MetricSettings, measure
+from sph.measures.places import beyond_toe, check_places, place_columns, places_in
+from sph.scene.schema import make_scene
+from sph.storage.trajectory import scene_of
+
+GROUND = {"shape": "ground_line", "points": [[120, 440], [175, 440], [190, 465], [224, 465]], "base": 430}
+
+
+def at(run: xr.Dataset, **places: float | str) -> dict[str, float | int | str]:
+    """What is measured at places beside the metrics of every run."""
+    values, others = measure(run, MetricSettings(places=places)), measure(run)
+    assert {name: values[name] for name in others} == pytest.approx(others, nan_ok=True), "places change no other metric"
+    return {name: value for name, value in values.items() if name not in others}
+
+
+def test_a_block_that_slides_3_m_passes_a_place_2_m_beyond_the_toe_by_1_m() -> None:
+    """It starts at 4 s with 0.75 m/s, so that 2 m are passed at 6.67 s, before the frame at 7 s.  The columns that lay half a spacing and
+    one and a half behind the toe come to lie within a spacing of the place; the second is three particles high."""
+    found = at(synthetic(translation(-3.0)), road="2 beyond the toe")
+    assert found == pytest.approx({"road_passed": 1.0, "road_depth": 3.0, "road_arrival": 7.0}, abs=1e-5)
+
+
+def test_a_place_that_is_not_reached() -> None:
+    found = at(synthetic(translation(-3.0)), house="10 m beyond the toe", road="2.5 beyond the toe")
+    assert (found["house_passed"], found["house_depth"]) == pytest.approx((-7.0, 0.0), abs=1e-5) and math.isnan(
+        float(found["house_arrival"])
+    )
+    assert found["road_arrival"] == 7.5, "2.5 m are passed at 7.33 s"
+    standing = at(synthetic(), house="10 beyond the toe")
+    assert standing["house_passed"] == -10.0 and standing["house_depth"] == 0.0
+
+
+def test_a_place_by_its_x_is_that_of_the_survey_whichever_way_the_slope_falls() -> None:
+    left = at(synthetic(translation(-3.0), overrides={"geometry": GROUND}), road=173.0)
+    turned = GROUND | {"points": [[-x, y] for x, y in GROUND["points"]], "downhill": "right"}  # type: ignore[attr-defined]
+    right = at(synthetic(translation(-3.0), overrides={"geometry": turned}), road=-173.0)
+    assert left == pytest.approx(right, abs=1e-5) and left["road_passed"] == pytest.approx(1.0, abs=1e-5)
+    assert beyond_toe("12.5 beyond the toe", scene_of(synthetic(overrides={"geometry": GROUND})).geometry) == 12.5  # type: ignore[arg-type]
+
+
+def test_a_diverged_run_has_no_values_at_places() -> None:
+    found = at(synthetic(translation(-3.0), status="diverged"), road="2 beyond the toe")
+    assert set(found) == {"road_passed", "road_depth", "road_arrival"} and all(math.isnan(float(value)) for value in found.values())
+
+
+def test_the_places_are_known_from_the_columns() -> None:
+    columns = [column.name for column in place_columns(["road", "river_bank"])]
+    assert places_in(["runout", *columns]) == ["road", "river_bank"] and len(columns) == 6
+
+
+@pytest.mark.parametrize(
+    ("place", "words"),
+    [
+        ("56 beyond the toe", "at most 55 m beyond the toe (x from 55 to 0 m)"),
+        (60.0, "must lie before the toe"),
+        (-1.0, "a longer apron takes in more"),
+    ],
+)
+def test_a_place_outside_the_ground_before_the_toe_is_refused(place: float | str, words: str) -> None:
+    with pytest.raises(ValueError, match="config: metrics.places.road: ") as raised:
+        check_places({"road": place}, make_scene(PAPER), "config")
+    assert words in str(raised.value)
+
+
+def test_a_shape_without_a_toe_has_no_places() -> None:
+    block = make_scene({**PAPER, "geometry": {"shape": "block", "width": 10.0, "height": 5.0}})
+    with pytest.raises(ValueError, match=r"metrics.places.road: 3.0: a place needs geometry.shape slope or ground_line, not block"):
+        check_places({"road": 3.0}, block, "config")
+
+
+@pytest.mark.parametrize("place", ["12", "12 behind the toe", "-3 beyond the toe", [1.0]])
+def test_a_place_is_a_number_or_a_distance_from_the_toe(place: object) -> None:
+    if place == "12":
+        assert MetricSettings(places={"road": place}).places == {"road": 12.0}
+        return
+    with pytest.raises(ValueError):
+        MetricSettings(places={"road": place})

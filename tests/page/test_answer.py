@@ -1,0 +1,59 @@
+"""The client's questions on the first screen: how far past a place, how wide, how often."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pandas as pd
+
+from sph.experiments.trigger.annual import annual_columns
+from sph.page.answer import at_places, widths, yearly
+from sph.study.tables import write_csv
+
+RUNS = pd.DataFrame(
+    {
+        "amplitude": ["2.0"] * 3 + ["4.0"] * 3,
+        "runout": [0.0, 2.0, 4.0, 10.0, 14.0, 20.0],
+        "reached_side": ["", "", "", "", "", "front"],
+        "expected_runout_error": [0.12] * 6,
+    }
+).assign(
+    road_passed=lambda table: table["runout"] - 12.0,
+    road_depth=[0.0, 0.0, 0.0, 0.0, 0.8, 2.1],
+    road_arrival=[math.nan] * 4 + [7.25, 5.5],
+    house_passed=lambda table: table["runout"] - 30.0,
+    house_depth=0.0,
+    house_arrival=math.nan,
+)
+
+
+def test_what_the_debris_does_at_a_place() -> None:
+    assert at_places(RUNS) == [
+        ("At road", "reached in 2 of 6 runs; debris up to 2.10 m deep", "first arrival 5.5 s after the start of the run"),
+        ("At house", "not reached in 6 runs", "the nearest debris stops 10.0 m short"),
+    ]
+    diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan)
+    assert [fact[1:] for fact in at_places(diverged)] == [("not reached in 0 runs", "")] * 2
+
+
+def test_how_wide_by_the_amplitude() -> None:
+    (table,) = widths(RUNS)
+    assert [tuple(row) for row in table.rows] == [
+        ("2.0 (0.204 g)", "3", "2.00", "4.00", "4.00"),
+        ("4.0 (0.408 g)", "3", "≥ 14.0", "≥ 20.0", "≥ 20.0"),
+    ]
+    assert "an error of up to 12%" in table.note
+    assert widths(RUNS.drop(columns=[name for name in RUNS if name.endswith("passed")])) == []
+
+
+def test_how_often_with_a_fit_and_by_the_brackets_alone(tmp_path: Path) -> None:
+    columns = annual_columns("1")
+    row = {column.name: "" if column.dtype == "str" else math.nan for column in columns}
+    fitted = {"collapse_class": "runout: road", "frequency": 1.24e-3, "frequency_lower": 4e-4, "frequency_upper": 3e-3}
+    bounds = {"collapse_class": "collapse", "frequency_least": 0.0, "frequency_most": 4.9e-4}
+    write_csv(pd.DataFrame([row | fitted, row | bounds]), tmp_path / "fragility_annual.csv")
+    assert yearly([str(tmp_path / "fragility_annual.csv")]) == [
+        ("How often: the place road with debris", "0.0012 times a year (0.0004 to 0.003)", "fragility over the hazard curve"),
+        ("How often: class collapse", "0 to 0.00049 times a year", "bounds from the brackets over the hazard curve"),
+    ]
