@@ -24,7 +24,7 @@ from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.after_run import is_bounded, is_open
-from sph.study.dimensions import Dimension, dimension, readable, shown_unit
+from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
 from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
@@ -40,6 +40,8 @@ ANNUAL = "*/trigger/fragility_annual.csv"
 """How often a year, where a hazard curve was given."""
 SPACINGS = "{fidelity}/spacing.csv"
 """The runs at a second spacing, where the study names one."""
+FEWEST = 4
+"""Fewest runs an amplitude whose widths are worth a row."""
 AMPLITUDE = "amplitude"
 """The dimension of the shaking."""
 
@@ -49,6 +51,7 @@ class Answer(NamedTuple):
 
     facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
     tables: list[Table]
+    alarms: list[str]  # what the spacing decides
     warnings: list[str]
 
 
@@ -74,7 +77,8 @@ def answer(
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         [levels(table, dimensions, probe), *widths(table)],
-        drifts(found(SPACINGS)) + list(map(_raised, _warnings(table, scene, probe, rows))),
+        drifts(found(SPACINGS), probe),
+        list(map(_raised, _warnings(table, scene, probe, rows))),
     )
 
 
@@ -174,20 +178,32 @@ def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:
     return facts
 
 
-def drifts(files: Sequence[str]) -> list[str]:
-    """The largest change of each quantity by a second spacing, where that is not converged."""
+def drifts(files: Sequence[str], probe: str) -> list[str]:
+    """The largest change of displacement and run-out by a second spacing, where that is not converged, and the runs in which it decides
+    whether the debris reaches a place."""
     found = []
     for file in files:
         rows = read_spacing(file)
         drifting = rows[rows["verdict"] == NOT_CONVERGED]
-        for quantity, of in drifting.groupby("quantity", sort=False):
+        for quantity, what in (("displacement_magnitude", f"displacement of {probe}"), ("runout", "run-out")):
+            of = drifting[drifting["quantity"] == quantity]
+            if of.empty:
+                continue
             worst = max(of.to_dict("records"), key=lambda row: abs(row["value"] - row["second_value"]))
             both = sorted(((worst[f"{which}spacing"], worst[f"{which}value"]) for which in ("", "second_")), reverse=True)
             said = ", ".join(f"{metres(value)} m at {spacing:.3g} m" for spacing, value in both)
             towards = "" if math.isnan(worst["extrapolated"]) else f"; on a line to spacing 0 {metres(worst['extrapolated'])} m"
             count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
-            words = readable(str(quantity))
-            found.append(f"Not converged: {words} in {len(of)} of {count} runs, most in {worst['run']}: {said}{towards}.")
+            found.append(f"Not converged: {what} in {len(of)} of {count} runs, most in {worst['run']}: {said}{towards}.")
+        for place in places_in(rows["quantity"].unique()):
+            of = rows[rows["quantity"] == column_of(place, PASSED)]
+            reached = (of[["value", "second_value", "extrapolated"]] >= 0.0) | of[["value", "second_value", "extrapolated"]].isna()
+            open_runs = list(of.loc[reached.nunique(axis=1) > 1, "run"])
+            if open_runs:
+                found.append(
+                    f"Not converged: whether debris reaches {place} depends on the spacing in {', '.join(open_runs[:3])}"
+                    f"{f' and {len(open_runs) - 3} more runs' if len(open_runs) > 3 else ''}."
+                )
     return found
 
 
@@ -223,8 +239,8 @@ def yearly(files: Sequence[str]) -> list[tuple[str, str, str]]:
 
 
 def widths(table: pd.DataFrame) -> list[Table]:
-    """Widths that most of the runs do not pass, a row an amplitude; none for a study without places."""
-    if not places_in(table.columns):
+    """Widths that most of the runs do not pass, a row an amplitude; none for a study without places, and for too few runs an amplitude."""
+    if not places_in(table.columns) or max(len(runs) for _, runs in _groups(table)) < FEWEST:
         return []
     rows = []
     for value, runs in _groups(table):
@@ -298,7 +314,7 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     )
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
-        f"move {probe} by less than one particle spacing ({scene.numerics.spacing:g} m), of which the expected error says nothing.",
+        f"move {probe} by less than one particle spacing ({scene.numerics.spacing:.4g} m), of which the expected error says nothing.",
     )
     found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1

@@ -13,7 +13,7 @@ from sph.study.tables import write_csv
 
 RUNS = pd.DataFrame(
     {
-        "amplitude": ["2.0"] * 3 + ["4.0"] * 3,
+        "amplitude": ["2.0"] * 2 + ["4.0"] * 4,
         "runout": [0.0, 2.0, 4.0, 10.0, 14.0, 20.0],
         "reached_side": ["", "", "", "", "", "front"],
         "expected_runout_error": [0.12] * 6,
@@ -40,10 +40,11 @@ def test_what_the_debris_does_at_a_place() -> None:
 def test_how_wide_by_the_amplitude() -> None:
     (table,) = widths(RUNS)
     assert [tuple(row) for row in table.rows] == [
-        ("2.0 (0.204 g)", "3", "2.00", "4.00", "4.00"),
-        ("4.0 (0.408 g)", "3", "≥ 14.0", "≥ 20.0", "≥ 20.0"),
+        ("2.0 (0.204 g)", "2", "0.000", "2.00", "2.00"),
+        ("4.0 (0.408 g)", "4", "≥ 10.0", "≥ 20.0", "≥ 20.0"),
     ]
     assert "an error of up to 12%" in table.note
+    assert widths(RUNS.iloc[:5]) == [], "too few to speak of shares"
     assert widths(RUNS.drop(columns=[name for name in RUNS if name.endswith("passed")])) == []
 
 
