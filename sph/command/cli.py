@@ -77,7 +77,7 @@ def common(
 @app.command(epilog="Example:  sph new ground.csv RSN6_ELC180.AT2 --out myslope")
 def new(
     ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .csv)")],
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion of one component (.AT2, .EW .NS ..., .smc, .ASC, .csv)")],
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
 ) -> None:
     """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""

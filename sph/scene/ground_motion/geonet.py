@@ -39,7 +39,7 @@ def read_geonet(path: Path | str, unit: Unit | None = None) -> list[Component]:
         component, first = _component(path, lines, first, unit)
         found.append(component)
     if not found:
-        raise ValueError(f"{path}: is empty")
+        raise ValueError(f"{path}, line 1: is empty, must begin with 'Corrected accelerogram' or 'Uncorrected accelerogram'")
     return found
 
 

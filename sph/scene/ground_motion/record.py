@@ -146,7 +146,8 @@ class Record(Section):
             raise ValueError("file: is required where there are neither data nor stochastic")
         if self.vertical is not None and (self.data is None or self.data.y is None):
             raise ValueError(
-                "vertical: there is neither a second file nor a vertical component in the first, as the third column of a CSV; name one in vertical.file"
+                "vertical: there is neither a second file nor a vertical component in the first, as the third column of a CSV; "
+                "name one in vertical.file"
             )
         spectral = self.spectral_acceleration and self.spectral_acceleration.value
         asked = zip(SCALES.items(), (self.amplitude, self.peak_velocity, self.arias_intensity, spectral), strict=True)

@@ -32,9 +32,9 @@ def read_unam(path: Path | str, unit: Unit | None = None) -> list[Component]:
     lines = read_lines(path)
     if len(lines) < HEAD or not any(map(FIRST.match, lines[:HEAD])):
         raise ValueError(f"{path}, lines 1-{HEAD}: must be the header of an 'ARCHIVO ESTANDAR DE ACELERACION' (found {len(lines)} lines)")
-    _, names = _values(path, lines, ORIENTATION)
+    at, names = _values(path, lines, ORIENTATION)
     if not names:
-        raise ValueError(f"{path}: {ORIENTATION} names no channel")
+        raise ValueError(f"{path}, line {at}: must name the channels, as in '/N90E/V/N00E' (found {lines[at - 1][:80]!r})")
     (at, intervals), (head, counts) = (_numbers(path, lines, key, len(names)) for key in (INTERVAL, COUNT))
     if len({*intervals}) > 1 or len({*counts}) > 1:
         raise ValueError(f"{path}, lines {at} and {head}: all channels must have one interval and one number of samples")
