@@ -77,14 +77,15 @@ def common(
 @app.command(epilog="Example:  sph new ground.csv RSN6_ELC180.AT2 --out myslope")
 def new(
     ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion of one component (.AT2, .EW .NS ..., .smc, .ASC, .csv)")],
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
+    component: ComponentOption = None,
 ) -> None:
     """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""
     with refusals("reading ground and record"):
         from sph.command.new import write_new
 
-        scene, study = write_new(ground, record, out)
+        scene, study = write_new(ground, record, out, component)
     print(f"{scene}, {study}: replace the soil, then sph check {scene} --plot scene.png")
 
 

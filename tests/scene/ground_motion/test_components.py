@@ -14,8 +14,9 @@ from typer.testing import CliRunner
 from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
 from sph.scene.ground_motion.record import Record
-from sph.scene.schema import make_scene
+from sph.scene.schema import load_scene, make_scene
 
+ROOT = Path(__file__).parents[3]
 INTERVAL, COUNT = 0.01, 203
 TIME = np.arange(COUNT) * INTERVAL
 EAST, UP, NORTH = (peak * np.sin(2 * np.pi * frequency * TIME) for peak, frequency in ((2.0, 1.0), (0.5, 5.0), (-1.5, 2.0)))
@@ -275,5 +276,17 @@ def test_commands_take_a_component(tmp_path: Path) -> None:
     assert slid.exit_code == 0 and json.loads(slid.stdout)["peak_acceleration"] == pytest.approx(-1.5, rel=0.01), slid.output
     result = CliRunner().invoke(app, ["motion", str(path)])
     assert result.exit_code == 2 and "--component of a command" in result.stderr
-    result = CliRunner().invoke(app, ["motion", "config/scenes/paper.yaml", "--component", "E-W"])
+    result = CliRunner().invoke(app, ["motion", str(ROOT / "config" / "scenes" / "paper.yaml"), "--component", "E-W"])
     assert result.exit_code == 2 and "--set motion.component=E-W" in result.stderr
+
+
+def test_a_new_scene_takes_a_component(tmp_path: Path) -> None:
+    path = written(tmp_path, "a.V2")
+    ground = str(ROOT / "config" / "ground" / "gentle_layered.csv")
+    result = CliRunner().invoke(app, ["new", ground, str(path), "--component", "H2", "--out", str(tmp_path / "own")])
+    assert result.exit_code == 0, result.output
+    motion = load_scene(tmp_path / "own" / "scene.yaml").motion
+    assert isinstance(motion, Record) and motion.component == "H2" and motion.data is not None
+    np.testing.assert_allclose(motion.data.x, NORTH, atol=1e-7)
+    refused = CliRunner().invoke(app, ["new", ground, str(path), "--out", str(tmp_path / "other")])
+    assert refused.exit_code == 2 and "--component" in refused.stderr and not (tmp_path / "other").exists()
