@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from sph.command.cli import app
 from sph.scene.ground_motion import read_components, read_record
+from sph.scene.ground_motion.component import Component, chosen
 from sph.scene.ground_motion.record import Record
 from sph.scene.schema import load_scene, make_scene
 
@@ -93,6 +94,12 @@ def test_one_horizontal_component_needs_no_choice(tmp_path: Path) -> None:
     np.testing.assert_allclose(read_record(path).acceleration, EAST, atol=1e-7)
     path = written(tmp_path, "b.V2", csmip({"Array 4": EAST, "Array 5": UP}, INTERVAL, azimuths=(45, 500)))  # by azimuth alone
     np.testing.assert_allclose(read_record(path).acceleration, EAST, atol=1e-7)
+
+
+def test_a_vertical_component_stands_beside_one_as_long_with_the_same_interval(tmp_path: Path) -> None:
+    one, up = Component("N-S", "horizontal", 0.01, np.ones(3)), Component("U-D", "vertical", 0.01, np.ones(3))
+    for vertical, columns in ((up, 3), (up._replace(interval=0.02), 2), (up._replace(acceleration=np.ones(4)), 2)):
+        assert len(chosen(tmp_path / "a.txt", [one, vertical], "horizontal", None)) == columns
 
 
 def test_the_digits_of_samples(tmp_path: Path) -> None:
