@@ -67,3 +67,85 @@ def cosmos(acceleration: np.ndarray, interval: float, unit: str = "cm/sec2(04)",
         block += f"{n:8d} velocity     pts, approx {seconds:4.0f} secs, units=cm/sec(05),Format=(8F10.5)\n"
         block += lines_of([0.0] * n, "{:10.5f}", 8)
     return head + block + "End-of-data for Chan  1 acceleration\n"
+
+
+def esm(acceleration: np.ndarray, interval: float, unit: str = "cm/s^2", stream: str = "HNE") -> str:
+    """ESM, header DYNA 1.2 in part: a sample a line, cm/s2."""
+    values = 100.0 * acceleration
+    head = {
+        "EVENT_NAME": "MADE", "STATION_NAME": "Nowhere: a town", "LOCATION": "", "SAMPLING_INTERVAL_S": f"{interval:.6f}",
+        "NDATA": str(values.size), "DURATION_S": f"{values.size * interval:.3f}", "STREAM": stream, "UNITS": unit,
+        "PGA_CM/S^2": f"{np.abs(values).max():.6f}", "HEADER_FORMAT": "DYNA 1.2", "DATA_TYPE": "ACCELERATION", "USER5": "",
+    }  # fmt: skip
+    return "".join(f"{name}: {value}\n" for name, value in head.items()) + "".join(f"{value:.6f}\n" for value in values)
+
+
+def afad(components: dict[str, np.ndarray], interval: float) -> str:
+    """AFAD before 2020: 18 lines, three columns in gal."""
+    head = ["STRONG GROUND MOTION RECORDS OF TURKIYE", *[f"LINE {at} : 1" for at in range(2, 13)]]
+    count = next(iter(components.values())).size
+    head += [f"NUMBER OF DATA : {count}", f"SAMPLING INTERVAL (sec) : {interval}", "RAW PGA VALUES (gal) : 1", "", ""]
+    rows = ["".join(f"{100.0 * value:12.6f}" for value in row) for row in zip(*components.values(), strict=True)]
+    return "\n".join([*head, " ".join(f"{name:>12}" for name in components), *rows]) + "\n"
+
+
+def unam(components: dict[str, np.ndarray], interval: float) -> str:
+    """UNAM: 109 lines, a column of gal for each channel."""
+    columns = list(components.values())
+    lists = {
+        "ORIENTACION C1-C6 (rumbo;orientacion)": list(components),
+        "INTERVALO DE MUESTREO, C1-C6 (s)": [f"{interval}"] * len(columns),
+        "NUM. TOTAL DE MUESTRAS, C1-C6": [str(column.size) for column in columns],
+        "ACEL. MAX.(Gal), C1-C6": [f"{100.0 * column[np.abs(column).argmax()]:.2f}" for column in columns],
+    }
+    head = [*["*"] * 6, "ARCHIVO ESTANDAR DE ACELERACION", *[f"{name:45}: /{'/'.join(values)}" for name, values in lists.items()]]
+    head += [""] * (108 - len(head)) + ["-" * 60]
+    rows = ["".join(f"{100.0 * value:12.4f}" for value in row) for row in zip(*columns, strict=True)]
+    return "\n".join([*head, *rows]) + "\n"
+
+
+def geonet(components: dict[str, np.ndarray], interval: float, corrected: bool = True, reading: float = 1.0) -> str:
+    """GeoNet: mm/s2, or raw readings in a multiple of it, ten a line in columns of 8; behind them velocity and displacement, zeros."""
+    text = ""
+    for name, acceleration in components.items():
+        n, values = acceleration.size, 1000.0 * acceleration
+        numbers = [0.0] * 100
+        numbers[33:36] = [n, n if corrected else 0, n if corrected else 0]
+        numbers[63], numbers[65] = (n - 1) * interval, interval
+        texts = ["Corrected" if corrected else "Uncorrected", *["text"] * 9]
+        texts[0] += " accelerogram 20000101_000000_MADE_20 GNS Science"
+        texts += [
+            f"Instrument corrected data at {interval:.3f} sec intervals"
+            if corrected
+            else f"Raw readings in units of {reading:.2f} mm/s/s  at intervals of {interval:.3f} s"
+        ]
+        peak = values[np.abs(values).argmax()]
+        texts += ["filter", f"Component {name}", f"Acceleration:  peak {peak:8.1f} mm/s/s at  0.25 sec", "velocity", "displacement"]
+        text += "\n".join(texts) + "\n" + lines_of(numbers, "{:8.4f}", 10) + lines_of((values / reading).tolist(), "{:8.1f}", 10)
+        text += 2 * lines_of([0.0] * n, "{:8.1f}", 10) if corrected else ""
+    return text
+
+
+def csmip(components: dict[str, np.ndarray], interval: float, volume: int = 2, azimuths: Sequence[int] = (90, 500, 360)) -> str:
+    """CSMIP: volume 1 in g, 8F9.6, or volume 2 in cm/s2 with velocity and displacement behind it."""
+    text = ""
+    for at, ((name, acceleration), azimuth) in enumerate(zip(components.items(), azimuths, strict=True), 1):
+        n, integers, reals = acceleration.size, [0] * 100, [0.0] * (50 if volume == 1 else 100)
+        integers[26], first = azimuth, "Uncorrected Accelerogram Data   Processed: 01/01/00"
+        texts = [first, *["text"] * 6, f"Chan  {at}:  {name}", *["text"] * 3, f"   Record length = {n * interval:.3f} sec.", "text"]
+        if volume == 2:
+            reals[60] = interval
+            texts = [f"Corrected accelerogram  Chan  {at}:  {name}", *texts]
+            texts += ["text"] * 3 + [f"Peak acceleration = {100.0 * np.abs(acceleration).max():9.3f}    cm/sec/sec  at  0.25 sec."]
+            texts += ["text"] * (25 - len(texts))
+        text += "\n".join(texts) + "\n" + lines_of(integers, "{:5d}", 16) + lines_of(reals, "{:10.7f}", 8)
+        form = f"equally spaced at {interval:5.3f} sec"
+        if volume == 1:
+            text += f"{n} POINTS OF ACCEL DATA {form.upper()}.  (UNITS: G)\n" + lines_of((acceleration / GRAVITY).tolist(), "{:9.6f}", 8)
+        else:
+            text += f"{n:6d} points of accel data {form}, in cm/sec2. (8f10.6)\n"
+            text += lines_of((100.0 * acceleration).tolist(), "{:10.5f}", 8)
+            for what in ("veloc data equally spaced, in cm/sec. ", "displ data equally spaced, in cm. "):
+                text += f"{n:6d} points of {what} (8f10.6)\n" + lines_of([0.0] * n, "{:10.6f}", 8)
+        text += f"/&  ----------  End of data for channel  {at}  ----------\n"
+    return text

@@ -23,6 +23,7 @@ from sph.command.options import (
     BandPassOption,
     BaselineOption,
     Commands,
+    ComponentOption,
     Rule,
     SceneFile,
     Settings,
@@ -76,14 +77,15 @@ def common(
 @app.command(epilog="Example:  sph new ground.csv RSN6_ELC180.AT2 --out myslope")
 def new(
     ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
-    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .csv)")],
+    record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
+    component: ComponentOption = None,
 ) -> None:
     """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""
     with refusals("reading ground and record"):
         from sph.command.new import write_new
 
-        scene, study = write_new(ground, record, out)
+        scene, study = write_new(ground, record, out, component)
     print(f"{scene}, {study}: replace the soil, then sph check {scene} --plot scene.png")
 
 
@@ -472,12 +474,13 @@ def advise(
     "sph newmark AKT0130001010000.EW --ay 0.05g --baseline 0 --direction both"
 )
 def newmark(
-    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene file (YAML), or record (.AT2, .EW .NS ..., .smc, .V2, .csv)")],
+    motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene (YAML), or record (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
     ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration with its unit, 0.25g or '2.5 m/s2'")],
     upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
     set_: Settings = None,
     unit: UnitOption = None,
+    component: ComponentOption = None,
     baseline: BaselineOption = None,
     band_pass: BandPassOption = None,
     direction: Annotated[str, typer.Option(help="polarity: recorded, turned (reversed) or both, for the larger displacement")] = "recorded",
@@ -488,7 +491,7 @@ def newmark(
         from sph.command.newmark import DIRECTIONS, lines, slide
 
         check_known("--direction", [direction], DIRECTIONS)
-        treatment = parse_treatment(unit, baseline, band_pass)
+        treatment = parse_treatment(unit, baseline, band_pass, component)
         down = parse_acceleration(ay, "--ay")
         up = None if upslope is None else parse_acceleration(upslope, "--upslope")
         peak = None if scale_to is None else parse_acceleration(scale_to, "--scale-to")
@@ -534,10 +537,11 @@ def cost(
 )
 def motion(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS .UD ..., .smc, .V2, .csv), scene (YAML) or trajectory (netCDF)")
+        Path, typer.Argument(metavar="FILE", help="record (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv), scene (YAML) or trajectory (netCDF)")
     ],
     set_: Settings = None,
     unit: UnitOption = None,
+    component: ComponentOption = None,
     baseline: BaselineOption = None,
     band_pass: BandPassOption = None,
     direction: Annotated[str, typer.Option(help="of the motion: recorded or turned")] = "recorded",
@@ -553,7 +557,7 @@ def motion(
 
         if direction not in ("recorded", "turned"):
             raise ValueError(f"--direction {direction!r}: must be recorded or turned; the measures of both are the same")
-        shaking = read_shaking(file, parse_settings(set_), parse_treatment(unit, baseline, band_pass), direction == "turned")
+        shaking = read_shaking(file, parse_settings(set_), parse_treatment(unit, baseline, band_pass, component), direction == "turned")
         if out is not None:
             check_picture(out, shaking.files, "--plot")
         found = measures(shaking)

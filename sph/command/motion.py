@@ -18,6 +18,8 @@ from sph.scene.units import in_both
 from sph.study.finding import Finding
 from sph.study.motion_findings import drifting, implausible, of_motion, one_sided, sparse
 
+READING = {"unit", "component"}
+"""Keys of a treatment that say what is read in a record, and do not process it."""
 CURE = "--baseline 1, or motion.baseline of a scene with it"
 
 
@@ -34,11 +36,11 @@ class Shaking(NamedTuple):
 def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, list[np.ndarray]]:
     """Times (n,) in s and components (n,) in m/s2, the horizontal first, of a record, read and processed as by a scene.
 
-    ``treatment`` has the keys ``unit``, ``baseline`` and ``band_pass`` of a scene's ``motion``, or some of them.  A record that is not
-    processed may be unevenly sampled.  ValueError as from the readers, and for processing that the record does not bear.
+    ``treatment`` has the keys ``unit``, ``component``, ``baseline`` and ``band_pass`` of a scene's ``motion``, or some of them.  A record
+    that is not processed may be unevenly sampled.  ValueError as from the readers, and for processing that the record does not bear.
     """
-    time, *columns = read_components(path, treatment.get("unit"))
-    if not set(treatment) - {"unit"}:
+    time, *columns = read_components(path, treatment.get("unit"), component=treatment.get("component"))
+    if not set(treatment) - READING:
         return time, columns
     section = {"kind": "record", "file": str(path), "start": 0.0, "vertical": {} if len(columns) > 1 else None, **treatment}
     made = processed(validated(Record, section, str(path)))
@@ -46,10 +48,10 @@ def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, 
 
 
 def laid_over(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, Any]) -> dict[str, Any]:
-    """The overrides of a scene with the treatment of its record; ValueError for a unit, which is for records."""
-    if treatment.get("unit") is not None:
-        unit = treatment["unit"]
-        raise ValueError(f"--unit {unit}: {path} is no record; --set motion.unit={unit} gives the unit of a scene's record")
+    """The overrides of a scene with the treatment of its record; ValueError for what is read in a record, which is for records."""
+    for name in sorted(READING & set(treatment)):
+        value = treatment[name]
+        raise ValueError(f"--{name} {value}: {path} is no record; --set motion.{name}={value} gives the {name} of a scene's record")
     return merge(overrides, {"motion": dict(treatment)}) if treatment else dict(overrides)
 
 
@@ -61,11 +63,11 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
     if path.suffix.lower() in RECORDS:
         if overrides:
             raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
-        if set(treatment) - {"unit"}:
+        if set(treatment) - READING:
             time, columns = read_treated(path, treatment)
             interval = float(time[1])
         else:
-            interval, _, columns = read_even(str(path), treatment.get("unit"))
+            interval, _, columns = read_even(str(path), treatment.get("unit"), component=treatment.get("component"))
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
         found = (

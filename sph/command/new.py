@@ -71,7 +71,7 @@ coupling:
   # width: of the soil that yields before a slip surface forms, at least three spacings
   softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}}
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
-motion: {{kind: record, file: {record}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
+motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
   spacing: {spacing:g} # m, {rows} whole rows over the height of the slope; {finer:g} to see what finer ones change
 """
@@ -91,8 +91,10 @@ fidelities:
 """
 
 
-def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
+def write_new(ground: Path, record: Path, folder: Path, component: str | None = None) -> tuple[Path, Path]:
     """Write ``SCENE`` and ``STUDY``, named after it, into a folder, which is made; their paths.
+
+    ``component`` is the horizontal component of a record that holds several, as ``motion.component``.
 
     ValueError for a ground line or a record that cannot be used, where one of the files exists, and for a path that a line of text cannot
     hold; nothing is left behind then.
@@ -105,7 +107,7 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
         if not str(path).isprintable():
             raise ValueError(f"{str(path)!r}: holds a character that cannot be printed, which a scene file cannot hold; rename it")
     line, downhill = _ground(ground)
-    motion = read_record(record)
+    motion = read_record(record, component=component)
     height = line.slope_height
     spacing, frequency = height / ROWS, _digits(SPEED / (4.0 * height), 2)
     name = _name(folder.resolve())
@@ -119,6 +121,7 @@ def write_new(ground: Path, record: Path, folder: Path) -> tuple[Path, Path]:
         "study_word": shlex.quote(str(study)),
         "ground": _quoted(os.path.relpath(ground, folder)),
         "record": _quoted(os.path.relpath(record, folder)),
+        "file": f"file: {_quoted(os.path.relpath(record, folder))}" + (f", component: {_quoted(component)}" if component else ""),
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
         "base": line.base,
         "downhill": downhill,

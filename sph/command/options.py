@@ -187,13 +187,15 @@ def parse_acceleration(text: str, option: str) -> float:
     return value
 
 
-def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | None) -> dict[str, Any]:
+def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | None, component: str | None = None) -> dict[str, Any]:
     """The options that treat a record as the keys of a scene's ``motion``, those that were given; ValueError names the option."""
     from sph.scene.names import check_known
     from sph.scene.units import SIZES
 
     check_known("--unit", [unit], tuple(SIZES))
     found: dict[str, Any] = {} if unit is None else {"unit": unit}
+    if component is not None:
+        found["component"] = component
     if baseline is not None:
         found["baseline"] = {"degree": baseline}
     if band_pass is not None:
@@ -206,6 +208,10 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
 
 
 UnitOption = Annotated[str | None, typer.Option("--unit", help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")]
+ComponentOption = Annotated[
+    str | None,
+    typer.Option("--component", metavar="NAME", help="horizontal component in a record that holds several: its name, as N-S, or number"),
+]
 BaselineOption = Annotated[
     int | None,
     typer.Option("--baseline", metavar="DEGREE", help="take drift out, as motion.baseline of a scene: 0 an offset, 1 a straight line"),

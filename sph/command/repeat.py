@@ -52,7 +52,7 @@ def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | N
         _check_layers(kept, overrides, path)
         motion, vertical = _at(overrides, "motion"), _at(overrides, "motion", "vertical")
         third = isinstance(vertical, Mapping) and ("file" in vertical or _at(kept, "motion", "data", "y") is None)
-        if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit"))):
+        if isinstance(motion, Mapping) and (third or not motion.keys().isdisjoint(("file", "unit", "component"))):
             kept["motion"].pop("data", None)  # the samples are to be read again
     data = merge(kept, overrides)
     return make_scene(data, str(path)), [str(path), *scene_files(data)]

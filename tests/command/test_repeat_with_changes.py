@@ -6,9 +6,11 @@ import json
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from record_files import geonet
 
 from sph.command.repeat import given_scene, stopped_at
 from sph.scene.configuration import dotted
@@ -116,3 +118,13 @@ def test_the_stage_of_a_run_is_told_by_its_status_and_its_last_sample(status: st
     earlier = xr.Dataset({"sample_time": ("sample", [0.0, time])}, attrs=run_attributes(scene) | {"status": status})
     assert stopped_at(earlier) == stage
     assert stopped_at(None) == "end"
+
+
+def test_another_component_is_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    samples = np.arange(600) % 7 - 3.0
+    (tmp_path / "a.V2A").write_text(geonet({"N10E": samples, "Up": samples / 4.0, "N80W": samples / 2.0}, 0.01))
+    data = LAYERED | {"motion": {"kind": "record", "file": "a.V2A", "component": "N10E", "start": 3.0, "vertical": {}}}
+    here, again = both(tmp_path, data, {"motion.component": "3"})
+    assert here == again and here.motion.data is not None  # type: ignore[union-attr]
+    np.testing.assert_allclose(here.motion.data.x, samples / 2.0, rtol=1e-12)  # type: ignore[union-attr]

@@ -57,8 +57,8 @@ assert METRIC_BY_NAME["failed_at_end"].units == "1"
     "A record format": """
 from pathlib import Path
 from sph.scene.ground_motion import read_record
-Path("record.txt").write_text("0.0 0.0\\n0.1 2.0\\n0.2 -1.0\\n")
-assert read_record("record.txt").peak == 2.0
+Path("record.dat").write_text("0.0 0.0\\n0.1 2.0\\n0.2 -1.0\\n")
+assert read_record("record.dat").peak == 2.0
 """,
     "A figure": """
 import pandas as pd

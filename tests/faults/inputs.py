@@ -9,7 +9,7 @@ import numpy as np
 import yaml
 from configurations import HARD_NUMBERS, HARD_TEXTS, junk, keys
 from hypothesis import strategies as st
-from record_files import knet
+from record_files import afad, csmip, esm, geonet, knet, unam
 from small_scenes import TWO_BODIES
 
 from sph.experiments.limits.design import Limits
@@ -224,7 +224,17 @@ SMC = "\n".join(
     + ["".join(f"{100.0 if line == 0 and at == 1 else 0.0:15.7E}" for at in range(5)) for line in range(10)]
     + ["| comment", "   -1.0000   20.0000  -30.00001000.00000"]
 )
-KNET = knet(np.array([0.43, -0.41, 0.002, 0.0]), 4)
+SHORT = np.array([0.43, -0.41, 0.002, 0.0])
+KNET = knet(SHORT, 4)
+OTHERS = {
+    "asc": esm(SHORT, 0.25),
+    "txt": afad({"N-S": SHORT, "E-W": SHORT, "U-D": SHORT}, 0.25),
+    "asa": unam({"N00E": SHORT, "V": SHORT}, 0.25),
+    "v2a": geonet({"N10E": SHORT, "Up": SHORT}, 0.25),
+    "v1": csmip({"90 Deg": SHORT}, 0.25, 1, (90,)),
+    "v2": csmip({"90 Deg": SHORT}, 0.25, 2, (90,)),
+}
+"""Records of further formats by their endings."""
 comma_separated = st.one_of(
     rising,
     st.lists(st.lists(cells, min_size=1, max_size=3).map(",".join), max_size=6).map("\n".join),
@@ -253,5 +263,8 @@ surveys = st.one_of(
 
 records = st.one_of(
     st.tuples(st.just("csv"), comma_separated),
-    *(st.tuples(st.just(ending), st.one_of(st.just(text), broken(text))) for ending, text in (("at2", PEER), ("smc", SMC), ("EW", KNET))),
+    *(
+        st.tuples(st.just(ending), st.one_of(st.just(text), broken(text)))
+        for ending, text in (("at2", PEER), ("smc", SMC), ("EW", KNET), *OTHERS.items())
+    ),
 )

@@ -61,7 +61,7 @@ def test_bad_records_are_refused_with_file_and_line(tmp_path: Path, text: str, w
 def test_files_that_hold_no_motion_are_refused(tmp_path: Path) -> None:
     binary = tmp_path / "binary.csv"
     binary.write_bytes(b"\xff\xfe\x00")
-    for path, wanted in ((tmp_path / "absent.csv", "cannot be read"), (binary, "cannot be read"), (tmp_path / "a.txt", "must be a record")):
+    for path, wanted in ((tmp_path / "absent.csv", "cannot be read"), (binary, "cannot be read"), (tmp_path / "a.dat", "must be a record")):
         with pytest.raises(ValueError, match=wanted) as error:
             read_record(path)
         assert path.name in str(error.value)

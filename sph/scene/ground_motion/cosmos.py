@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from sph.scene.ground_motion.direction import Direction, check_direction, check_header
-from sph.scene.ground_motion.text import check_head, fields, read_lines, samples
+from sph.scene.ground_motion.text import check_head, check_peak, fields, read_lines, samples
 from sph.scene.ground_motion.units import Unit, size_of, unit_in
 
 FIRST = re.compile(r"\s*(un)?corrected\s+acceleration", re.I)
@@ -37,8 +37,8 @@ RECORDED_INTERVAL, INTERVAL, LENGTH, PEAK = 33, 61, 62, 63
 """Indices of the reals with the interval of the recorder (s or ms), that of the samples (ms), their duration (s) and peak."""
 UNKNOWN = -999.0
 """A real that is not known; some files write -999.9."""
-ROUNDED, SAME_PEAK = 1.0, 0.01
-"""Difference of durations (s), which are rounded to whole seconds, and relative one of peaks, from which on the header is another's."""
+ROUNDED = 1.0
+"""Difference of durations (s), which are rounded to whole seconds, from which on the header is another's."""
 
 
 def read_cosmos(path: Path | str, unit: Unit | None = None, wanted: Direction = "horizontal") -> tuple[np.ndarray, ...]:
@@ -46,7 +46,8 @@ def read_cosmos(path: Path | str, unit: Unit | None = None, wanted: Direction = 
     lines = read_lines(path)
     if not FIRST.match(lines[0]):
         raise ValueError(
-            f"{path}, line 1: must begin with 'Corrected acceleration' or 'Uncorrected acceleration' (found {lines[0][:80]!r})"
+            f"{path}, line 1: must begin with 'Corrected acceleration' or 'Uncorrected acceleration', as COSMOS files do, or with "
+            f"'Corrected accelerogram' or 'Uncorrected accelerogram', as those of CSMIP (found {lines[0][:80]!r})"
         )
     heads = [index for index, line in enumerate(lines) if REALS.match(line)]
     blocks = [index for index, line in enumerate(lines) if SAMPLES.match(line)]
@@ -76,13 +77,8 @@ def read_cosmos(path: Path | str, unit: Unit | None = None, wanted: Direction = 
     last = blocks[0] + 1 + math.ceil(count / max(each, 1))
     size = size_of(path, stated, unit)
     acceleration = samples(path, lines[:last], blocks[0] + 1, width, size, count)
-    peak = float(np.abs(acceleration).max())
-    announced = abs(reals[PEAK]) * size if len(reals) > PEAK and abs(reals[PEAK] - UNKNOWN) >= 1.0 else 0.0
-    if announced and abs(peak - announced) > SAME_PEAK * announced:
-        raise ValueError(
-            f"{path}: the 64th real of its header states a peak of {announced:.4g} m/s2, its samples have {peak:.4g} m/s2; "
-            "is the unit right, and the file whole?"
-        )
+    if len(reals) > PEAK and abs(reals[PEAK] - UNKNOWN) >= 1.0 and reals[PEAK]:
+        check_peak(f"{path}: the 64th real of its header", abs(reals[PEAK]) * size, acceleration)
     return interval * np.arange(count), acceleration
 
 

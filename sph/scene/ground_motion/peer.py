@@ -19,6 +19,8 @@ HEAD, WIDTH = 4, 15
 """Lines before the samples; columns of a sample (Fortran 5E15.7)."""
 OTHERS = re.compile(r"VELOC|\bVEL\b|DISPL|\bDISP?\b|SPECTR|PSEUDO|FOURIER|RESPONSE|\bP?S[AVD]\b|PERIOD", re.I)
 """What a title names that is no accelerogram."""
+OTHER_HISTORIES = {".vt2": "velocity", ".dt2": "displacement"}
+"""Endings of files that hold the same record as another quantity."""
 NUMBER = r"([-+.\dEeDd]+)"
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from sph.scene.configuration import Section, check_file, key
 from sph.scene.ground_motion import read_components
@@ -33,6 +33,11 @@ in length of two components."""
 DIGITS = 9
 """Digits of the samples in a scene; recorders have six or seven."""
 
+ComponentName = Annotated[
+    str,
+    BeforeValidator(lambda value: str(value) if type(value) is int else value, json_schema_input_type=int | str),
+    Field(min_length=1, max_length=80),
+]
 Sample = Annotated[float, Field(ge=-LARGEST_ACCELERATION, le=LARGEST_ACCELERATION)]
 
 
@@ -53,7 +58,11 @@ class RecordData(Section):
 class Vertical(Section):
     """The vertical component."""
 
-    file: str | None = key("its file, as that of the record; null: the third column of the record's CSV", default=None, min_length=1)
+    file: str | None = key(
+        "its file, as that of the record; null: the vertical component in the record's own file, as the third column of a CSV",
+        default=None,
+        min_length=1,
+    )
     factor: float = key("multiplies it beyond what the record is scaled by", ge=-1e3, le=1e3, default=1.0)
 
 
@@ -70,11 +79,15 @@ class Record(Section):
 
     kind: Literal["record"] = key("recorded motion, or a synthetic one in its place")
     file: str | None = key(
-        "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS .V2, .csv), relative to the scene's folder or "
-        "the working folder; with data the name of where they came from",
+        "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS and CSMIP .V1 .V2, ESM .ASC, GeoNet .V2A, AFAD "
+        "and UNAM .txt, .csv), relative to the scene's folder or the working folder; with data the name of where they came from",
         default=None,
         min_length=1,
         max_length=1000,
+    )
+    component: ComponentName | None = key(
+        "horizontal component in a file that holds several (CSMIP, GeoNet, AFAD, UNAM): its name in the file, as N-S, or its number",
+        default=None,
     )
     unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs, such as CSV without names", default=None)
     vertical: Vertical | None = key("vertical component; null: none", default=None)
@@ -110,11 +123,16 @@ class Record(Section):
             return values  # refused below, with its key
         vertical = values.get("vertical")
         second = vertical.get("file") if isinstance(vertical, Mapping) else None
-        unit = values.get("unit")
-        if unit not in (None, *get_args(Unit)) or not isinstance(second, str | None):
+        unit, component = values.get("unit"), values.get("component")
+        if unit not in (None, *get_args(Unit)) or not isinstance(second, str | None) or not isinstance(component, str | int | None):
             return values  # refused below, with its key
         files = [name for name in (values["file"], second) if name]
-        data = read_data(*(_identity(name) for name in files), unit=unit, third_column=vertical is not None and not second)
+        data = read_data(
+            *(_identity(name) for name in files),
+            unit=unit,
+            third_column=vertical is not None and not second,
+            component=None if component is None else str(component),
+        )
         named: dict[str, Any] = {"file": Path(values["file"]).name, "data": data}
         if second:
             named["vertical"] = {**values["vertical"], "file": Path(second).name}
@@ -127,7 +145,10 @@ class Record(Section):
         if self.data is None and self.stochastic is None:
             raise ValueError("file: is required where there are neither data nor stochastic")
         if self.vertical is not None and (self.data is None or self.data.y is None):
-            raise ValueError("vertical: there is neither a second file nor a third column; name one in vertical.file")
+            raise ValueError(
+                "vertical: there is neither a second file nor a vertical component in the first, as the third column of a CSV; "
+                "name one in vertical.file"
+            )
         spectral = self.spectral_acceleration and self.spectral_acceleration.value
         asked = zip(SCALES.items(), (self.amplitude, self.peak_velocity, self.arias_intensity, spectral), strict=True)
         scaled = [f"{name}: {value:g} {unit}" for (name, unit), value in asked if value is not None]
@@ -213,9 +234,9 @@ def _samples(record: Record) -> tuple[list[np.ndarray], float]:
 
 
 @functools.lru_cache(maxsize=8)
-def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_column: bool) -> RecordData:
+def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_column: bool, component: str | None = None) -> RecordData:
     """Samples in one or two files, each with what tells it from others and from what it was before; ValueError names it."""
-    interval, first, columns = read_even(files[0][0], unit, third_column)
+    interval, first, columns = read_even(files[0][0], unit, third_column, component=component)
     if len(files) > 1:
         other, begins, vertical = read_even(files[1][0], unit, False, "vertical")
         if abs(other / interval - 1.0) > 1e-6:
@@ -233,13 +254,13 @@ def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_colu
 
 
 def read_even(
-    path: str, unit: Unit | None, third_column: bool = True, wanted: Direction = "horizontal"
+    path: str, unit: Unit | None, third_column: bool = True, wanted: Direction = "horizontal", component: str | None = None
 ) -> tuple[float, float, list[np.ndarray]]:
     """Interval and first time (s) and components of a record, the wanted first, with the vertical if asked for.
 
     ValueError if it is not evenly sampled.
     """
-    time, *columns = read_components(path, unit, wanted)
+    time, *columns = read_components(path, unit, wanted, component)
     interval = float(f"{(time[-1] - time[0]) / (time.size - 1):.{DIGITS}g}")
     uneven = np.abs(time - time[0] - interval * np.arange(time.size)) > UNEVEN * interval
     if uneven.any():

@@ -13,6 +13,8 @@ LARGEST_RECORD = 100_000_000
 """Largest file of a record, bytes."""
 LARGEST_TIME, LARGEST_ACCELERATION, SHORTEST_INTERVAL = 1e6, 1e6, 1e-9
 """Largest time (s) and acceleration (m/s2) of a record, either sign, and the shortest interval between its samples (s)."""
+SAME_PEAK, SAME_LENGTH = 0.01, 0.005
+"""Relative difference of peaks and of durations from which on a header is another record's."""
 
 
 def read_lines(path: Path | str) -> list[str]:
@@ -63,10 +65,13 @@ def fields(path: Path | str, lines: list[str], first: int, count: int, width: in
     return values
 
 
-def samples(path: Path | str, lines: list[str], first: int, width: int, scale: float, announced: int) -> np.ndarray:
+def samples(
+    path: Path | str, lines: list[str], first: int, width: int, scale: float, announced: int, head: int | None = None
+) -> np.ndarray:
     """Samples (n,) in m/s2 from line index ``first`` on: numbers apart, or in columns of a width where they touch.
 
-    ``scale`` turns them into m/s2; ValueError for what is no finite number, and for another count than the ``announced`` one.
+    ``scale`` turns them into m/s2; ValueError for what is no finite number, and for another count than the ``announced`` one, which the
+    line of number ``head`` states if it is given.
     """
     found: list[float] = []
     for index in range(first, len(lines)):
@@ -81,9 +86,54 @@ def samples(path: Path | str, lines: list[str], first: int, width: int, scale: f
                     f"{path}, line {index + 1}: must be finite numbers up to {LARGEST_ACCELERATION:g} m/s2 (found {lines[index][:80]!r})"
                 )
             found.append(value)
-    if len(found) != announced:
-        raise ValueError(f"{path}: must hold the {announced:,} samples that its header states, holds {len(found):,}; is it whole?")
+    check_count(path, announced, len(found), head)
     return scale * np.array(found)
+
+
+def rows(path: Path | str, lines: list[str], first: int, width: int, scale: float, announced: int, head: int) -> np.ndarray:
+    """Rows (n, width) of accelerations in m/s2, a line each, from line index ``first`` on; otherwise as ``samples``."""
+    found: list[list[float]] = []
+    for index in range(first, len(lines)):
+        words = lines[index].split()
+        values = [scale * value for value in map(number, words) if value is not None and abs(value * scale) <= LARGEST_ACCELERATION]
+        if words and not len(words) == len(values) == width:
+            raise ValueError(
+                f"{path}, line {index + 1}: must be {width} finite numbers up to {LARGEST_ACCELERATION:g} m/s2 "
+                f"(found {lines[index][:80]!r})"
+            )
+        found += [values] if words else []
+    check_count(path, announced, len(found), head)
+    return np.array(found)
+
+
+def check_count(path: Path | str, announced: int, found: int, head: int | None = None) -> None:
+    """Refuse another number of samples than the header states, in the line of number ``head`` if that is known."""
+    if found != announced:
+        where = path if head is None else f"{path}, line {head}"
+        raise ValueError(f"{where}: must hold the {announced:,} samples that its header states, holds {found:,}; is it whole?")
+
+
+def last_digit(text: str) -> float:
+    """Half of the last digit of a number without exponent, by which it is rounded: 0.005 of '27.11'."""
+    return 0.5 * 10.0 ** -len(text.partition(".")[2])
+
+
+def check_peak(where: str, stated: float, acceleration: np.ndarray, rounding: float = 0.0) -> None:
+    """Refuse samples (n,) in m/s2 whose peak is not the one that ``where`` states, m/s2, within ``SAME_PEAK`` and its rounding."""
+    peak = float(np.abs(acceleration).max())
+    if abs(peak - stated) > SAME_PEAK * stated + rounding:
+        raise ValueError(
+            f"{where} states a peak of {stated:.4g} m/s2, its samples have {peak:.4g} m/s2; is the unit right, and the file whole?"
+        )
+
+
+def check_length(where: str, stated: float, count: int, interval: float) -> None:
+    """Refuse samples that do not last as long as ``where`` states, s, within ``SAME_LENGTH`` and two intervals."""
+    if abs(count * interval - stated) > SAME_LENGTH * stated + 2.0 * interval:
+        raise ValueError(
+            f"{where} states {stated:g} s, and {count:,} samples every {interval:g} s last {count * interval:g} s; "
+            "write the record as .csv with its times"
+        )
 
 
 def check_head(path: Path | str, count: float, interval: float) -> None:

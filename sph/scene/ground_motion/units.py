@@ -40,6 +40,6 @@ def size_of(path: Path | str, stated: float | None, unit: Unit | None) -> float:
             )
         return SIZES[unit]
     if unit is not None and stated != SIZES[unit]:
-        name = next(name for name, value in SIZES.items() if value == stated)
+        name = next((name for name, value in SIZES.items() if value == stated), f"{stated:g} m/s2")
         raise ValueError(f"{path}: is in {name} by its own words, unit: {unit} contradicts it; leave unit out")
     return stated
