@@ -56,7 +56,7 @@ geometry:
 walls: {{base: absorbing, sides: absorbing}}
 soil:
   density: {density:g} # kg/m3                                         REPLACE
-  youngs_modulus: {modulus:.4g} # kPa, 2 (1 + nu) rho V_s^2 / 1000 with V_s = {speed:g} m/s  REPLACE
+  shear_wave_speed: {speed:g} # m/s; or youngs_modulus in kPa          REPLACE
   poisson_ratio: {poisson:g} #                                           REPLACE
   cohesion: 20.0 # kPa, at the peak                                REPLACE
   friction_angle: 30.0 # degree, at the peak                       REPLACE
@@ -129,7 +129,6 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "poisson": POISSON,
         "rest": POISSON / (1.0 - POISSON),
         "speed": SPEED,
-        "modulus": 2e-3 * (1.0 + POISSON) * DENSITY * SPEED**2,
         "width": _digits(WIDTH * height, 2),
         "low": frequency,
         "high": 5.0 * frequency,

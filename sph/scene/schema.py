@@ -24,6 +24,7 @@ from sph.scene.configuration import OwnName, Section, key, merge, read_scene, va
 from sph.scene.geometry import Geometry
 from sph.scene.gravity import FAILED_AREA, GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.scene.ground_motion.record import Record, processed
+from sph.scene.laboratory import as_computed
 from sph.scene.layers import Layer, check_coupling
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.scene.numerics import Numerics
@@ -372,7 +373,7 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 
     Keys that ``uncertain`` draws take the values of its seed.
     """
-    data = drawn(data, origin)
+    data = as_computed(drawn(data, origin), origin)
     needed = missing(data, origin)
     try:
         made = validated(Scene, filled(data), origin)

@@ -35,9 +35,9 @@ BY_SLIP = "coupling.softening.slip_at_residual"
 
 NEEDED = {
     "soil.density": "density, kg/m3",
-    "soil.youngs_modulus": "Young's modulus, kPa; from the shear wave speed it is 2 (1 + nu) rho V_s^2 / 1000, V_s in m/s",
+    "soil.youngs_modulus": "Young's modulus, kPa; or write soil.shear_wave_speed, m/s",
     "soil.poisson_ratio": "Poisson's ratio",
-    "soil.cohesion": "peak cohesion, kPa",
+    "soil.cohesion": "peak cohesion, kPa; or write soil.undrained_strength, of saturated clay",
     "soil.friction_angle": "peak friction angle, degree",
     "soil.viscosity": "viscosity of failed soil beyond its yield stress, Pa s; the paper's debris has 2",
     "coupling.S_R": "strength that failed soil keeps, over its peak: residual over peak c and phi in a shear box or ring shear test; or "
@@ -50,13 +50,19 @@ NEEDED = {
 """What a scene of the scheme ``resolved`` must write, and what it means."""
 AT_REST: dict[str, Any] = dotted({"gravity.initial_stress": "geostatic", "gravity.ramp": 0.0})
 """What is filled in where a K0 is written."""
-INSTEAD = {"coupling.gamma": (BY_SLIP,), "coupling.S_R": ("soil.residual_cohesion", "soil.residual_friction_angle")}
+INSTEAD = {
+    "soil.youngs_modulus": ("soil.shear_wave_speed",),
+    "soil.cohesion": ("soil.undrained_strength",),
+    "soil.friction_angle": ("soil.undrained_strength",),
+    "coupling.gamma": (BY_SLIP,),
+    "coupling.S_R": ("soil.residual_cohesion", "soil.residual_friction_angle"),
+}
 """Keys that may be written instead of one of these."""
 
 
 def filled(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """A scene's mapping with what its scheme fills in."""
-    made = merge(RESOLVED, data) if _is_resolved(data) else data
+    made = merge(RESOLVED, data) if is_resolved(data) else data
     made = merge(AT_REST, made) if _writes_rest(data) else made
     return merge({"coupling": {"gamma": 0.0}}, made) if has_key(data, BY_SLIP, set_there=True) else made
 
@@ -70,7 +76,7 @@ def _writes_rest(data: Mapping[str, Any]) -> bool:
 
 def missing(data: Mapping[str, Any], origin: str) -> list[str]:
     """A line for each key that a scene's mapping must write and does not."""
-    if not _is_resolved(data):
+    if not is_resolved(data):
         return []
     lines = [
         f"{origin}: {name}: must be written, since it decides the answer: {text}"
@@ -80,7 +86,8 @@ def missing(data: Mapping[str, Any], origin: str) -> list[str]:
     return lines and [*lines, f"{origin}: scheme: paper would take what is not written from the paper's scene"]
 
 
-def _is_resolved(data: Mapping[str, Any]) -> bool:
+def is_resolved(data: Mapping[str, Any]) -> bool:
+    """Whether a scene's mapping is of the scheme ``resolved``."""
     return isinstance(data, Mapping) and data.get("scheme", "resolved") == "resolved"
 
 

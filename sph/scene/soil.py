@@ -44,6 +44,24 @@ class Soil(Section):
         le=50,
         default=None,
     )
+    shear_wave_speed: float | None = key(
+        "speed of shear waves, instead of Young's modulus, which is then 2 (1 + nu) rho V_s^2 of this soil",
+        "m/s",
+        "ours",
+        gt=0,
+        le=1e4,
+        default=None,
+        exclude=True,
+    )
+    undrained_strength: float | None = key(
+        "undrained shear strength of saturated clay, instead of cohesion and friction angle: a cohesion without friction",
+        "kPa",
+        "ours",
+        ge=0,
+        le=1e6,
+        default=None,
+        exclude=True,
+    )
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
     K0: float | None = key(
         "coefficient of earth pressure at rest: horizontal over vertical effective stress at the start, in and across the section, within "
@@ -54,6 +72,12 @@ class Soil(Section):
         le=20,
         default=None,
     )
+
+    @model_validator(mode="after")
+    def _computed(self) -> Soil:
+        if self.shear_wave_speed is not None:
+            raise ValueError(f"shear_wave_speed: {self.shear_wave_speed:g} m/s needs density and poisson_ratio beside it")
+        return self
 
     @model_validator(mode="after")
     def _at_rest(self) -> Soil:

@@ -1,0 +1,91 @@
+"""Soil by the speed of its shear waves and by its undrained strength."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from sph.scene.configuration import merge
+from sph.scene.schema import Scene, make_scene, written_scene
+
+ROOT = Path(__file__).resolve().parents[2]
+GENTLE = written_scene(ROOT / "config" / "scenes" / "gentle_layered.yaml")
+
+
+def without(*keys: str) -> dict[str, Any]:
+    """The gentle slope without some keys of its soil."""
+    return {**GENTLE, "soil": {name: value for name, value in GENTLE["soil"].items() if name not in keys}}
+
+
+def test_a_speed_of_shear_waves_is_that_of_the_soil_made() -> None:
+    scene = make_scene(merge(without("youngs_modulus"), {"soil": {"shear_wave_speed": 250.0, "density": 1900.0, "poisson_ratio": 0.3}}))
+    assert scene.soil.youngs_modulus == pytest.approx(2 * 1.3 * 1900.0 * 250.0**2 / 1000) and scene.soil.s_wave_speed == pytest.approx(
+        250.0
+    )
+
+
+def test_a_layer_takes_density_and_ratio_of_the_scenes_soil() -> None:
+    scene = make_scene(merge(GENTLE, {"soil": {"density": 1900.0}, "layers": {"fill": {"region": {"kind": "depth", "bottom": 2.0}, "soil": {
+        "shear_wave_speed": 120.0}}}}))  # fmt: skip
+    fill = scene.layers["fill"].soil
+    assert (fill.density, fill.s_wave_speed) == (1900.0, pytest.approx(120.0)) and scene.soil.youngs_modulus == GENTLE["soil"][
+        "youngs_modulus"
+    ]
+    heavier = merge(scene.model_dump(), {"layers": {"fill": {"soil": {"density": 2000.0}}}})
+    assert make_scene(heavier).layers["fill"].soil.youngs_modulus == fill.youngs_modulus, "a stored scene keeps the modulus"
+
+
+def test_undrained_strength_is_a_cohesion_without_friction() -> None:
+    scene = make_scene(merge(without("cohesion", "friction_angle", "dilation_angle"), {"soil": {"undrained_strength": 45.0}}))
+    assert (scene.soil.cohesion, scene.soil.friction_angle) == (45.0, 0.0)
+
+
+def test_what_is_stored_has_the_keys_of_the_equations_alone() -> None:
+    speed = make_scene(merge(without("youngs_modulus"), {"soil": {"shear_wave_speed": 250.0}}))
+    modulus = make_scene(merge(GENTLE, {"soil": {"youngs_modulus": speed.soil.youngs_modulus}}))
+    assert speed.model_dump_json() == modulus.model_dump_json() and "shear_wave_speed" not in speed.model_dump()["soil"]
+    assert Scene.model_validate_json(speed.model_dump_json()) == speed
+
+
+@pytest.mark.parametrize(
+    ("soil", "words"),
+    [
+        ({"shear_wave_speed": 250.0}, "soil.shear_wave_speed: 250.0 stands for youngs_modulus; leave out youngs_modulus"),
+        (
+            {"undrained_strength": 40},
+            "undrained_strength: 40 stands for cohesion and friction_angle; leave out cohesion and friction_angle",
+        ),
+        ({"youngs_modulus": None, "shear_wave_speed": "fast"}, "soil.shear_wave_speed"),
+        ({"youngs_modulus": None, "shear_wave_speed": -3.0}, "soil.shear_wave_speed"),
+        ({"undrained_strength": 40, "cohesion": None}, "leave out friction_angle"),
+    ],
+)
+def test_two_forms_and_nonsense_are_refused(soil: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError) as raised:
+        make_scene(merge(GENTLE, {"soil": soil}), "scene.yaml")
+    assert words in str(raised.value)
+
+
+def test_a_speed_without_density_is_refused_with_what_it_needs() -> None:
+    with pytest.raises(ValueError) as raised:
+        make_scene(merge(without("youngs_modulus", "density"), {"soil": {"shear_wave_speed": 250.0}}), "scene.yaml")
+    assert "shear_wave_speed: 250 m/s needs density and poisson_ratio" in str(raised.value)
+    assert "scene.yaml: soil.density: must be written" in str(raised.value) and "soil.youngs_modulus: must" not in str(raised.value)
+
+
+def test_without_either_the_refusal_names_both() -> None:
+    with pytest.raises(ValueError, match="soil.youngs_modulus: must be written.*or write soil.shear_wave_speed"):
+        make_scene(without("youngs_modulus"), "scene.yaml")
+
+
+def test_sph_new_writes_the_speed(tmp_path: Path) -> None:
+    from sph.command.new import write_new
+
+    ground = tmp_path / "ground.csv"
+    ground.write_text("x,elevation\n0,0\n60,0\n90,20\n160,20\n")
+    record = ROOT / "config" / "motions"
+    scene, _ = write_new(ground, record / "synthetic.csv", tmp_path / "new")
+    assert yaml.safe_load(scene.read_text(encoding="utf-8"))["soil"]["shear_wave_speed"] == 250
