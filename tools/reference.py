@@ -33,6 +33,7 @@ from sph.experiments.sensitivity.design import SAMPLE
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
+from sph.experiments.spacing.measure import spacing_columns
 from sph.experiments.trade import advice
 from sph.experiments.trade.advice import percent
 from sph.experiments.trade.convergence import CONVERGENCE
@@ -457,6 +458,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "measures_variables": lambda: _variables(MEASURE_COLUMNS),
     "exceedance_variables": lambda: _variables(exceedance_columns("m s-2")),
     "widths_variables": lambda: _variables(width_columns("m s-2")),
+    "spacing_variables": lambda: _variables(spacing_columns()),
     "place_variables": lambda: _variables(place_columns(["road"])),
     "annual_variables": lambda: _variables(annual_columns("m s-2")),
     "points_variables": lambda: _variables(point_columns(_searched().all)),

@@ -3,7 +3,7 @@
 * ``cli``: the commands and their exit codes
 * ``info``: what a scene amounts to before it is run
 * ``repeat``: a trajectory in place of a scene file
-* ``status``: how far a study is, for a second terminal
+* ``status``: progress of a running study, for a second terminal
 * ``motion``: measures of a ground motion
 * ``newmark``: a sliding block on a ground motion
 * ``schema``: JSON Schema of the files that a user writes

@@ -81,7 +81,7 @@ def new(
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
     component: ComponentOption = None,
 ) -> None:
-    """Write a scene and a study of one's own slope, with comments; the soil in them is to be replaced."""
+    """Write a scene and a study of your own slope, with comments; replace the soil in them."""
     with refusals("reading ground and record"):
         from sph.command.new import write_new
 
@@ -100,20 +100,21 @@ def run(
     out: Annotated[Path | None, typer.Option(help="trajectory to write; NAME.nc in this folder by default")] = None,
     restart: Annotated[Path | None, typer.Option(help="continue from this trajectory instead of from the start")] = None,
     until: Annotated[
-        str | None, typer.Option(help="end, gravity (the end of the gravity stage) or first_failure; end, or as the trajectory, by default")
+        str | None,
+        typer.Option(help="where to stop: gravity (end of the gravity stage), first_failure or end; by default end, or as the trajectory"),
     ] = None,
     threads: Annotated[
-        int, typer.Option(min=1, max=256, help="for one large scene; below some 10,000 particles one thread per run is faster")
+        int, typer.Option(min=1, max=256, help="threads of the run, for one large scene; below some 10,000 particles one is faster")
     ] = 1,
     checkpoint: Annotated[
         float | None,
         typer.Option(min=0, metavar="SECONDS", help="wall time between checkpoints, 0 for none; $SPH_CHECKPOINT or 300 by default"),
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace the run of another scene")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="replace an existing run of another scene")] = False,
 ) -> None:
     """Simulate a scene and write its trajectory; after Ctrl-C or a kill the same command continues from the last checkpoint.
 
-    A trajectory is repeated: the same scene from the start to the same stage, to the same bits.
+    Given a trajectory, it repeats the run from the start to the same stage, bit for bit.
     """
     with refusals():
         from sph.command.repeat import check_of_scene, compare, earlier_run, read_given, stopped_at
@@ -173,7 +174,7 @@ def run(
 
 @app.command("compile", epilog="Example:  sph compile config/scenes/*.yaml")
 def compile_(scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="scene files (YAML)")]) -> None:
-    """Compile the solver for scenes and their static tests, once for all runs on this machine whose scenes have the same terms."""
+    """Compile the solver for scenes and their static tests; later runs on this machine with the same terms use it."""
     with refusals("loading the solver"):
         from sph.command.compile import compile_for
         from sph.command.repeat import read_given
@@ -203,11 +204,13 @@ def check(
     plot: Annotated[Path | None, typer.Option(help="picture of the scene to write (.png, .pdf, .svg)")] = None,
     static: Annotated[
         bool,
-        typer.Option("--stability", help="also whether it stands unshaken, its factor of safety and yield acceleration; takes minutes"),
+        typer.Option(
+            "--stability", help="also whether the slope stands unshaken, its factor of safety and yield acceleration; takes minutes"
+        ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and findings")] = False,
 ) -> None:
-    """Show a scene before it is run, as a table and a drawing, with what is found that may spoil its results."""
+    """Check a scene before it is run: a table, a drawing, and findings that may spoil its results."""
     with refusals("testing whether it stands, by trial runs" if static else "placing the particles"):
         from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
         from sph.command.check import check as look_at
@@ -266,8 +269,8 @@ def animate(
     ] = None,
     field: Annotated[str, typer.Option(help="colour of the profile: displacement, speed, beta, initial_height, pressure")] = "displacement",
     every: Annotated[int, typer.Option(min=1, help="draw every n-th stored frame (outputs.frame_interval)")] = 1,
-    fps: Annotated[float | None, typer.Option(help="pictures a second, 10 by default")] = None,
-    speed: Annotated[float | None, typer.Option(help="instead of --fps: simulated seconds a second, 1 for real time")] = None,
+    fps: Annotated[float | None, typer.Option(help="frames per second of the film, 10 by default")] = None,
+    speed: Annotated[float | None, typer.Option(help="instead of --fps: simulated seconds per second of the film, 1 for real time")] = None,
     motion: Annotated[bool, typer.Option("--motion", help="show the acceleration of the ground below the profile")] = False,
     dpi: Annotated[int, typer.Option(help="dots per inch; 120 makes a picture of 850 pixels across")] = 120,
 ) -> None:
@@ -292,9 +295,9 @@ def animate(
 @app.command(epilog="Example:  sph export slide.nc --vtk slide_vtk  (then open slide_vtk/slide.pvd in ParaView)")
 def export(
     file: Trajectory,
-    vtk: Annotated[str, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and a NAME_0000.vtu a frame")],
+    vtk: Annotated[str, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and one NAME_0000.vtu for each frame")],
 ) -> None:
-    """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, every number as it is stored."""
+    """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, with the stored numbers."""
     with refusals("writing a file a frame"):
         from sph.storage import trajectory
         from sph.storage.paraview import export_paraview
@@ -342,9 +345,9 @@ def status(
     ] = None,
     configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     watching: Annotated[bool, typer.Option("--watch", help="look again every 2 s until all simulations are done")] = False,
-    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row a job")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row for each job")] = False,
 ) -> None:
-    """Show from a second terminal how far a study is: what is done, running, failed and waiting, and the time left; nothing is changed."""
+    """Follow a running study from a second terminal: jobs done, running, failed and waiting, and the time left; it only reads files."""
     with refusals():
         from sph.command.status import Job, State, lines, located, look_at, record, watch
 
@@ -373,7 +376,7 @@ def explain(
     configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable")] = False,
 ) -> None:
-    """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 where one is not as planned now."""
+    """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 if one is not what is planned now."""
     from sph.command.explain import explain, lines, record
 
     with refusals("reading the runs and measuring them again"):
@@ -442,12 +445,12 @@ def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
     of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
-    scheme: Annotated[str, typer.Option(help="of the scenes: paper, or resolved for slopes of one's own")] = "paper",
+    scheme: Annotated[str, typer.Option(help="scheme of the scenes: paper, or resolved for your own slopes")] = "paper",
     table: Annotated[
         Path | None, typer.Option(help="trade.csv or resolution.csv to answer from; by default the one measured for this release")
     ] = None,
 ) -> None:
-    """Name the cheapest measured setting within an error; if there is none, the most accurate one, with exit code 2."""
+    """Name the cheapest setting that was measured to be within an error; if there is none, the most accurate, with exit code 2."""
     with refusals("reading the table"):
         from sph.command.advise import lines
         from sph.experiments.trade import advice
@@ -476,7 +479,7 @@ def advise(
 def newmark(
     motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene (YAML), or record (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
     ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration with its unit, 0.25g or '2.5 m/s2'")],
-    upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; it slides only down by default")] = None,
+    upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; by default only downslope slip")] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
     set_: Settings = None,
     unit: UnitOption = None,
@@ -507,15 +510,15 @@ def cost(
         Path,
         typer.Argument(metavar="STUDY", help="configuration of a study (YAML); one that names no scene is laid over config/config.yaml"),
     ],
-    fidelity: Annotated[str | None, typer.Option(help="one of the study's fidelities; the one it names by default")] = None,
-    cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; all of this machine's by default")] = None,
+    fidelity: Annotated[str | None, typer.Option(help="one of the study's fidelities; by default the one that it names")] = None,
+    cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; by default all of this machine")] = None,
     speed: Annotated[
-        float | None, typer.Option(help="speed of a core over the reference machine's; measured here, or on finished runs, by default")
+        float | None, typer.Option(help="speed of a core over that of the reference machine; by default measured here, or on finished runs")
     ] = None,
-    start: Annotated[float, typer.Option(min=0, max=3600, help="what each job takes to start, s; some 10 on a cluster")] = 1.5,
+    start: Annotated[float, typer.Option(min=0, max=3600, help="time that each job needs to start, s; some 10 on a cluster")] = 1.5,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
-    """Predict what a study takes: core-hours, wall time, memory and disk, in total and for what is left."""
+    """Predict the cost of a study: core-hours, wall time, memory and disk, in total and for the runs that are left."""
     with refusals("building the scenes of the study and measuring the speed of a core"):
         from sph.command.cost import lines, record, study_cost
         from sph.command.status import located
@@ -544,7 +547,7 @@ def motion(
     component: ComponentOption = None,
     baseline: BaselineOption = None,
     band_pass: BandPassOption = None,
-    direction: Annotated[str, typer.Option(help="of the motion: recorded or turned")] = "recorded",
+    direction: Annotated[str, typer.Option(help="polarity: recorded or turned (reversed)")] = "recorded",
     out: Annotated[
         Path | None,
         typer.Option("--plot", metavar="PICTURE", help="picture of histories and response spectrum (.png, .pdf, .svg)"),
@@ -578,7 +581,7 @@ def motion(
 def schema(
     of: Annotated[str, typer.Argument(metavar="FILE", help="scene, study, or an experiment: trade, trigger, ...")] = "scene",
 ) -> None:
-    """Print the JSON Schema of a file, by which an editor completes keys and marks mistakes (config/schemas holds them)."""
+    """Print the JSON Schema of a file, with which an editor completes keys and marks mistakes (also in config/schemas)."""
     with refusals():
         from sph.command.schema import MODELS, schema_text
 

@@ -189,7 +189,7 @@ def lines(found: StudyCost) -> list[str]:
         ("memory", f"{_size(found.memory)} for {min(found.cores, found.jobs)} jobs at once"),
         ("disk", f"{_size(found.disk)} of trajectories"),
         ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
-        ("on top", f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice with the yield acceleration's"),
+        ("compiling", f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice with the yield acceleration's"),
     ]
     return [f"{label:<10} {text}" for label, text in rows]
 

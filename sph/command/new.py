@@ -37,7 +37,7 @@ LONGEST_TITLE = 100
 """Most characters of the ground file's name in the title."""
 
 SCENE_TEXT = """\
-{scene_schema}# A slope of one's own.
+{scene_schema}# Your own slope.
 # Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked REPLACE, then check:
 #   sph check {scene_word} --plot scene.png
 #   sph fos {scene_word}
@@ -52,7 +52,7 @@ geometry:
   base: {base:g} # m, elevation of the model's base; deeper than any slip surface
   downhill: {downhill}
 # Waves leave through base and sides, and the motion is that of the bedrock's outcrop; put the sides on level ground beyond the debris.
-# base: no_slip, sides: free_slip is a rigid box, which traps them
+# base: no_slip, sides: free_slip is a rigid box, which reflects them
 walls: {{base: absorbing, sides: absorbing}}
 soil:
   density: {density:g} # kg/m3                                         REPLACE
@@ -60,7 +60,7 @@ soil:
   poisson_ratio: {poisson:g} #                                           REPLACE
   cohesion: 20.0 # kPa, at the peak                                REPLACE
   friction_angle: 30.0 # degree, at the peak                       REPLACE
-  dilation_angle: 0.0 # degree, at most the friction angle; 0: soil keeps its volume as it shears, as loose soil and clay do
+  dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay
   viscosity: 2.0 # Pa s, of debris beyond its yield stress; matters little
   # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure is
 # layers: # of other soil, by depth, elevation or polygon; only the keys that differ
@@ -83,7 +83,7 @@ scene: {scene}
 fidelity: own
 second_fidelity: coarse # every run again with coarser particles, for 0.4 of the time: the page then says what they change; null: no
 grid:
-  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and half as much again
+  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that
   S_R: ["0.3", "0.5", "0.7"] # of soil and layers without an S_R of their own; that of a layer is layers.NAME.S_R
 fidelities:
   coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look, and to compare with

@@ -74,7 +74,7 @@ def slide(
             heed.append(
                 finding(
                     "record-offset",
-                    "the ground of the record drifts, and the displacement rests on its mean acceleration",
+                    "the record drifts, and the displacement depends on its mean acceleration",
                     f"{found.permanent:.3g} m, and {without:.3g} m without the mean of {in_both(mean)}",
                     f"a difference of less than {MATTERS:.0%}",
                     CURE,

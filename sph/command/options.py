@@ -23,7 +23,7 @@ SMALLEST_ACCELERATION = 1e-6
 """Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
 EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which holds its scene")]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which contains its scene")]
 Settings = Annotated[
     list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one key, e.g. coupling.S_R=0.10; may be repeated")
 ]
@@ -42,7 +42,7 @@ Spacings = Annotated[
         help="two spacings (m) to extrapolate from; by default about twice the scene's and the scene's, both dividing the slope's height",
     ),
 ]
-Single = Annotated[bool, typer.Option("--single", help="search at the scene's own spacing alone, without extrapolation")]
+Single = Annotated[bool, typer.Option("--single", help="search only at the scene's own spacing, without extrapolation")]
 
 
 PATIENCE = 2.0
@@ -207,14 +207,14 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
     return found
 
 
-UnitOption = Annotated[str | None, typer.Option("--unit", help="unit of a record that does not say its own: m/s2, cm/s2, gal or g")]
+UnitOption = Annotated[str | None, typer.Option("--unit", help="unit of a record whose file does not state it: m/s2, cm/s2, gal or g")]
 ComponentOption = Annotated[
     str | None,
     typer.Option("--component", metavar="NAME", help="horizontal component in a record that holds several: its name, as N-S, or number"),
 ]
 BaselineOption = Annotated[
     int | None,
-    typer.Option("--baseline", metavar="DEGREE", help="take drift out, as motion.baseline of a scene: 0 an offset, 1 a straight line"),
+    typer.Option("--baseline", metavar="DEGREE", help="remove drift, as motion.baseline of a scene: 0 an offset, 1 a straight line"),
 ]
 BandPassOption = Annotated[
     str | None, typer.Option("--band-pass", metavar="LOW,HIGH", help="filter, as motion.band_pass of a scene: corners in Hz, e.g. 0.1,25")

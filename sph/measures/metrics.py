@@ -71,7 +71,7 @@ class MetricSettings(Section):
     onset_threshold: float = key("displacement of the probe at which its motion has begun", "m", gt=0, le=100, default=0.05)
     arrest_tolerance: float = key("distance to its final place within which the probe has arrested", "m", gt=0, le=100, default=0.05)
     moved_threshold: float = key("displacement beyond which slope material counts for the run-out", "m", gt=0, le=100, default=0.5)
-    link_length: float = key("soil particles nearer than this, over the spacing, hang together as one mass", ge=1, le=10, default=2.0)
+    link_length: float = key("soil particles nearer than this, over the spacing, count as one mass", ge=1, le=10, default=2.0)
     stable_limit: float = key(
         "class 'stable' below this permanent displacement of the probe over the height of the slope; 0.004 is 0.1 m at 25 m, "
         "the upper end of the 5-10 cm at which Newmark practice expects ground cracks",

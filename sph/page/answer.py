@@ -309,7 +309,7 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     )
     say(
         table["energy_error"].map(is_open).sum(),
-        f"have made or lost more than {100.0 * ENERGY_LIMIT:g} % of their energy: their numbers are not to be trusted; take a smaller "
+        f"have an energy budget that is open by more than {100.0 * ENERGY_LIMIT:g} %: their results are not reliable; take a smaller "
         "time step or spacing.",
     )
     say(

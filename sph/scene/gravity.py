@@ -30,7 +30,9 @@ class InitialVelocity(Section):
 
     along: Literal["x", "y"] = key("coordinate on which the velocity depends")
     position: tuple[Coordinate, ...] = key(
-        "places, increasing, a survey's coordinates where it has one; beyond the ends the velocity is that at the end", "m", min_length=1
+        "places in increasing order, in the coordinates of the survey if there is one; beyond the ends the velocity is that at the end",
+        "m",
+        min_length=1,
     )
     x: tuple[Velocity, ...] = key("horizontal velocity at the places", "m/s")
     y: tuple[Velocity, ...] = key("vertical velocity at the places", "m/s")
@@ -64,7 +66,7 @@ class GravityStage(Section):
 
     ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
     duration: float = key(
-        "length of the stage; at its end failure begins to count, and soil that is at yield there has failed",
+        "length of the stage; failure counts from its end on, and soil at yield then has failed",
         "s",
         "Sec. 3.2",
         gt=0,
@@ -77,8 +79,8 @@ class GravityStage(Section):
         "angle by which gravity is turned towards the toe: the box stands on an incline", "degree", ge=-90, le=90, default=0.0
     )
     initial_stress: Literal["none", "geostatic"] | UniformStress = key(
-        "stress at the start: none; geostatic, that of level ground at the same depth, with the K0 of its soil (needs ramp: 0; the default "
-        "where a K0 is written); or a uniform pressure",
+        "stress at the start: none; geostatic, that of level ground at the same depth, with the K0 of its soil (needs ramp: 0; the "
+        "default if a K0 is given); or a uniform pressure",
         default="none",
     )
 

@@ -24,13 +24,15 @@ class GroundLine(FileSection, Shape):
 
     shape: Literal["ground_line"] = key("soil below a surveyed line")
     points: tuple[Point, ...] = key(
-        "ground [x, elevation] along the line, vertical steps allowed, overhangs not; or in a file: CSV, GeoJSON or WKT",
+        "ground [x, elevation] along the line, with vertical steps but no overhangs; or in a file: CSV, GeoJSON or WKT",
         "m",
         min_length=2,
         max_length=10000,
     )
     base: Coordinate = key("elevation of the model's base, below all ground", "m")
-    window: tuple[Coordinate, Coordinate] | None = key("x from and to which the line is taken; null: all of it", "m", default=None)
+    window: tuple[Coordinate, Coordinate] | None = key(
+        "smallest and largest x of the part of the line that is used; null: all of it", "m", default=None
+    )
     downhill: Literal["left", "right"] = key("side towards which the slope falls", default="left")
     toe_at: Point | None = key("toe [x, elevation]; null: found from the line", "m", default=None)
     crest_at: Point | None = key("crest edge [x, elevation]; null: found from the line", "m", default=None)

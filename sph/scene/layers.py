@@ -27,8 +27,8 @@ class DepthRegion(Section):
     """What lies between two depths below the ground: layers that follow the surface."""
 
     kind: Literal["depth"] = key("between two depths below the ground")
-    top: Depth = key("depth of its upper side, vertically below the ground", "m", default=0.0)
-    bottom: Depth | None = key("depth of its lower side; null: down to the base", "m", default=None)
+    top: Depth = key("depth of the upper side, vertically below the ground", "m", default=0.0)
+    bottom: Depth | None = key("depth of the lower side; null: down to the base", "m", default=None)
 
     @model_validator(mode="after")
     def _thick(self) -> DepthRegion:
@@ -45,9 +45,9 @@ class DepthRegion(Section):
 class ElevationRegion(Section):
     """What lies between two heights: level strata."""
 
-    kind: Literal["elevation"] = key("between two heights")
-    bottom: Coordinate | None = key("height of its lower side; null: down to the base", "m", default=None)
-    top: Coordinate | None = key("height of its upper side; null: up to the ground", "m", default=None)
+    kind: Literal["elevation"] = key("between two elevations")
+    bottom: Coordinate | None = key("elevation of the lower side; null: down to the base", "m", default=None)
+    top: Coordinate | None = key("elevation of the upper side; null: up to the ground", "m", default=None)
 
     @model_validator(mode="after")
     def _thick(self) -> ElevationRegion:
@@ -73,14 +73,14 @@ class PolygonRegion(PolygonBody):
 class Layer(Section):
     """A region of other soil."""
 
-    region: Annotated[DepthRegion | ElevationRegion | PolygonRegion, Field(discriminator="kind")] = key("where it lies")
-    soil: Soil = key("its material: only the keys that differ from the scene's soil need be given", default=Soil())
-    S_R: float | None = key("its strength ratio; null: that of the coupling", ge=0, le=1, default=None)
-    r_u: float | None = key("its ratio of pore pressure to overburden; null: that of the water", ge=0, lt=1, default=None)
-    gamma: float | None = key("its rate of the loss of strength; null: that of the coupling", "1/s", ge=0, le=1e6, default=None)
-    slip_at_peak: float | None = key("its slip at the peak; null: that of the coupling's softening", "m", gt=0, le=10, default=None)
+    region: Annotated[DepthRegion | ElevationRegion | PolygonRegion, Field(discriminator="kind")] = key("place of the layer")
+    soil: Soil = key("material of the layer; give only the keys that differ from the scene's soil", default=Soil())
+    S_R: float | None = key("strength ratio of the layer; null: that of coupling", ge=0, le=1, default=None)
+    r_u: float | None = key("pore pressure ratio of the layer; null: that of water", ge=0, lt=1, default=None)
+    gamma: float | None = key("rate of the loss of strength in the layer; null: that of coupling", "1/s", ge=0, le=1e6, default=None)
+    slip_at_peak: float | None = key("slip at the peak in the layer; null: that of coupling.softening", "m", gt=0, le=10, default=None)
     slip_at_residual: float | None = key(
-        "its slip at the residual strength; null: that of the coupling's softening", "m", gt=0, le=100, default=None
+        "slip at the residual strength in the layer; null: that of coupling.softening", "m", gt=0, le=100, default=None
     )
 
 

@@ -21,7 +21,7 @@ class ArtificialViscosity(Section):
 class ArtificialStress(Section):
     """Repulsion of particles under tension, against their clumping: numerical fracture (Gray, Monaghan and Swift 2001)."""
 
-    factor: float = key("share of the principal tension that is taken back at the initial spacing", gt=0, le=1, default=0.3)
+    factor: float = key("share of the principal tension that is cancelled at the initial spacing", gt=0, le=1, default=0.3)
     exponent: float = key("power of W(r) / W(spacing)", ge=1, le=10, default=4.0)
 
 
@@ -51,8 +51,8 @@ class Numerics(Section):
 
     spacing: float = key("initial particle spacing", "m", "Sec. 4", ge=1e-6, le=100, default=1.0)
     lattice_shift: float = key(
-        "part of a spacing by which the lattice of particles is shifted under the shape of the soil, along the box: which particles lie "
-        "on the edge is chance, and runs with other shifts show what it decides",
+        "horizontal shift of the lattice of particles against the shape of the soil, over the spacing: which particles lie on the edge "
+        "is chance, and runs with other shifts show its effect",
         ge=-0.5,
         lt=0.5,
         default=0.0,
@@ -67,11 +67,11 @@ class Numerics(Section):
     time_step: float = key(
         "time increment; with adaptive_step the largest one, which may lie above the limits", "s", "Sec. 2.6", ge=1e-9, le=1, default=1e-4
     )
-    adaptive_step: AdaptiveStep | None = key("divide the time step where the limit demands it", default=None)
+    adaptive_step: AdaptiveStep | None = key("smaller time steps where the limit demands them", default=None)
     neighbour_skin: float = key("margin of the neighbour list over the spacing", gt=0, le=2, default=0.3)
     reference: Literal["current", "initial"] = key(
-        "arrangement in which soil that has not failed is strained: initial (total Lagrangian, turned with the soil) or current, as that "
-        "which has failed is (updated Lagrangian); soft soil under a steady load is at rest in the initial one alone",
+        "arrangement to which the strain of soil that has not failed refers: initial (total Lagrangian, rotated with the soil) or "
+        "current (updated Lagrangian), as always for failed soil; only with the initial one is soft soil under a steady load at rest",
         source="Sec. 2.1",
         default="current",
     )

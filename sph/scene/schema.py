@@ -83,13 +83,13 @@ class EarlyStop(Section):
     """When a run may end before its duration: after the shaking, once the soil has stood still and its loss of strength is over."""
 
     speed: float = key(
-        "the soil (root mean square over its mass) and every probe are slower than this through the window",
+        "speed below which the soil (root mean square over its mass) and every probe stay throughout the window",
         "m/s",
         gt=0,
         le=100,
         default=0.02,
     )
-    window: float = key("length of the interval at rest, after the shaking, at whose end the run ends", "s", gt=0, le=1000, default=1.0)
+    window: float = key("length of the interval at rest after the shaking; the run ends with it", "s", gt=0, le=1000, default=1.0)
     solid_weight: float = key(
         "largest weight of the solid state (beta) left in any failed particle; with more, the slope may stand now and fail later",
         ge=0,
@@ -120,8 +120,8 @@ class Scene(Section):
     name: str = key("name used in file names and titles", pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]{0,63}$")
     title: str = key("one line for figures and tables", default="", max_length=200)
     scheme: Literal["resolved", "paper"] = key(
-        "what fills the keys that are not written: resolved, the walls and the discretisation for slopes of one's own, which must write "
-        "soil, coupling and damping; paper, the paper's scene",
+        "defaults of keys that are left out: resolved, walls and discretisation for your own slopes, which must give soil, coupling and"
+        " damping; paper, the paper's scene",
         default="resolved",
     )
     duration: float = key("simulated time", "s", "Sec. 4 (15 s)", gt=0, le=1e4, default=15.0)
@@ -129,25 +129,27 @@ class Scene(Section):
     walls: Walls = key("the box", source="Sec. 2.4", default=Walls())
     soil: Soil = key("material", source="Tables 1-2", default=Soil())
     layers: dict[OwnName, Layer] = key(
-        "regions of other soil, by name; of two that overlap the later one counts", default={}, max_length=100
+        "regions of other soil, by name; where two overlap, the later one counts", default={}, max_length=100
     )
     seams: dict[OwnName, Seam] = key(
-        "weak planes, thinner than the particles, by name: there without a gap at any spacing", default={}, max_length=100
+        "weak planes, thinner than the particles, by name: continuous at any spacing", default={}, max_length=100
     )
     water: Water | None = key("water in the pores; null: none", default=None)
-    uncertain: Uncertain | None = key("keys of this scene that are drawn at random; null: none", default=None)
+    uncertain: Uncertain | None = key("keys of this scene that are drawn from distributions; null: none", default=None)
     coupling: Coupling = key("solid-fluid coupling", source="Sec. 2.3", default=Coupling())
     motion: Motion = key("ground motion", source="Sec. 3.2", default=NoMotion())
     gravity: GravityStage = key("gravity stage", default=GravityStage())
     initial_velocity: InitialVelocity | None = key("velocity at the start", default=None)
-    prescribed_velocity_gradient: VelocityGradient | None = key("motion of the soil in an element test, throughout the run", default=None)
+    prescribed_velocity_gradient: VelocityGradient | None = key(
+        "velocity gradient of the soil in an element test, throughout the run", default=None
+    )
     damping: RayleighDamping | None = key("Rayleigh damping", source="Sec. 2.5", default=RayleighDamping())
-    early_stop: EarlyStop | None = key("end of a run whose soil has come to rest, before its duration", default=None)
+    early_stop: EarlyStop | None = key("end of a run before its duration, once the soil has come to rest", default=None)
     numerics: Numerics = key("discretisation", source="Secs. 2.6, 4", default=Numerics())
     outputs: Outputs = key("stored data", default=Outputs())
     probes: dict[OwnName, Place] = key(
-        "particles followed closely, by name: a place ('crest_edge', 'toe') or [x, y] in m, a survey's coordinates where it has one; "
-        "the nearest particle is taken",
+        "particles whose motion is recorded, by name: a place ('crest_edge', 'toe') or [x, y] in m, in the coordinates of the survey if"
+        " there is one; the nearest particle is taken",
         source="particle A: Figs. 6-7",
         default={"A": "crest_edge"},
     )

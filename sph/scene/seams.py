@@ -20,23 +20,21 @@ class Seam(Section):
     """A weak plane along a line, with the strength that a shear box gives along it."""
 
     points: tuple[Point, ...] = key(
-        "line [x, y] along its middle, a survey's coordinates where it has one; it may end in the soil or beyond the ground",
+        "middle line [x, y], in the coordinates of the survey if there is one; it may end in the soil or beyond the ground",
         "m",
         min_length=2,
         max_length=1000,
     )
     thickness: float | None = key(
-        "thickness as logged or drawn, for the record: it does not enter the computation", "m", gt=0, le=100, default=None
+        "thickness as logged or drawn, for information only: the computation does not use it", "m", gt=0, le=100, default=None
     )
-    cohesion: float = key("peak cohesion along it, as in a shear box", "kPa", ge=0, le=1e6)
-    friction_angle: float = key("peak friction angle along it, as in a shear box", "degree", ge=0, le=50)
-    residual_cohesion: float | None = key("cohesion left after slip; null: that at the peak", "kPa", ge=0, le=1e6, default=None)
-    residual_friction_angle: float | None = key(
-        "friction angle left after slip; null: that at the peak", "degree", ge=0, le=50, default=None
-    )
-    slip_at_peak: float = key("slip, that is displacement across it, at which its strength begins to fall", "m", ge=0, le=10, default=0.0)
+    cohesion: float = key("peak cohesion along the seam, as in a shear box", "kPa", ge=0, le=1e6)
+    friction_angle: float = key("peak friction angle along the seam, as in a shear box", "degree", ge=0, le=50)
+    residual_cohesion: float | None = key("residual cohesion; null: that at the peak", "kPa", ge=0, le=1e6, default=None)
+    residual_friction_angle: float | None = key("residual friction angle; null: that at the peak", "degree", ge=0, le=50, default=None)
+    slip_at_peak: float = key("slip (displacement across the seam) at which its strength begins to fall", "m", ge=0, le=10, default=0.0)
     slip_at_residual: float | None = key(
-        "slip at which its residual strength is reached, linearly; null: it keeps its peak strength", "m", gt=0, le=100, default=None
+        "slip at which its strength has fallen, linearly, to the residual; null: no loss of strength", "m", gt=0, le=100, default=None
     )
 
     @model_validator(mode="after")

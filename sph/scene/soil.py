@@ -21,7 +21,7 @@ class Soil(Section):
     cohesion: float = key("cohesion of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
     friction_angle: float = key("internal friction angle of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
     dilation_angle: float = key(
-        "dilation angle of the solid state, at most the friction angle; equal to it the flow is associated, as in limit analysis",
+        "dilation angle of the solid state, at most the friction angle; if both are equal the flow is associated, as in limit analysis",
         "degree",
         "ours",
         ge=0,
@@ -29,7 +29,7 @@ class Soil(Section):
         default=0.0,
     )
     residual_cohesion: float | None = key(
-        "residual cohesion, which failed soil keeps, of a ring shear test; null: S_R times the cohesion",
+        "residual cohesion of failed soil, from a ring shear test; null: S_R times the cohesion",
         "kPa",
         "Eq. 15",
         ge=0,
@@ -37,7 +37,7 @@ class Soil(Section):
         default=None,
     )
     residual_friction_angle: float | None = key(
-        "residual friction angle, which failed soil keeps, of a ring shear test; null: S_R times the friction angle",
+        "residual friction angle of failed soil, from a ring shear test; null: S_R times the friction angle",
         "degree",
         "Eq. 14",
         ge=0,
@@ -64,9 +64,9 @@ class Soil(Section):
     )
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
     K0: float | None = key(
-        "coefficient of earth pressure at rest: horizontal over vertical effective stress at the start, in and across the section, within "
-        "the active and the passive limit; written, the scene starts geostatic (gravity.initial_stress); null: that of elastic soil, "
-        "nu / (1 - nu)",
+        "coefficient of earth pressure at rest: horizontal over vertical effective stress at the start, in and across the section, "
+        "within the active and the passive limit; if given, the scene starts with geostatic stress (gravity.initial_stress); null: that"
+        " of elastic soil, nu / (1 - nu)",
         source="Jaky 1944",
         ge=0,
         le=20,
@@ -177,15 +177,15 @@ class Softening(Section):
     """Loss of strength with slip, in the words of a shear test."""
 
     slip_at_peak: float = key(
-        "slip, that is plastic displacement, at which strength begins to fall: in a shear test, from yield to the end of the peak",
+        "slip (plastic displacement) at which strength begins to fall: in a shear test, the displacement from yield to the end of the peak",
         "m",
         "Palmer and Rice 1973",
         gt=0,
         le=10,
     )
     slip_at_residual: float | None = key(
-        "slip at which the residual strength is reached: in a ring shear test, that from which on the stress no longer falls; "
-        "null: strength falls with time after the peak, at the rate gamma",
+        "slip at which the residual strength is reached: in a ring shear test, the displacement from which on the stress no longer "
+        "falls; null: strength falls with time after the peak, at the rate gamma",
         "m",
         "Skempton 1985",
         gt=0,
@@ -193,14 +193,16 @@ class Softening(Section):
         default=None,
     )
     width: float = key(
-        "width over which plastic strain is averaged, three spacings or more: of what yields before a slip surface forms; no test gives it",
+        "width over which plastic strain is averaged, three spacings or more: that of the soil that yields before a slip surface forms;"
+        " no test gives it",
         "m",
         "Bazant and Jirasek 2002",
         gt=0,
         le=1e3,
     )
     shape: Literal["linear", "exponential"] = key(
-        "how strength falls from the peak to the residual one; exponential: fast at first, 5 % left at the slip of the residual",
+        "curve of strength against slip from peak to residual; exponential: fast at first, with 5 % of the loss still to come at "
+        "slip_at_residual",
         default="linear",
     )
 
@@ -256,7 +258,7 @@ class Coupling(Section):
         default=0.25,
     )
     gamma: float = key(
-        "rate of the loss of strength after failure; beside a loss by slip 0 unless written", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0
+        "rate of the loss of strength after failure; with a loss by slip 0 unless given", "1/s", "Eq. 9", ge=0, le=1e6, default=100.0
     )
     solid_after_failure: Literal["elastic", "elastic_plastic"] = key(
         "solid state of failed soil: elastic, without a yield surface (the paper); elastic_plastic, never beyond its peak strength",
@@ -265,15 +267,17 @@ class Coupling(Section):
     )
     fluid: FluidLaw = key("constitutive law of the fluid state", source="Eq. 13", default=ElasticViscoplastic())
     softening: Softening | None = key(
-        "slip before strength falls, and until it is lost; null: it falls with time once the stress reaches the yield surface (the paper)",
+        "slips at which strength begins to fall and is lost; null: it falls with time once the stress reaches the yield surface (the "
+        "paper)",
         default=None,
     )
     initial_state: Literal["solid", "fluid"] = key(
-        "solid: particles fail when their stress reaches the yield surface (the paper); fluid: all failed long before the start",
+        "solid: particles fail when their stress reaches the yield surface (the paper); fluid: all soil failed long before the start",
         default="solid",
     )
     fluid_tension_limit: float | None = key(
-        "largest mean tension the fluid state carries; null: the apex of its Mohr-Coulomb surface (412 to 430 kPa in the paper's soil)",
+        "largest mean tension that the fluid state carries; null: the apex of its Mohr-Coulomb surface (412 to 430 kPa in the paper's "
+        "soil)",
         "kPa",
         ge=0,
         le=1e6,

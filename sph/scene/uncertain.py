@@ -79,7 +79,7 @@ class Variable(Section):
     lower: float | None = key("lower bound, at which the distribution is truncated; null: none", ge=-LARGEST, le=LARGEST, default=None)
     upper: float | None = key("upper bound, at which the distribution is truncated; null: none", ge=-LARGEST, le=LARGEST, default=None)
 
-    field: RandomField | None = key("how it varies in space, for cohesions and friction angles; null: one value", default=None)
+    field: RandomField | None = key("variation in space, for cohesions and friction angles; null: one value", default=None)
 
     @model_validator(mode="after")
     def _consistent(self) -> Variable:
@@ -189,13 +189,13 @@ class Correlation(Section):
 class Uncertain(Section):
     """Keys that are drawn, and the seed of the draw."""
 
-    seed: int = key("seed of the draw: as a dimension of a study, one realisation each", ge=0, le=2**31)
-    variables: dict[OwnName, Variable] = key("what is drawn, by names of the user's choice", min_length=1, max_length=100)
+    seed: int = key("seed of the draw; as a dimension of a study, one realisation for each value", ge=0, le=2**31)
+    variables: dict[OwnName, Variable] = key("random variables, by names of your choice", min_length=1, max_length=100)
     correlations: Annotated[tuple[Correlation, ...], Field(max_length=5000)] = key(
         "correlations of pairs of variables; pairs that are not listed are not correlated", default=()
     )
     drawn: dict[str, float] | None = key(
-        "values of the seed by scene key, once the keys hold them; written with results, so that these repeat as they are", default=None
+        "values drawn with the seed, by scene key; written with results, so that these can be repeated", default=None
     )
 
     @model_validator(mode="after")

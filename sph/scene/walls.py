@@ -97,24 +97,25 @@ class Walls(Section):
     """How the box holds the soil."""
 
     base: Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "none"] = key(
-        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, one that soil may leave and slide on as its "
-        "own strength allows, a frictionless floor, a half-space that absorbs waves (the motion is then its outcrop motion), or nothing",
+        "bottom of the box: fixed 'dynamic boundary' particles (the paper), a no-slip floor, a contact that opens and on which soil "
+        "slides as its own strength allows, a frictionless floor, a half-space that absorbs waves (the motion is then its outcrop "
+        "motion), or nothing",
         source="Sec. 2.4; no_slip, contact, free_slip ours; absorbing: Joyner and Chen 1975",
         default="fixed",
     )
     sides: Literal["fixed", "no_slip", "contact", "free_slip", "absorbing", "periodic", "none"] = key(
-        "side walls: fixed particles that hold the soil (the paper), a no-slip wall, one that soil may leave and slide on as its own "
-        "strength allows, a frictionless wall, level ground that continues and absorbs waves (free field), soil that repeats periodically, "
-        "or nothing",
+        "side walls: fixed particles that hold the soil (the paper), a no-slip wall, a contact that opens and on which soil slides as "
+        "its own strength allows, a frictionless wall, level ground that continues and absorbs waves (free field), soil that repeats "
+        "periodically, or nothing",
         source="Sec. 2.4; no_slip, contact, free_slip and periodic ours; absorbing: Zienkiewicz et al. 1989",
         default="fixed",
     )
     top: Literal["fixed", "no_slip", "contact", "free_slip", "none"] = key("lid of the box, for flows between plates", default="none")
     friction: WallFriction | None = key("strength of the interface to free-slip walls: friction and cohesion", default=None)
-    tension: float = key("tension that contact walls bear", "kPa", ge=0, le=1e6, default=0.0)
-    bedrock: Bedrock | None = key("what an absorbing base stands on, below its boundary particles; null: the soil goes on", default=None)
+    tension: float = key("tensile strength of contact walls", "kPa", ge=0, le=1e6, default=0.0)
+    bedrock: Bedrock | None = key("half-space below an absorbing base and its boundary particles; null: the soil continues", default=None)
     layers: int = key(
-        "layers of boundary particles; all but fixed walls need as many as fill the kernel's support but for one spacing",
+        "layers of boundary particles; all walls except fixed ones need enough to fill the kernel's support less one spacing",
         source="Sec. 4 (2,404 particles)",
         ge=1,
         le=8,

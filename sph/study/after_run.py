@@ -27,13 +27,13 @@ def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding
     sides = reached_side.split()
     if not sides:
         return []
-    what = "soil that failed has reached " + " and ".join(WORDS[side] for side in sides)
+    what = "failed soil has reached " + " and ".join(WORDS[side] for side in sides)
     if is_bounded(reached_side):
-        what += ", so that displacement and run-out are lower bounds"
+        what += ", so displacement and run-out are lower bounds"
     line = isinstance(scene.geometry, GroundLine)
     keys = {FRONT: "geometry.apron_length", BACK: "geometry.crest_length", OVER: "geometry.apron_length"}
     key = "geometry.window or the line" if line else " and ".join(dict.fromkeys(keys[side] for side in sides))
-    return [finding("debris-at-wall", what, f"at {time:.3g} s", "a box that the debris does not fill", key)]
+    return [finding("debris-at-wall", what, f"at {time:.3g} s", "a longer box, whose ends the debris does not reach", key)]
 
 
 def is_open(error: float) -> bool:
@@ -45,8 +45,8 @@ def energy_open(error: float) -> list[Finding]:
     """The finding of a run that made or lost energy, by its metric ``energy_error``."""
     if not is_open(error):
         return []
-    what = "the run has made or lost energy, so that its numbers are not to be trusted"
-    measured, wanted = f"its energy budget is open by {100.0 * error:.2g} % of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
+    what = "the energy budget of the run does not close, so its results are not reliable"
+    measured, wanted = f"open by {100.0 * error:.2g} % of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
     return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller one")]
 
 

@@ -13,7 +13,7 @@ class Severity(StrEnum):
     """How much a finding matters."""
 
     ERROR = "error"
-    """the result will not be what is asked for"""
+    """the result will not be what was asked for"""
     WARNING = "warning"
     """the result may be spoilt"""
     NOTE = "note"
@@ -35,7 +35,7 @@ CODES: dict[str, Code] = {
     "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
     "fails-at-residual": Code(NOTE, "without shaking the slope fails at its residual strength: soil that fails keeps moving downslope"),
     "stands-at-residual": Code(NOTE, "without shaking the slope stands at its residual strength: soil that fails comes to rest"),
-    "mobilised-strength": Code(NOTE, "share of its peak strength that a layer uses under gravity alone; a warning from 95 % on"),
+    "mobilised-strength": Code(NOTE, "share of its peak strength that a layer mobilises under gravity alone; a warning from 95 % on"),
     "factor-of-safety": Code(NOTE, "static factor of safety"),
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
     "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
@@ -43,28 +43,28 @@ CODES: dict[str, Code] = {
     "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
     "record-displacement": Code(WARNING, "the ground moves implausibly far"),
     "record-sparse": Code(WARNING, "the samples of the record lie more than 0.1 s apart: times in another unit, or every n-th sample"),
-    "record-lasting": Code(NOTE, "the ground ends far from where it began"),
+    "record-lasting": Code(NOTE, "the ground is left displaced at the end of the record"),
     "record-polarity": Code(NOTE, "with its polarity reversed the record drives a sliding block further"),
-    "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: a mistaken unit"),
+    "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: often a mistaken unit"),
     "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
     "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
-    "level-ground-fails": Code(NOTE, "so strong a shaking shears off level ground as well, up to the sides of the box"),
+    "level-ground-fails": Code(NOTE, "the shaking is so strong that level ground fails in shear as well, up to the sides of the box"),
     "short-waves": Code(WARNING, "the particles do not carry the highest frequencies of the motion"),
     "sparse-series": Code(WARNING, "the series hold few samples of the shaking"),
     "few-particles": Code(WARNING, "few particles across the slope's height"),
     "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
-    "layer-broken": Code(ERROR, "a layer that is continuous in the scene is dots of particles, or none at all"),
+    "layer-broken": Code(ERROR, "a layer that is continuous in the scene is separate particles, or none at all"),
     "thin-layer": Code(WARNING, "few particles across a layer"),
-    "thin-box": Code(WARNING, "the box's particles do not fill the kernel's support"),
+    "thin-box": Code(WARNING, "the boundary particles do not fill the kernel's support"),
     "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
-    "no-process-zone": Code(WARNING, "failure has no length scale, so that results depend on the spacing; a note in the paper's scheme"),
-    "density-implausible": Code(WARNING, "a density of soil outside 1,000 to 3,000 kg/m3: a mistaken unit"),
-    "stiffness-implausible": Code(WARNING, "a speed of shear waves outside 30 to 3,500 m/s: Young's modulus in another unit than kPa"),
-    "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa: in Pa instead of kPa"),
+    "no-process-zone": Code(WARNING, "failure has no length scale, so results depend on the spacing; a note in the paper's scheme"),
+    "density-implausible": Code(WARNING, "a density of soil outside 1,000 to 3,000 kg/m3: often a mistaken unit"),
+    "stiffness-implausible": Code(WARNING, "a shear-wave velocity outside 30 to 3,500 m/s: often Young's modulus in another unit than kPa"),
+    "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa: often in Pa instead of kPa"),
     "strength-implausible": Code(WARNING, "a friction angle below 5 degrees together with a cohesion below 5 kPa"),
-    "soil-not-replaced": Code(WARNING, "the soil is that which `sph new` wrote"),
-    "rigid-box": Code(WARNING, "a rigid box, which traps the waves: the slope is shaken harder than on a site that lets them out"),
-    "no-dilation": Code(NOTE, "soil with friction keeps its volume as it shears: a dilation angle of 0"),
+    "soil-not-replaced": Code(WARNING, "the soil is still that of `sph new`"),
+    "rigid-box": Code(WARNING, "a rigid box reflects waves: the slope is shaken harder than on a site where they radiate away"),
+    "no-dilation": Code(NOTE, "soil with friction does not dilate: a dilation angle of 0"),
     "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
     "short-process-zone": Code(WARNING, "the width over which slip is averaged is narrower than three spacings"),
     "lost-by-time": Code(NOTE, "strength falls with time after failure, however little the soil moves; a warning beside a loss by slip"),
@@ -73,10 +73,10 @@ CODES: dict[str, Code] = {
     ),
     "back-wall": Code(WARNING, "the back wall is near the crest"),
     "little-room": Code(WARNING, "little room for the debris before the front wall"),
-    "debris-at-wall": Code(WARNING, "after the run: soil that failed has met an end of the box, so that the box decides how far it goes"),
-    "energy-open": Code(WARNING, "after the run: it has made or lost energy beyond the limit, so that its numbers are not to be trusted"),
+    "debris-at-wall": Code(WARNING, "after the run: failed soil has reached an end of the box, so the box decides how far it goes"),
+    "energy-open": Code(WARNING, "after the run: its energy budget does not close within the limit, so its results are not reliable"),
     "other-slope": Code(WARNING, "the ground falls further to the other side"),
-    "time-step": Code(WARNING, "the time step is near its limit or above"),
+    "time-step": Code(WARNING, "the time step is near or above its limit"),
 }
 """All that can be found, by its code, which stays."""
 

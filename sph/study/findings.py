@@ -142,18 +142,15 @@ def of_choices(scene: Scene) -> list[Finding]:
         return []
     found = []
     if scene.title.endswith(PLACEHOLDER):
-        found.append(
-            finding(
-                "soil-not-replaced", "the soil is that which sph new wrote", scene.title, "your soil and a title of your own", "soil, title"
-            )
-        )
+        wanted = "your soil and a title of your own"
+        found.append(finding("soil-not-replaced", "the soil is still that of sph new", scene.title, wanted, "soil, title"))
     if _is_rigid(scene) and highest_frequency(scene):
-        wanted = "absorbing where the site lets waves out"
-        what = "a rigid box traps the waves, so that the slope is shaken harder than on a site that lets them out"
+        wanted = "absorbing, where waves radiate away"
+        what = "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away"
         found.append(finding("rigid-box", what, _box(scene), wanted, "walls.base and walls.sides"))
     if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
         wanted = "that of a shear test: 0 in loose soil, a part of the friction angle in dense soil"
-        found.append(finding("no-dilation", "soil with friction keeps its volume as it shears", "0 degree", wanted, "soil.dilation_angle"))
+        found.append(finding("no-dilation", "soil with friction does not dilate", "0 degree", wanted, "soil.dilation_angle"))
     return found
 
 
@@ -378,7 +375,7 @@ def thin_box(scene: Scene) -> list[Finding]:
         return [
             finding(
                 "thin-box",
-                "the box's particles do not fill the kernel's support, so that stresses beside it alternate from row to row",
+                "the boundary particles do not fill the kernel's support, so stresses beside them alternate from row to row",
                 f"{walls.layers} layers",
                 f"{needed}",
                 f"walls.layers={needed}, or a smaller numerics.smoothing_ratio",
@@ -421,11 +418,10 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     if peak < held[weakest]:
         return []
     depth = float(geometry.ground(x[last[:1]])[0] - y[last[weakest]])
-    measured = f"{in_both(peak)}, where {in_both(float(held[weakest]))} are enough {depth:.3g} m deep"
-    what = "level ground behind the crest that moves as one is sheared off as well"
-    return [
-        finding("level-ground-fails", what, measured, "results read with all of the ground failing, or weaker shaking", "motion.amplitude")
-    ]
+    measured = f"{in_both(peak)}, where {in_both(float(held[weakest]))} are enough at a depth of {depth:.3g} m"
+    what = "level ground behind the crest, taken as a rigid column, fails in shear as well"
+    wanted = "weaker shaking, or results read as those of ground that fails as a whole"
+    return [finding("level-ground-fails", what, measured, wanted, "motion.amplitude")]
 
 
 def _series(scene: Scene) -> list[Finding]:
@@ -454,7 +450,7 @@ def _step(scene: Scene) -> list[Finding]:
     return [
         finding(
             "time-step",
-            "the time step is near its limit or above",
+            "the time step is near or above its limit",
             f"{step:.3g} s",
             wanted,
             "numerics.time_step, or numerics.adaptive_step={}",

@@ -99,7 +99,7 @@ def seam_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
     for number, (name, seam) in enumerate(scene.seams.items(), 1):
         length, on_it = scene.length_in_soil(seam), int(np.count_nonzero(np.abs(side[: particles.n_soil]) == number))
         rows = on_it * scene.numerics.spacing / length
-        drawn = "no thickness drawn" if seam.thickness is None else f"drawn {seam.thickness:g} m thick, which does not count"
+        drawn = "no thickness drawn" if seam.thickness is None else f"drawn {seam.thickness:g} m thick, which is not used"
         found.append((name, f"{length:.3g} m in the soil, {rows:.2g} rows of particles ({on_it:,}) slide along it; {drawn}"))
     return found
 

@@ -36,7 +36,7 @@ def of_loss(scene: Scene) -> list[Finding]:
     rates = {"coupling.gamma": scene.coupling.gamma, **{f"layers.{name}.gamma": its.gamma or 0.0 for name, its in scene.layers.items()}}
     key, rate = max(rates.items(), key=lambda pair: pair[1])
     if not scene.coupling.softens_by_slip:
-        what = "strength falls with time after failure, however little the soil moves; soil loses it by slip"
+        what = "strength falls with time after failure, however little the soil moves; real soil loses it by slip"
         wanted = "the slip at the residual strength, of a shear test"
         told = finding("lost-by-time", what, f"gamma = {rate:g} 1/s", wanted, "coupling.softening.slip_at_residual")
         return [told] if scene.scheme != "paper" and rate > 0 else []
@@ -48,7 +48,7 @@ def of_loss(scene: Scene) -> list[Finding]:
     length, name = min((slip_zone(scene, soil, layer), name) for name, soil, layer in layers)
     height = slope_height(scene)
     if length < SHORTEST_ZONE * height:
-        what = f"slip in {name} develops over a short zone, so that the shaking at which the slope fails may depend on the spacing"
+        what = f"slip in {name} develops over a short zone, so the shaking at which the slope fails may depend on the spacing"
         wanted = f"{SHORTEST_ZONE:g} heights, {SHORTEST_ZONE * height:.3g} m; else compare two spacings"
         off = off_by(length, SHORTEST_ZONE * height)
         key = "coupling.softening.slip_at_residual"
@@ -63,7 +63,7 @@ def of_softening(scene: Scene) -> list[Finding]:
         return [
             finding(
                 "no-process-zone",
-                "soil fails as soon as its stress reaches its strength, so that the spacing decides at which shaking the slope fails",
+                "soil fails as soon as its stress reaches its strength, so the shaking at which the slope fails depends on the spacing",
                 "no width",
                 "slips of a shear test and a width",
                 "coupling.softening",
@@ -75,7 +75,7 @@ def of_softening(scene: Scene) -> list[Finding]:
     return [
         finding(
             "short-process-zone",
-            "the width over which slip is averaged is narrow, so that the spacing decides when soil fails",
+            "the width over which slip is averaged is narrow, so failure depends on the spacing",
             f"{softening.width / dx:.2g} spacings in {softening.width:g} m",
             f"at least {FEWEST_IN_LENGTH}",
             "numerics.spacing, or coupling.softening.width",

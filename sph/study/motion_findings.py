@@ -43,7 +43,7 @@ def cut_off(scene: Scene) -> list[Finding]:
     return [
         finding(
             "motion-cut-off",
-            "the run ends while the ground moves",
+            "the run ends before the motion does",
             f"{scene.duration:g} s",
             f"more than {end}",
             f"duration, above {end}",
@@ -125,17 +125,17 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
         off = off_by(last, LARGEST_DRIFT * largest)
         if offset > bound:
             measured = f"a mean of {in_both(offset)}, {at_end}"
-            what = "the ground of the record drifts by an offset of its recorder"
+            what = "the record drifts because of an offset of the recorder"
             found.append(finding("record-offset", what, measured, wanted, key, off_by=off))
         else:
-            found.append(finding("record-drift", "the ground of the record drifts", at_end, wanted, key, off_by=off))
+            found.append(finding("record-drift", "the record drifts", at_end, wanted, key, off_by=off))
     if furthest > LARGEST_DISPLACEMENT:
         wanted = f"at most {LARGEST_DISPLACEMENT:g} m, except beside a fault that broke the surface"
         off, what = off_by(furthest, LARGEST_DISPLACEMENT), "the peak displacement of the ground is implausible"
         found.append(finding("record-displacement", what, f"{furthest:.3g} m", wanted, key, off_by=off))
     elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
         measured = f"{lasting:.2g} m of {furthest:.2g} m"
-        found.append(finding("record-lasting", "the ground of the record ends away from where it began", measured, "near 0", key))
+        found.append(finding("record-lasting", "the ground is left displaced at the end of the record", measured, "near 0", key))
     return found
 
 
@@ -148,4 +148,4 @@ def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
     if turned <= POLARITY * as_it_is:
         return []
     measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
-    return [finding("record-polarity", "the reversed record drives the slope further", measured, "runs of both directions", key)]
+    return [finding("record-polarity", "the reversed record drives a sliding block further", measured, "runs of both directions", key)]

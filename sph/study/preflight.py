@@ -54,7 +54,7 @@ QUICK_SENSITIVITY = 6
 PREFLIGHT: tuple[Variable, ...] = (
     text_column("severity", f"how much it matters: {', '.join(Severity)}"),
     text_column("code", "what kind of finding it is"),
-    count_column("runs", "how many of the runs looked at it concerns"),
+    count_column("runs", "how many of the runs looked at have it"),
     text_column("worst_run", "the one of them in which it is worst, the first of several; what was measured is of this one"),
     text_column("what", "the finding in words"),
     text_column("measured", "what was measured"),
@@ -166,7 +166,7 @@ def _of_peak(peak: Peak, scene: Scene) -> Finding:
         return finding("stands-unshaken", "the slope unshaken, at its peak strength", f"stands {_at(peak.spacing, scene)}")
     return finding(
         "fails-unshaken",
-        "the slope does not stand unshaken, so that its failure is not that of an earthquake",
+        "the slope does not stand unshaken, so its failure is not due to the earthquake",
         f"fails at its peak strength, {peak.trial.displaced_area:.3g} m2 displaced ({peak.trial.status}) {_at(peak.spacing, scene)}",
         "to stand",
         "soil.cohesion and soil.friction_angle, or the geometry",
@@ -181,7 +181,7 @@ def _of_mobilised(peak: Peak) -> list[Finding]:
         told.append(
             finding(
                 "mobilised-strength",
-                f"strength of {name} that gravity alone uses, before the shaking",
+                f"strength of {name} mobilised by gravity alone, before the shaking",
                 f"{100 * share:.0f} % of its peak strength",
                 f"less than {100 * USED_UP:.0f} %, or a known stress at the start" if near else "",
                 f"{'soil' if name == 'soil' else f'layers.{name}.soil'}.K0, or its strength" if near else "",
@@ -200,7 +200,7 @@ def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> l
     Without soil that fails at the peak strength none softens, and the test at that strength is the answer.
     """
     softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
-    what = "soil is at its strength under gravity alone and softens before the shaking: the result is not that of an earthquake"
+    what = "soil is at its strength under gravity alone and softens before the shaking: the result is not due to an earthquake"
     key = f"coupling.softening{'' if scene.coupling.softening is None else '.slip_at_peak'}, or soil.cohesion and soil.friction_angle"
     if not softens or not peak.begun:
         return []
@@ -211,7 +211,7 @@ def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> l
     if trial.stands:
         return []
     measured = f"{trial.displaced_area:.3g} m2 displaced ({trial.status}) as it softens, {_at(peak.spacing, scene)}"
-    what = "left unshaken the slope fails as its soil softens: the result is not that of an earthquake alone"
+    what = "left unshaken the slope fails as its soil softens: the result is not due to the earthquake alone"
     return [finding("fails-softened", what, measured, "to stand", key)]
 
 
@@ -219,8 +219,8 @@ def _of_residual(trial: Trial, scene: Scene) -> Finding:
     own = "".join(f", {name} {layer.S_R:g}" for name, layer in scene.layers.items() if layer.S_R is not None)
     what = f"the slope unshaken, at its residual strength (S_R {scene.coupling.S_R:g}{own})"
     if trial.stands:
-        return finding("stands-at-residual", what, "stands: what fails comes to rest")
-    return finding("fails-at-residual", what, "does not stand: soil that fails runs down until the slope is flatter")
+        return finding("stands-at-residual", what, "stands: soil that fails comes to rest")
+    return finding("fails-at-residual", what, "does not stand: soil that fails flows until the slope is flatter")
 
 
 def _of_limit(code: str, found: Extrapolated) -> Finding:
@@ -373,7 +373,7 @@ def study_stability(
             say(f"{names[0]}: {limit.line()}")
             found.setdefault(limit, []).extend(names)
     if unsearched:
-        how = "not searched, to save time; sph fos and sph yield-acceleration search one, of the file of a run too"
+        how = "not searched, to save time; sph fos and sph yield-acceleration search one, also from the file of a run"
         found[finding("stability-unknown", "factor of safety and yield acceleration of further slopes of the study", how)] = unsearched
     return [Row(each, len(names), names[0]) for each, names in found.items()]
 

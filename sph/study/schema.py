@@ -68,7 +68,7 @@ class Study(Section):
 
     study: str = key("name; results go to results/<study>/<fidelity>", pattern=NAME)
     scene: str = key("scene file, relative to the working folder or the workflow's")
-    fidelity: str = key("which of the fidelities to run at", default=OWN)
+    fidelity: str = key("name of the fidelity to run at", default=OWN)
     grid: Annotated[dict[str, Values], BeforeValidator(_dimensions_kept), Field(min_length=1)] | None = key(
         "values of each dimension, every combination is run; quote them to keep trailing zeros; dimensions: S_R, gamma, amplitude "
         "or any dotted key of the scene that takes a number or a word",
@@ -91,7 +91,8 @@ class Study(Section):
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(
-        "file of an experiment, by the name of its target, searched for like the scene; of others config/<name>.yaml", default={}
+        "file of an experiment, by the name of its target, found like the scene; config/<name>.yaml for targets that are left out",
+        default={},
     )
 
     @model_validator(mode="after")

@@ -74,8 +74,8 @@ def test_a_sound_scene_has_no_warning() -> None:
             "coupling.softening.width",
         ),
         ({"motion.frequency": 60.0}, "short-waves", "shear waves of 60.1 Hz are short", "numerics.spacing"),
-        ({"duration": 8.0}, "motion-cut-off", "ends while the ground moves", "duration"),
-        ({"numerics.time_step": 1.25e-3}, "time-step", "time step is near its limit", "numerics.adaptive_step"),
+        ({"duration": 8.0}, "motion-cut-off", "ends before the motion does", "duration"),
+        ({"numerics.time_step": 1.25e-3}, "time-step", "time step is near or above its limit", "numerics.adaptive_step"),
         ({"motion.amplitude": 22.0}, "pga-implausible", "horizontal peak acceleration of the ground is implausible", "motion.amplitude"),
         ({"motion.amplitude": 0.06}, "pga-implausible", "horizontal peak acceleration of the ground is implausible", "unit of the record"),
         ({"motion.frequency": 15.0}, "sparse-series", "series hold few samples", "outputs.series_interval"),
@@ -106,11 +106,11 @@ def test_shaking_that_shears_off_level_ground_is_told() -> None:
         return [each for each in findings if each.code == "level-ground-fails"]
 
     assert told(0.99) == [] and len(told(1.01)) == 1
-    assert told(1.01)[0].measured == f"{in_both(1.01 * limit)}, where {in_both(limit)} are enough 29.5 m deep"
+    assert told(1.01)[0].measured == f"{in_both(1.01 * limit)}, where {in_both(limit)} are enough at a depth of 29.5 m"
     # A weak layer is sheared before the base is.
     clay = {"clay": {"region": {"kind": "elevation", "bottom": 445.0, "top": 450.0}, "soil": {"cohesion": 40.0, "friction_angle": 0.0}}}
     (weak,) = told(0.9, layers=clay)
-    assert weak.measured.endswith("are enough 14.5 m deep") and weak.severity == "note"
+    assert weak.measured.endswith("are enough at a depth of 14.5 m") and weak.severity == "note"
 
 
 def test_whole_rows_have_to_make_the_height_of_a_slope_between_level_ground() -> None:
@@ -196,7 +196,7 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     file.write_text(yaml.safe_dump(SOUND))
     shown = call("check", file, "--set", "duration=8", "--plot", picture)
     assert shown.exit_code == 0, shown.output
-    assert "warning: the run ends while the ground moves: 8 s, wanted more than 10 s" in shown.stdout
+    assert "warning: the run ends before the motion does: 8 s, wanted more than 10 s" in shown.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert "no warnings" in call("check", file).stdout
     data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
@@ -250,7 +250,7 @@ STEEP: dict[str, Any] = {
 def test_a_slope_that_does_not_stand_is_told_before_any_search() -> None:
     (fails,) = stability(scene(**STEEP, **{"soil.cohesion": 2.0, "numerics.spacing": 1.0}))
     assert (fails.code, fails.severity) == ("fails-unshaken", "error")
-    assert fails.what == "the slope does not stand unshaken, so that its failure is not that of an earthquake"
+    assert fails.what == "the slope does not stand unshaken, so its failure is not due to the earthquake"
 
 
 @pytest.mark.long

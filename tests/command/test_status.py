@@ -1,4 +1,4 @@
-"""How far a study is, told from its files alone: every state a job can be in, what is left, and that nothing is touched."""
+"""Progress of a study, read from its files alone: every state a job can be in, what is left, and that nothing is touched."""
 
 from __future__ import annotations
 

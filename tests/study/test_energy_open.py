@@ -57,4 +57,4 @@ def test_the_page_marks_the_run_and_warns() -> None:
     (status,) = (column.words for column in run_columns([], "A") if column.heading == "status")
     assert ["budget" in status(row) for row in rows] == [False, True, False]
     warned = [each for each in answer(table, [], scene, "A", lambda pattern: []).warnings if "energy" in each]
-    assert len(warned) == 1 and warned[0].startswith("1 of 3 runs have made or lost more than 1 % of their energy")
+    assert len(warned) == 1 and warned[0].startswith("1 of 3 runs have an energy budget that is open by more than 1 %")

@@ -114,7 +114,7 @@ def test_a_seam_is_there_without_a_gap_at_any_spacing(spacing: float) -> None:
     assert upright.min() > 4.0 and upright.max() < 6.5
     assert set(np.sign(side)) == {-1, 0, 1}
     ((name, told),) = seam_rows(one, particles)
-    assert name == "clay" and "5." in told and "drawn 0.4 m thick, which does not count" in told
+    assert name == "clay" and "5." in told and "drawn 0.4 m thick, which is not used" in told
     assert "layer-broken" not in {each.code for each in findings(one)}
 
 

@@ -33,7 +33,7 @@ class BandPass(Section):
 
     low: float | None = key("lower corner; null: none", "Hz", gt=0, le=1e4, default=0.1)
     high: float | None = key("upper corner, below half of the record's sampling rate; null: none", "Hz", gt=0, le=1e4, default=25.0)
-    order: int = key("order of the filter that is run twice", ge=1, le=10, default=4)
+    order: int = key("order of the filter, which runs forwards and backwards", ge=1, le=10, default=4)
 
     @model_validator(mode="after")
     def _corners(self) -> BandPass:
@@ -47,8 +47,8 @@ class BandPass(Section):
 class Trim(Section):
     """The part between two shares of the horizontal component's Arias intensity; beyond it the record fades in and out."""
 
-    start_share: float = key("share at which the part begins", ge=0, lt=1, default=0.005)
-    end_share: float = key("share at which it ends", gt=0, le=1, default=0.995)
+    start_share: float = key("share of the Arias intensity at which the part begins", ge=0, lt=1, default=0.005)
+    end_share: float = key("share of the Arias intensity at which it ends", gt=0, le=1, default=0.995)
     taper: float = key("length of the cosine tapers before and after the part, within the record", "s", ge=0, le=100, default=1.0)
 
     @model_validator(mode="after")

@@ -59,11 +59,12 @@ class Vertical(Section):
     """The vertical component."""
 
     file: str | None = key(
-        "its file, as that of the record; null: the vertical component in the record's own file, as the third column of a CSV",
+        "file of the vertical component, found like that of the record; null: the vertical component in the record's own file, as the "
+        "third column of a CSV",
         default=None,
         min_length=1,
     )
-    factor: float = key("multiplies it beyond what the record is scaled by", ge=-1e3, le=1e3, default=1.0)
+    factor: float = key("factor on the vertical component, in addition to the scaling of the record", ge=-1e3, le=1e3, default=1.0)
 
 
 class SpectralAcceleration(Section):
@@ -80,7 +81,7 @@ class Record(Section):
     kind: Literal["record"] = key("recorded motion, or a synthetic one in its place")
     file: str | None = key(
         "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS and CSMIP .V1 .V2, ESM .ASC, GeoNet .V2A, AFAD "
-        "and UNAM .txt, .csv), relative to the scene's folder or the working folder; with data the name of where they came from",
+        "and UNAM .txt, .csv), relative to the scene's folder or the working folder; with data the name of their source",
         default=None,
         min_length=1,
         max_length=1000,
@@ -89,7 +90,7 @@ class Record(Section):
         "horizontal component in a file that holds several (CSMIP, GeoNet, AFAD, UNAM): its name in the file, as N-S, or its number",
         default=None,
     )
-    unit: Unit | None = key("m/s2, cm/s2, gal or g, of files that do not say theirs, such as CSV without names", default=None)
+    unit: Unit | None = key("m/s2, cm/s2, gal or g, for files that do not state their unit, such as CSV without column names", default=None)
     vertical: Vertical | None = key("vertical component; null: none", default=None)
     start: float = key("time at which the record, as processed, begins", "s", ge=0, le=1e4)
     amplitude: Acceleration | None = key(
@@ -105,11 +106,11 @@ class Record(Section):
         "instead of amplitude: spectral acceleration of the horizontal component to which the record is scaled", default=None
     )
     factor: float = key(
-        "multiplies all components; negative reverses their polarity; 1 or -1 where the record is scaled", ge=-1e3, le=1e3, default=1.0
+        "factor on all components; negative reverses their polarity; 1 or -1 if the record is scaled", ge=-1e3, le=1e3, default=1.0
     )
-    baseline: Baseline | None = key("removal of drift, before all else and once more at the end; null: none", default=None)
+    baseline: Baseline | None = key("removal of drift, before all other processing and once more at the end; null: none", default=None)
     band_pass: BandPass | None = key("band-pass filter, after the baseline; null: none", default=None)
-    trim: Trim | None = key("cut to the strong part, after the filter; null: none", default=None)
+    trim: Trim | None = key("cut to the strong part, after the filter; null: not cut", default=None)
     resample: Resample | None = key("other interval of the samples, after the trim; null: none", default=None)
     stochastic: Stochastic | None = key("synthetic motion in place of a file, from a stochastic model; null: none", default=None)
     data: RecordData | None = key("the samples; null: read from the files", default=None)

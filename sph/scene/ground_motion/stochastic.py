@@ -60,7 +60,7 @@ class Stochastic(Section):
         le=100,
     )
     time_mid: float = key(
-        "time after the start at which 45 % of the Arias intensity has come",
+        "time after the start at which 45 % of the Arias intensity is reached",
         "s",
         "Rezaeian and Der Kiureghian (2010)",
         gt=0,
