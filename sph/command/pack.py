@@ -101,10 +101,10 @@ class Packing:
 
     def text(self, path: Path, words: str, is_scene: bool = False) -> str:
         """Place of a configuration or a scene, with all that it names; ValueError for a file that is not there, with the key."""
-        known = len(self.words)
-        place = self.add(path, words)
-        if len(self.words) == known:
+        place = self.add(path)
+        if place in self.words:
             return place
+        self.words[place] = words
         read_yaml(path)
         text, folder = path.read_bytes().decode("utf-8"), PurePosixPath(place).parent
         names: dict[Named, str] = {}
