@@ -36,6 +36,7 @@ Where to begin:
 1. `make_scene` and `load_scene` make a validated, immutable `Scene`, of a mapping or a YAML file.
 2. `run` simulates it; `run_to_file` does so into a file, goes on after a kill, and is what the command `sph run` calls.
 3. `read_run` reads a trajectory back and `scene_of` its scene; `sph.storage.trajectory.VARIABLES` has every variable with its unit.
+   `in_survey`, or `read_run(..., survey=True)`, gives it in the coordinates of the survey.
 4. `measure` gives the numbers of a run; `sph.measures.metrics.METRICS` defines each.  `plot` draws it: profile, probes, energies.
 5. `load_study` is a grid of scenes as Snakemake runs it; `read_study` and `read_table` read what it has measured.
 6. `factor_of_safety`, `critical_strength_ratio`, `yield_acceleration` and `sliding_block` are the methods of practice to compare with;
@@ -59,7 +60,8 @@ _HOMES = {
         "sph.scene.schema": "make_scene load_scene Scene",
         "sph.solver.run": "run Progress Result",
         "sph.solver.checkpoint": "run_to_file",
-        "sph.storage.trajectory": "read_run scene_of",
+        "sph.storage.trajectory": "scene_of",
+        "sph.storage.surveyed": "read_run in_survey",
         "sph.measures.metrics": "measure MetricSettings",
         "sph.figures.overview": "plot",
         "sph.experiments.registry": "load_study",
@@ -102,7 +104,8 @@ if TYPE_CHECKING:
     )
     from sph.stability.search import Search as Search
     from sph.stability.standing import FailureRule as FailureRule
-    from sph.storage.trajectory import read_run as read_run
+    from sph.storage.surveyed import in_survey as in_survey
+    from sph.storage.surveyed import read_run as read_run
     from sph.storage.trajectory import scene_of as scene_of
     from sph.study.plan import Plan as Plan
     from sph.study.tables import read_study as read_study

@@ -394,6 +394,24 @@ def explain(
         raise typer.Exit(DIFFERS)
 
 
+@app.command(epilog="Examples:  sph pack config/studies/gentle_layered.yaml  |  sph pack study.yaml --results -o myslope.tar.gz")
+def pack(
+    study: Annotated[
+        Path, typer.Argument(metavar="STUDY", help="configuration of a study (YAML), as for snakemake --configfile, from the same folder")
+    ],
+    results: Annotated[bool, typer.Option("--results", help="with results/<study>: page, tables, figures, runs")] = False,
+    out: Annotated[
+        Path | None, typer.Option("-o", "--out", help="archive to write (.zip, .tar.gz); <study>.zip in this folder by default")
+    ] = None,
+) -> None:
+    """Pack a study with every file that it names into an archive that runs elsewhere; its README.txt says how."""
+    with refusals("building the scenes of the study and packing its files"):
+        from sph.command.pack import pack
+
+        path, files = pack(study, out, results)
+    print(f"{path}: {files} files, {path.stat().st_size / 1e6:.2f} MB; README.txt in it says how to run the study elsewhere")
+
+
 @app.command(epilog="Examples:  sph fos slope.yaml  |  sph fos slope.yaml --reduce S_R --set numerics.spacing=2 --rule observation=20")
 def fos(
     scene: SceneFile,

@@ -114,14 +114,14 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
     facts: dict[str, Any] = {
         "scene_schema": _schema_line("scene", folder),
         "study_schema": _schema_line("study", folder),
-        "name": _quoted(name),
-        "title": _quoted(f"Slope of {ground.name[:LONGEST_TITLE]} {PLACEHOLDER}"),
-        "scene": _quoted(str(scene)),
+        "name": quoted(name),
+        "title": quoted(f"Slope of {ground.name[:LONGEST_TITLE]} {PLACEHOLDER}"),
+        "scene": quoted(str(scene)),
         "scene_word": shlex.quote(str(scene)),
         "study_word": shlex.quote(str(study)),
-        "ground": _quoted(os.path.relpath(ground, folder)),
-        "record": _quoted(os.path.relpath(record, folder)),
-        "file": f"file: {_quoted(os.path.relpath(record, folder))}" + (f", component: {_quoted(component)}" if component else ""),
+        "ground": quoted(os.path.relpath(ground, folder)),
+        "record": quoted(os.path.relpath(record, folder)),
+        "file": f"file: {quoted(os.path.relpath(record, folder))}" + (f", component: {quoted(component)}" if component else ""),
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
         "base": line.base,
         "downhill": downhill,
@@ -158,7 +158,7 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
     return scene, study
 
 
-def _quoted(text: str) -> str:
+def quoted(text: str) -> str:
     """A text as YAML that is read as it was, whatever it holds."""
     return yaml.safe_dump(text, default_style='"', allow_unicode=True, width=math.inf).rstrip("\n")
 

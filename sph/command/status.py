@@ -100,14 +100,14 @@ def located(folder: Path | None, configfile: Path | None) -> Catalogue:
     """The catalogue of a study; by default that of ``config/config.yaml`` in the working folder, as for ``snakemake``.
 
     ``folder`` is ``.../results/<study>/<fidelity>`` and decides the fidelity; the configuration of another study than that of
-    ``config/config.yaml`` is found by its name.  ValueError names what does not fit.
+    ``config/config.yaml``, which need not be there then, is found by its name.  ValueError names what does not fit.
     """
     place = folder.resolve() if folder else None
     if place and place.parent.parent.name != "results":
         raise ValueError(f"{folder}: not the folder of a study's results, results/<study>/<fidelity>")
     base = place.parents[2] if place else Path.cwd()
     shipped = base / "config" / "config.yaml"
-    if configfile is None and not shipped.is_file():
+    if configfile is None and place is None and not shipped.is_file():
         raise ValueError(f"{shipped}: no such file; go to the folder the study was started in, or give its results folder or --configfile")
     data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
     if place and configfile is None and data.get("study") != place.parent.name:
@@ -117,7 +117,8 @@ def located(folder: Path | None, configfile: Path | None) -> Catalogue:
         data = chosen_study(merge(data, given), given)
     if place:
         if data.get("study") != place.parent.name:
-            raise ValueError(f"{folder}: the configuration's study is {data.get('study')!r}; name that of this one by --configfile")
+            other = f"the configuration's study is {data['study']!r}" if "study" in data else f"no configuration of it is found in {base}"
+            raise ValueError(f"{folder}: {other}; name that of this one by --configfile")
         data = {**data, "fidelity": place.name}
     folders = [base, Path(sph.__file__).parents[1]]
     return Catalogue(load_study(data, folders), folders, base, check=False)

@@ -14,6 +14,7 @@ from sph.figures.profile import draw_profile, field_norm, frame_limits, mark_pro
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, save, styled
 from sph.measures.fields import FIELDS, check_field, last_at, probe_history
 from sph.solver.run import Result
+from sph.storage.surveyed import check_in_box
 from sph.storage.trajectory import read_run, scene_of
 
 ENERGIES = ("kinetic_energy", "elastic_energy", "potential_energy", "dissipated_energy", "shaking_work")
@@ -24,9 +25,10 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
     """One run: profile at a time, coloured by a field; displacement of the probes; energies.
 
     ``time`` (s) picks the last frame not later than it, None the last frame of all; ``field`` is a name of ``FIELDS``.
-    Raises ValueError for an unknown field and a time outside the run.
+    Raises ValueError for an unknown field, a time outside the run and a run in the survey's coordinates, in which it is drawn anyway.
     """
     check_field(field)
+    check_in_box(trajectory)
     scene, frame = scene_of(trajectory), _frame_at(trajectory, time)
     shown = float(trajectory["time"].values[frame])
     left, right, lower, upper = frame_limits(trajectory, frame)

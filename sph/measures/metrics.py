@@ -41,6 +41,7 @@ from sph.scene.motion import NoMotion
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL
+from sph.storage.surveyed import check_in_box
 from sph.storage.trajectory import Status, Variable, scene_of
 
 CLASSES = STABLE, MINOR, DAMAGED, COLLAPSE = ("stable", "minor", "damaged", "collapse")
@@ -262,9 +263,10 @@ Value = float | int | str
 def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> dict[str, Value]:
     """Every metric of ``METRICS``, in its order, and those of the places of the settings, for one finished run.
 
-    Raises ValueError for a paused run, an unknown status and a probe that the run does not have.
+    Raises ValueError for a paused run, an unknown status, a probe that the run does not have and a run in the survey's coordinates.
     """
     settings = settings or MetricSettings()
+    check_in_box(trajectory)
     scene, status = scene_of(trajectory), str(trajectory.attrs.get("status"))
     finished = [name for name in Status if name != Status.PAUSED]
     if status not in finished:

@@ -1,1 +1,1 @@
-"""Files: trajectories, how any file is written whole, and the export to ParaView."""
+"""Files: trajectories, their survey coordinates, how any file is written whole, archives, and the export to ParaView."""

@@ -262,6 +262,14 @@ def test_a_configuration_of_another_name(study: Folder, monkeypatch: pytest.Monk
     assert "config/config.yaml: no such file; " in call().stderr and "--configfile" in call().stderr
 
 
+def test_a_folder_of_one_s_own_needs_no_shipped_configuration(study: Folder) -> None:
+    (study.base / "config" / "config.yaml").rename(study.base / "study.yaml")
+    assert "results/small/draft" in call(study.path).stdout
+    (study.base / "study.yaml").unlink()
+    refused = call(study.path)
+    assert refused.exit_code == REFUSED and f"no configuration of it is found in {study.base}" in refused.stderr
+
+
 def test_the_configuration_of_a_folder_of_results_is_found_by_the_name_of_its_study(study: Folder) -> None:
     (study.base / "config" / "studies").mkdir()
     (study.base / "config" / "studies" / "mine.yaml").write_text("study: mine\n")

@@ -212,6 +212,7 @@ lines = st.one_of(
     st.tuples(st.just("motion"), st.sampled_from(["RECORD", "SCENE"]), any_text.map("--unit={}".format)),
     st.tuples(st.just("motion"), a_file, st.just("--json")),
     st.tuples(st.just("cost"), a_file, a_number.map("--speed={}".format), a_number.map("--start={}".format)),
+    st.tuples(st.just("pack"), a_file, st.just("--results"), a_file.map("--out={}.zip".format)),
 )
 cells = st.one_of(st.floats(-1e3, 1e3).map(str), st.sampled_from(list(map(text, HARD_NUMBERS))), st.text(max_size=5))
 rising = st.lists(st.tuples(st.floats(1e-9, 10.0), st.floats(-1e3, 1e3)), min_size=2, max_size=20).map(

@@ -1,0 +1,318 @@
+"""``sph pack``: an archive with everything that a study names runs elsewhere, and is the same to the byte whenever it is made."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import shutil
+import sys
+import tarfile
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from calling import call
+from forked import snakemake_in
+
+from sph.command.named_files import named_files, renamed
+from sph.command.pack import pack
+from sph.command.status import located
+from sph.scene.configuration import read_yaml, scene_files
+from sph.solver.compiled.jit import solver_digest
+from sph.storage.trajectory import scene_digest
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENE = """\
+# A scene of one's own.
+scheme: paper
+name: own
+duration: 3.0
+geometry: {shape: ground_line, file: ELSEWHERE/survey/line.csv, base: 430.0} # from the surveyor
+gravity: {ramp: 0.5, duration: 1.0}
+motion:
+  kind: record
+  file: records/quake.csv # beside the scene
+  start: 1.0
+numerics: {spacing: 5.0, time_step: 1.0e-3}
+outputs: {frame_interval: 0.25, series_interval: 0.01}
+"""
+STUDY = """\
+study: own
+scene: scenes/slope.yaml # the slope
+grid: {S_R: ["0.10", "0.50"]} # two
+experiments: {trigger: ../trigger.yaml}
+"""
+TRIGGER = """\
+cases: {as it is: {}, weaker shaking: {motion: {file: 'ELSEWHERE/quake.csv'}}}
+intensity: {dimension: amplitude, lowest: 1.0, highest: 8.0, cells: 2}
+tolerance: 0.5
+classes: [collapse]
+at: {S_R: ["0.10"]}
+hazard: hazard.csv
+"""
+GROUND = "100,440\n150,440\n165,465\n200,465\n"
+RECORD = "time (s),acceleration (m/s2)\n" + "".join(f"{0.01 * step:.2f},{(-1) ** (step // 20) * 2.0}\n" for step in range(150))
+HAZARD = "amplitude (m/s2),annual frequency\n1,0.1\n8,0.001\n"
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Working folder of a study whose files lie beside its scene, at an absolute path, and above the folder."""
+    folder, elsewhere = tmp_path / "home", tmp_path / "elsewhere"
+    texts = {
+        folder / "study.yaml": STUDY,
+        folder / "scenes" / "slope.yaml": SCENE,
+        folder / "scenes" / "records" / "quake.csv": RECORD,
+        folder / "hazard.csv": HAZARD,
+        tmp_path / "trigger.yaml": TRIGGER,
+        elsewhere / "survey" / "line.csv": GROUND,
+        elsewhere / "quake.csv": RECORD.replace("2.0", "1.5"),
+    }
+    for path, text in texts.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text.replace("ELSEWHERE", elsewhere.as_posix()))
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def unpacked(archive: Path, to: Path) -> Path:
+    """The folder that an archive holds."""
+    shutil.unpack_archive(archive, to)
+    (folder,) = to.iterdir()
+    return folder
+
+
+def held(folder: Path) -> set[str]:
+    return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
+
+
+def digests_of_runs(configuration: str) -> dict[str, str]:
+    """What each run of a study simulates, whatever its files are called; read from the working folder."""
+    plan = located(None, Path(configuration)).plan
+    return {name: scene_digest(plan.built(**point)) for name, point in plan.study.runs.items()}
+
+
+def digests(configuration: str) -> dict[str, str]:
+    """The same with the cases of its trigger, and the hazard curve of that."""
+    trigger = located(None, Path(configuration)).trigger
+    shaken = {str(at): scene_digest(each.build()) for at, each in trigger.shaken.items()}
+    return digests_of_runs(configuration) | shaken | {"hazard": Path(trigger.hazard_file).read_text()}
+
+
+@pytest.mark.parametrize("name", ["own.zip", "own.tar.gz"])
+def test_the_same_runs_are_planned_elsewhere(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    told = call("pack", "study.yaml", "-o", name)
+    assert told.exit_code == 0 and told.stdout.startswith(f"{name}: 10 files, 0.0"), told.output
+    wanted = digests("study.yaml")
+    assert len(wanted) == 2 + 2 + 1
+    folder = unpacked(home / name, tmp_path / "there")
+    for gone in (home, tmp_path / "elsewhere", tmp_path / "trigger.yaml"):
+        os.rename(gone, gone.with_name(f"{gone.name}.away"))
+    monkeypatch.chdir(folder)
+    assert digests("study.yaml") == wanted
+    own = {"study.yaml", "scenes/slope.yaml", "scenes/records/quake.csv", "hazard.csv"}
+    moved = {"files/line.csv", "files/quake.csv", "files/trigger.yaml"}
+    assert folder.name == "own"
+    assert held(folder) == own | moved | {"README.txt", "program/version.txt", "program/constraints.txt"}
+
+
+def test_names_are_replaced_where_needed_and_nothing_else_is(home: Path, tmp_path: Path) -> None:
+    folder = unpacked(home / pack(Path("study.yaml"))[0], tmp_path / "there")
+    line = f"{(tmp_path / 'elsewhere').as_posix()}/survey/line.csv"
+    assert (folder / "scenes" / "slope.yaml").read_text() == SCENE.replace("ELSEWHERE/survey/line.csv", '"../files/line.csv"')
+    assert line in (home / "scenes" / "slope.yaml").read_text(), "the user's own files stay as they are"
+    assert (folder / "study.yaml").read_text() == STUDY.replace("../trigger.yaml", '"files/trigger.yaml"')
+    assert (folder / "files" / "trigger.yaml").read_text() == TRIGGER.replace("'ELSEWHERE/quake.csv'", '"files/quake.csv"')
+    for name, text in (("scenes/records/quake.csv", RECORD), ("hazard.csv", HAZARD), ("files/line.csv", GROUND)):
+        assert (folder / name).read_text() == text
+    assert (folder / "program" / "constraints.txt").read_bytes() == (ROOT / "constraints.txt").read_bytes()
+    assert f"solver {solver_digest()}\n" in (folder / "program" / "version.txt").read_text()
+
+
+@pytest.mark.parametrize("name", ["own.zip", "own.tar.gz"])
+def test_the_same_files_give_the_same_bytes(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    pack(Path("study.yaml"), Path(name))
+    copy = tmp_path / "copy"
+    shutil.copytree(home, copy, ignore=shutil.ignore_patterns(name))
+    for path in copy.rglob("*"):
+        os.utime(path, (1e9, 1e9))
+        path.chmod(0o700)
+    monkeypatch.chdir(copy)
+    pack(Path("study.yaml"), Path(name))
+    assert (copy / name).read_bytes() == (home / name).read_bytes()
+    (copy / "hazard.csv").write_text(HAZARD + "9,0.0001\n")
+    pack(Path("study.yaml"), Path(name))
+    assert (copy / name).read_bytes() != (home / name).read_bytes()
+
+
+def test_members_are_sorted_and_belong_to_nobody(home: Path) -> None:
+    for name in ("own.zip", "own.tar.gz"):
+        pack(Path("study.yaml"), Path(name))
+    with zipfile.ZipFile("own.zip") as archive:
+        names = archive.namelist()
+        assert {each.date_time[0] for each in archive.infolist()} == {1980} and archive.testzip() is None
+    with tarfile.open("own.tar.gz") as tar:
+        assert tar.getnames() == names == sorted(names)
+        assert {(each.uid, each.uname, each.mtime, each.mode) for each in tar.getmembers()} == {(0, "", 315_532_800, 0o644)}
+
+
+def test_records_of_one_name_and_a_table_of_cases(home: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    for number, event in enumerate(("kobe", "chile")):
+        (tmp_path / event).mkdir()
+        (tmp_path / event / "quake.csv").write_text(RECORD.replace("2.0", f"{number + 3}.0"))
+    cases = {event: {"motion": {"file": f"../{event}/quake.csv"}} for event in ("kobe", "chile")}
+    (tmp_path / "trigger.yaml").write_text(yaml.safe_dump(yaml.safe_load(TRIGGER) | {"cases": cases}))
+    (home / "cases.csv").write_text("S_R, motion.file\n0.10, hazard.csv\n0.50, scenes/records/quake.csv\n")
+    (home / "hazard.csv").write_text(RECORD.replace("2.0", "1.0"))
+    study = {"study": "cases", "scene": "scenes/slope.yaml", "cases": "cases.csv", "experiments": {"trigger": "../trigger.yaml"}}
+    (home / "cases.yaml").write_text(yaml.safe_dump(study))
+    folder = unpacked(home / pack(Path("cases.yaml"))[0], tmp_path / "there")
+    assert (folder / "cases.csv").read_bytes() == (home / "cases.csv").read_bytes()
+    named = [case["motion"]["file"] for case in read_yaml(folder / "files" / "trigger.yaml")["cases"].values()]
+    assert sorted(named) == ["files/2/quake.csv", "files/quake.csv"]
+    assert {(folder / name).read_text() for name in named} == {RECORD.replace("2.0", f"{peak}.0") for peak in (3, 4)}
+    wanted = digests_of_runs("cases.yaml")
+    monkeypatch.chdir(folder)
+    assert digests_of_runs("cases.yaml") == wanted and len(set(wanted.values())) == 2
+
+
+def test_what_the_program_brings_is_packed_as_well(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "mine.yaml").write_text('study: mine\nscene: config/scenes/gentle_layered.yaml\ngrid: {S_R: ["0.5"]}\n')
+    folder = unpacked(pack(Path("mine.yaml"))[0].resolve(), tmp_path / "there")
+    brought = {f"config/{name}" for name in ("scenes/gentle_layered.yaml", "ground/gentle_layered.csv", "motions/synthetic.csv")}
+    assert brought < held(folder)
+    assert (folder / "config/scenes/gentle_layered.yaml").read_bytes() == (ROOT / "config/scenes/gentle_layered.yaml").read_bytes()
+
+
+def test_a_study_that_is_laid_over_another(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "config").mkdir()
+    shutil.copy(ROOT / "config" / "config.yaml", tmp_path / "config")
+    (tmp_path / "mine.yaml").write_text('study: mine\ngrid: {S_R: ["0.5"]}\n')
+    folder = unpacked(pack(Path("mine.yaml"))[0].resolve(), tmp_path / "there")
+    assert {"mine.yaml", "config/config.yaml", "config/scenes/paper.yaml"} < held(folder)
+    (tmp_path / "config" / "config.yaml").unlink()
+    with pytest.raises(ValueError, match=r"mine.yaml: scene: is not there, and neither is config/config.yaml"):
+        pack(Path("mine.yaml"))
+
+
+def test_results_are_packed_without_what_is_half_written(home: Path, tmp_path: Path) -> None:
+    place = home / "results" / "own" / "own"
+    place.mkdir(parents=True)
+    for name in ("report.html", "runs/S_R-0.10.nc", "runs/.S_R-0.50.nc.part"):
+        (place / name).parent.mkdir(exist_ok=True)
+        (place / name).write_text(name)
+    (home / "study.yaml").write_text(STUDY.replace("scenes/slope.yaml", str(tmp_path / "slope.yaml")))
+    os.rename(home / "scenes" / "slope.yaml", tmp_path / "slope.yaml")
+    shutil.move(home / "scenes" / "records", tmp_path / "records")
+    folder = unpacked(home / pack(Path("study.yaml"), results=True)[0], tmp_path / "there")
+    results = {name for name in held(folder) if name.startswith("results/")}
+    assert results == {f"results/own/{name}" for name in ("own/report.html", "own/runs/S_R-0.10.nc", "scene_file.txt")}
+    assert (folder / "results/own/scene_file.txt").read_text() == "files/slope.yaml\n" and (folder / "files/slope.yaml").exists()
+    assert "--touch" in (folder / "README.txt").read_text()
+
+
+@pytest.mark.parametrize(
+    ("changes", "arguments", "message"),
+    [
+        ({"hazard.csv": None}, (), r"trigger.yaml: hazard: no file 'hazard.csv'"),
+        ({"scenes/records/quake.csv": None}, (), "'records/quake.csv' cannot be read: No such file"),
+        ({"study.yaml": STUDY.replace("../trigger.yaml", "gone.yaml")}, (), r"study.yaml: experiments.trigger: no file 'gone.yaml'"),
+        ({"study.yaml": STUDY + "fidelities: {own: {motion: {file: gone.csv}}}\n"}, (), "gone.csv"),
+        ({}, ("--results",), "results/own: holds none"),
+        ({}, ("-o", "own.rar"), "must end in .zip or .tar.gz"),
+        ({}, ("-o", "nowhere/own.zip"), "folder nowhere does not exist"),
+        ({"study.zip": STUDY}, ("-o", "study.zip"), "would replace"),
+        ({"README.txt": HAZARD, "../trigger.yaml": TRIGGER.replace("hazard.csv", "README.txt")}, (), "would be README.txt in the archive"),
+        ({"../trigger.yaml": TRIGGER.replace("'ELSEWHERE/quake.csv'", "|\n  ELSEWHERE/quake.csv\n")}, (), "trigger.yaml"),
+    ],
+)
+def test_what_cannot_be_packed_is_refused(
+    home: Path, tmp_path: Path, changes: dict[str, str | None], arguments: tuple[str, ...], message: str
+) -> None:
+    for name, text in changes.items():
+        if text is None:
+            (home / name).unlink()
+        else:
+            (home / name).write_text(text.replace("ELSEWHERE", (tmp_path / "elsewhere").as_posix()))
+    before = held(home)
+    told = call("pack", "study.zip" if "study.zip" in changes else "study.yaml", *arguments)
+    assert told.exit_code == 2 and re.search(message, told.stderr), told.output
+    assert held(home) == before, "nothing is written"
+
+
+def test_two_files_of_one_place_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    line = "config/ground/gentle_layered.csv"
+    (tmp_path / "config" / "ground").mkdir(parents=True)
+    study = {"study": "mine", "scene": "config/scenes/gentle_layered.yaml", "grid": {"geometry.file": [line]}}
+    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(study))
+    shutil.copy(ROOT / line, tmp_path / line)
+    assert pack(Path("mine.yaml"))[1] == 7, "the same content"
+    (tmp_path / line).write_text((ROOT / line).read_text() + "# edited\n")
+    with pytest.raises(ValueError, match=f"would be {line} in the archive, as .* which differs; rename one of them"):
+        pack(Path("mine.yaml"))
+
+
+@pytest.mark.parametrize("kind", ["grid", "cases", "table"])
+def test_runs_that_would_be_called_otherwise_are_refused(home: Path, kind: str) -> None:
+    file = "scenes/../../elsewhere/quake.csv"
+    chosen: dict[str, Any] = {"grid": {"motion.file": [file]}, "cases": [{"motion.file": file}], "table": "cases.csv"}
+    (home / "cases.csv").write_text(f"motion.file\n{file}\n")
+    study = {"study": "named", "scene": "scenes/slope.yaml", {"table": "cases"}.get(kind, kind): chosen[kind]}
+    (home / "named.yaml").write_text(yaml.safe_dump(study))
+    with pytest.raises(ValueError, match=rf"motion.file.*: {file} lies outside the working folder, and runs are named by it"):
+        pack(Path("named.yaml"))
+
+
+def test_an_archive_among_the_results_is_refused(home: Path) -> None:
+    (home / "results" / "own").mkdir(parents=True)
+    (home / "results" / "own" / "study.csv").write_text("run\n")
+    with pytest.raises(ValueError, match="lies among the results"):
+        pack(Path("study.yaml"), Path("results/own/own.zip"), results=True)
+
+
+def test_named_files_of_a_scene_are_those_that_it_is_read_from() -> None:
+    for path in sorted((ROOT / "config" / "scenes").glob("*.yaml")):
+        text = path.read_text(encoding="utf-8")
+        assert sorted({each.value for each in named_files(text)}) == scene_files(yaml.safe_load(text)), path
+
+
+def test_forms_of_names() -> None:
+    text = (
+        "geometry: {file: &line 'a.csv', base: 1}\nwater: {file: *line}\nmotion: {file: gone.csv, data: [1]}\n"
+        "grid: {motion.file: [x y.csv, 'null', *line]}\n"
+    )
+    found = named_files(text)
+    assert [(each.key, each.value) for each in found] == [("grid.motion.file", "a.csv"), ("grid.motion.file", "x y.csv")], (
+        "an alias of a dimension"
+    )
+    changed = renamed(text, {found[0]: "files/ä: 1.csv", found[1]: 'b"#.csv'})
+    assert yaml.safe_load(changed) == yaml.safe_load(text) | {
+        "geometry": {"file": "files/ä: 1.csv", "base": 1},
+        "water": {"file": "files/ä: 1.csv"},
+        "grid": {"motion.file": ['b"#.csv', "null", "files/ä: 1.csv"]},
+    }
+
+
+@pytest.mark.long
+def test_the_command_in_the_archive_lists_the_same_jobs(home: Path, tmp_path: Path) -> None:
+    def jobs(folder: Path, *arguments: str) -> dict[str, str]:
+        done = snakemake_in(folder, "--dry-run", *arguments)
+        assert done.returncode == 0, done.stderr
+        table = (done.stdout + done.stderr).partition("Job stats:")[2].partition("total")[0]
+        return dict(re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE))
+
+    wanted = jobs(home, "--snakefile", str(ROOT / "Snakefile"), "--cores", "2", "--configfile", "study.yaml")
+    folder = unpacked(home / pack(Path("study.yaml"))[0], tmp_path / "there")
+    line = next(line for line in (folder / "README.txt").read_text().splitlines() if "bin/snakemake" in line)
+    program, *arguments = shlex.split(line.replace("~/sph-slope", str(ROOT)))
+    assert Path(program).name in os.listdir(Path(sys.executable).parent)
+    os.rename(home, tmp_path / "away")
+    os.rename(tmp_path / "elsewhere", tmp_path / "gone")
+    assert jobs(folder, *arguments) == wanted and wanted["simulate"] == "2"
+    assert "trigger" in jobs(folder, *arguments, "--", "trigger"), "its configuration and hazard curve are found"
