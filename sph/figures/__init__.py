@@ -24,7 +24,7 @@ from matplotlib.figure import Figure
 from sph.figures.arrangement import figure_arrangement, figure_geometry, figure_motion
 from sph.figures.mobilised import figure_mobilised
 from sph.figures.overview import plot_trajectory
-from sph.figures.profile import figure_profiles
+from sph.figures.profile import figure_displaced, figure_profiles
 from sph.figures.study import figure_map, figure_study
 from sph.figures.style import save
 from sph.study.schema import INPUT_FIGURES, MOBILISED, PROFILES
@@ -33,6 +33,7 @@ __all__ = [
     "RUN_FIGURES",
     "STUDY_FIGURES",
     "caption",
+    "figure_displaced",
     "figure_arrangement",
     "figure_geometry",
     "figure_map",
@@ -47,7 +48,7 @@ __all__ = [
 RUN_FIGURES: dict[str, Callable[..., Figure]] = {
     **dict(zip(INPUT_FIGURES, (figure_geometry, figure_motion, figure_arrangement), strict=True)),
     MOBILISED: figure_mobilised,
-    PROFILES: figure_profiles,
+    PROFILES: figure_displaced,
 }
 """Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}

@@ -177,6 +177,20 @@ def figure_profiles(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") 
 
     ``trajectories`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": ds, ...}``.  Raises ValueError without trajectories.
     """
-    figure = stack_of_profiles(trajectories, -1, "initial_height")
+    return _profiles(trajectories, "initial_height", fidelity)
+
+
+@styled
+def figure_displaced(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") -> Figure:
+    """Profiles of the slope at the end of the run, coloured by the displacement of the particles since the gravity stage, on one scale;
+    particles of the box are white, the line is the initial surface, A is the particle at the original crest edge.
+
+    ``trajectories`` by panel title.  Raises ValueError without trajectories.
+    """
+    return _profiles(trajectories, "displacement", fidelity)
+
+
+def _profiles(trajectories: Mapping[str, xr.Dataset], field: str, fidelity: str) -> Figure:
+    figure = stack_of_profiles(trajectories, -1, field)
     add_note(figure, [scene_of(ds) for ds in trajectories.values()], fidelity)
     return figure

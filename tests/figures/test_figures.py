@@ -27,6 +27,7 @@ from sph.figures import (
     figure_map,
     figure_mobilised,
     figure_motion,
+    figure_displaced,
     figure_profiles,
     figure_study,
     plot_trajectory,
@@ -78,6 +79,14 @@ def test_particles_are_drawn_at_their_places() -> None:
     np.testing.assert_allclose(soil.get_offsets(), np.column_stack([slid["x"][-1][is_soil], slid["y"][-1][is_soil]]))
     np.testing.assert_allclose(soil.get_array(), slid["y0"].values[is_soil])
     assert len(box.get_offsets()) == 354 and box.get_facecolor()[0].tolist() == [1, 1, 1, 1]
+
+
+def test_profiles_of_a_study_of_ones_own_show_how_far_the_soil_has_moved() -> None:
+    runs = {"slid": synthetic(translation(-3.0, -4.0)), "stands": synthetic()}
+    slid, stands = (circles(figure_displaced(runs), panel)[1].get_array() for panel in (0, 1))
+    moved = runs["slid"]["y0"].values[runs["slid"]["kind"].values == SOIL] > 10.0
+    np.testing.assert_allclose(slid, np.where(moved, 5.0, 0.0), atol=1e-5)
+    np.testing.assert_allclose(stands, 0.0, atol=1e-12)
 
 
 def test_particles_touch_and_leave_the_gaps_of_a_lattice_free(standing: xr.Dataset) -> None:
