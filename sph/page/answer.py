@@ -61,14 +61,18 @@ def answer(
     scene: Scene,
     probe: str,
     found: Callable[[str], Sequence[str]],
+    client: bool = False,
 ) -> Answer:
-    """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file."""
+    """The answer of a study from its table, the scene of a run and the files ``found`` for a pattern; ValueError names a damaged file.
+
+    That for a ``client`` names no commands.
+    """
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
     facts = [
         ("Without shaking", *unshaken(table, rows)),
-        ("Factor of safety", *limit(findings, "factor-of-safety", found(_files(SAFETY)), "sph fos")),
-        ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "sph yield-acceleration")),
+        ("Factor of safety", *limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")),
+        ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
         *answer_spacing(found(SPACINGS)),
         *at_places(table),
@@ -112,7 +116,8 @@ def _files(limit: str) -> str:
 
 def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely: str) -> tuple[str, str]:
     """A limit with its error, least to most over the slopes, and how it was found: by the searches in ``files``, of which Newmark's blocks
-    have theirs, or where there are none by the quick ones before the runs; ``closely`` is the command that searches more closely."""
+    have theirs, or where there are none by the quick ones before the runs; ``closely`` is the command that searches more closely, if it is
+    to be named."""
     if files:
         return _of_files(files)
     found = sorted((each.measured.partition(", ") for each in findings if each.code == code), key=lambda parts: float(parts[0].split()[0]))
@@ -120,7 +125,9 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
         return "not searched", closely
     (least, _, how), (most, *_) = found[0], found[-1]
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
-    return " to ".join(dict.fromkeys((least, most))), f"static, a quick search{slopes} before the runs, {how}; more closely: {closely}"
+    return " to ".join(
+        dict.fromkeys((least, most))
+    ), f"static, a quick search{slopes} before the runs, {how}" + f"; more closely: {closely}" * bool(closely)
 
 
 def _of_files(files: Sequence[str]) -> tuple[str, str]:

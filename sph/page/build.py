@@ -63,6 +63,7 @@ class StudyFiles(NamedTuple):
     sections: Sequence[Section]
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
     probe: str = "A"
+    client: bool = False  # the page is without paths, commands and what has still to be made
 
 
 class Picture(NamedTuple):
@@ -150,7 +151,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         scene_table=keys,
         key_table=chosen_keys(keys),
         layer_table=layer_table(scene, varied),
-        answer=answer(whole_table, study.dimensions, scene, study.probe, found),
+        answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client),
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
         over=over,
@@ -163,8 +164,8 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         listed=list(zip(keyed, titles, strict=True)) if listed else [],
         columns=[column.heading for column in columns],
         run_rows=list(zip(files, rows, table["status"].isin((Status.DIVERGED, Status.FAILED_UNSHAKEN)), strict=True)),
-        docs=docs_links(study.folder),
-        parts=[found_part(section, study) for section in study.sections],
+        docs={} if study.client else docs_links(study.folder),
+        parts=[part for part in (found_part(section, study) for section in study.sections) if not (study.client and part.missing)],
         cost=cost_of(whole_table, study),
         versions=versions_of(runs),
     )
@@ -177,6 +178,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         "numbers": [column.heading for column in columns if column.result],
         "axes": ["run"] if listed else axes,
         "folder": study.folder,
+        "client": study.client,
         "points": facts,
         "table": base64.b64encode(zlib.compress(table.to_csv(index=False, na_rep="NaN", lineterminator="\n").encode(), 9)).decode(),
     }

@@ -267,7 +267,8 @@
     byId("result").className = diverged || unshaken ? "bad" : "";
     list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
     byId("link").href = `#run=${nameOf(file)}`;
-    list("facts", [["status", named.status], ["file", path], ["repeat it", `sph run ${path} --out again.nc`]], "code");
+    const own = [["file", path], ["repeat it", `sph run ${path} --out again.nc`]];
+    list("facts", [["status", named.status], ...(study.client ? [] : own)], "code");
   }
 
   // ---------------------------------------------------------------- links and files

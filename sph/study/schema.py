@@ -89,6 +89,9 @@ class Study(Section):
         default=None,
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
+    client_page: bool = key(
+        "whether the page is for a client: without paths, commands, sections that have still to be made and the cost", default=False
+    )
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(
         "file of an experiment, by the name of its target, found like the scene; config/<name>.yaml for targets that are left out",

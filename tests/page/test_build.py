@@ -468,3 +468,11 @@ def test_millimetres_keep_their_digits() -> None:
         "24.0",
         "without end",
     ]
+
+
+def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: StudyFiles) -> None:
+    own, client = (Words(build_page(study._replace(client=client))).text for client in (False, True))
+    for words in ("snakemake --cores", "study.csv there", "sph fos", "sph run", "Not made yet", "core-hours", "claims.csv"):
+        assert words in own and words not in client, (words, client[max(client.find(words) - 80, 0) :][:200])
+    for words in (TITLE, "Factor of safety", "All runs", "Versions", "Figure 4"):
+        assert words in client, words
