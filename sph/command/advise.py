@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 import yaml
 
-from sph.experiments.trade.advice import Advice, percent
+from sph.experiments.trade.advice import Advice, Resolution, percent
 from sph.experiments.trade.design import is_mean
 from sph.experiments.trade.table import WORDS, summary
 from sph.scene.configuration import flat
@@ -31,6 +31,23 @@ def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.Data
         *([f"  {MEAN}"] if is_mean(found.settings) else [f"  command line  {options(found.settings) or 'the scene file as it is'}"]),
         f"  fidelity      {one_line(found.settings)}",
     ]
+
+
+def for_scene(
+    found: Sequence[Resolution], error: float, quantities: Sequence[str], seconds: Mapping[float, float]
+) -> tuple[list[str], bool]:
+    """Lines of text on the spacings of a scene's slope, with their computing times (s), and whether one is within an error."""
+    fitting = [each for each in found if each.agrees and max(each.errors[name] for name in quantities) <= error]
+    lines = ["rows over the height  spacing (m)  displacement  run-out  time on one core (s)"]
+    lines += [
+        f"{each.rows:20.3g}  {each.spacing:11.4g}  {percent(each.errors['displacement']):>12}  {percent(each.errors['runout']):>7}"
+        f"  {seconds[each.spacing]:20.3g}"
+        for each in found
+    ]
+    asked = f"{' and '.join(WORDS[name] for name in quantities)} within {percent(error)}"
+    if fitting:
+        return [*lines, f"coarsest with {asked}: --set numerics.spacing={fitting[0].spacing:.4g}"], True
+    return [*lines, f"no measured spacing has {asked}; take the finest, and compare two (second_fidelity of the study)"], False
 
 
 def options(settings: Mapping[str, Any]) -> str:

@@ -458,9 +458,12 @@ def yield_acceleration(
         answer("acceleration", loaded, tolerance, parse_settings(rule, "--rule"), as_json, out, single, parse_spacings(spacings))
 
 
-@app.command(epilog="Examples:  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv")
+@app.command(
+    epilog="Examples:  sph advise slope.yaml --error 10%  |  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv"
+)
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
+    scene: Annotated[Path | None, typer.Argument(metavar="[SCENE]", help="scene of your own slope, of whose spacings it speaks")] = None,
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
     of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
     scheme: Annotated[str, typer.Option(help="scheme of the scenes: paper, or resolved for your own slopes")] = "paper",
@@ -468,12 +471,19 @@ def advise(
         Path | None, typer.Option(help="trade.csv or resolution.csv to answer from; by default the one measured for this release")
     ] = None,
 ) -> None:
-    """Name the cheapest setting that was measured to be within an error; if there is none, the most accurate, with exit code 2."""
+    """Name the cheapest setting that was measured to be within an error; if there is none, the most accurate, with exit code 2.
+
+    Of a scene: the errors of several spacings on its slope, in rows of particles over the height, and the coarsest within the error.
+    """
     with refusals("reading the table"):
-        from sph.command.advise import lines
+        from sph.command.advise import for_scene, lines
+        from sph.command.repeat import read_given
         from sph.experiments.trade import advice
         from sph.experiments.trade.table import QUANTITIES, WORDS, against, read_trade
+        from sph.scene.configuration import merge
+        from sph.scene.schema import make_scene
         from sph.scene.scheme import SCHEMES
+        from sph.study.cost import cost
 
         limit = parse_error(error)
         check_known("--quantity", [quantity], (*QUANTITIES, "both"))
@@ -484,9 +494,18 @@ def advise(
         if of is not None:
             measured = against(measured, of)
         wanted = tuple(QUANTITIES) if quantity == "both" else (quantity,)
-        found = advice.advise(measured, limit, wanted)
-    print("\n".join(lines(found, limit, [WORDS[name] for name in wanted], measured)))
-    if not found.fits:
+        if scene is not None:
+            if of is not None:
+                raise ValueError(f"--of {of}: without effect beside a scene, whose spacings are compared with the finest run")
+            loaded, _ = read_given(scene, {})
+            spacings = advice.resolutions(loaded, read_trade(table) if table else None)
+            finer = {each.spacing: make_scene(merge(loaded.model_dump(), {"numerics": {"spacing": each.spacing}})) for each in spacings}
+            said, fits = for_scene(spacings, limit, wanted, {spacing: cost(built).seconds for spacing, built in finer.items()})
+        else:
+            found = advice.advise(measured, limit, wanted)
+            said, fits = lines(found, limit, [WORDS[name] for name in wanted], measured), found.fits
+    print("\n".join(said))
+    if not fits:
         raise typer.Exit(REFUSED)
 
 

@@ -21,7 +21,7 @@ from synthetic_trade import FIDELITIES, SCENE, TRADE, runs_of, trade_frame, trad
 from sph.command.advise import options
 from sph.command.options import parse_settings
 from sph.experiments.trade import advice
-from sph.experiments.trade.advice import advise, expected_error, expected_sentence
+from sph.experiments.trade.advice import advise, expected_error, expected_sentence, resolutions, shipped_table
 from sph.experiments.trade.convergence import convergence_table
 from sph.experiments.trade.design import VariantRow, is_mean, load_trade, scheme
 from sph.experiments.trade.figures import figure_convergence, figure_tradeoff
@@ -115,6 +115,39 @@ class TestResolution:
         ):
             settings = merge(merge(HALF, {"numerics": {"spacing": 0.5}}), other)
             assert expected_error(load_scene(SLOPE_ON_ROCK, settings)) is None
+
+
+class TestAdviceForAScene:
+    def test_the_spacings_are_those_of_its_slope(self) -> None:
+        own, taller = (
+            load_scene(SLOPE_ON_ROCK, changes) for changes in ({}, {"geometry": {"slope_height": 30.0}, "numerics": {"spacing": 1.2}})
+        )
+        found, scaled = resolutions(own), resolutions(taller)
+        assert [each.rows for each in found] == sorted({each.rows for each in found}) and found[0].rows == 10.0
+        assert [each.spacing for each in scaled] == pytest.approx([1.2 * each.spacing for each in found])
+        assert [each.errors for each in scaled] == [each.errors for each in found]
+        table = shipped_table("resolved")
+        assert table is not None
+        at_one = next(each for each in found if each.spacing == 1.0)
+        assert at_one.errors["displacement"] == max(
+            variant.errors["displacement"] for variant in summary(table) if variant.name in ("spacing: 1 m", "fidelity: standard")
+        )
+
+    def test_the_command_names_the_coarsest_within_an_error(self) -> None:
+        result = call("advise", SLOPE_ON_ROCK, "--error", "10%")
+        assert result.exit_code == 0 and result.stdout.splitlines()[-1].endswith("--set numerics.spacing=0.625")
+        displacement = call("advise", SLOPE_ON_ROCK, "--error", "10%", "--quantity", "displacement")
+        assert displacement.stdout.splitlines()[-1].endswith("--set numerics.spacing=1")
+        nothing = call("advise", SLOPE_ON_ROCK, "--error", "0.1%")
+        assert nothing.exit_code == 2 and "no measured spacing has" in nothing.stdout
+
+    def test_a_slope_unlike_the_measured_one_is_told_so(self) -> None:
+        result = call("advise", ROOT / "config" / "scenes" / "gentle_layered.yaml", "--error", "10%")
+        assert result.exit_code == 2 and "it has layers" in result.stderr and "second_fidelity" in result.stderr
+
+    def test_another_reference_is_refused(self) -> None:
+        result = call("advise", SLOPE_ON_ROCK, "--error", "10%", "--of", "paper")
+        assert result.exit_code == 2 and "--of paper: without effect beside a scene" in result.stderr
 
 
 class TestConfiguration:

@@ -29,7 +29,7 @@ SHIPPED_RESOLUTION = SHIPPED.with_name("resolution.csv")
 NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 trade' makes one"
 
 
-REMEDY = "run it at a second spacing (numerics.spacing as a dimension of the study, docs/how-to/studies.md)"
+REMEDY = "run it at a second spacing (second_fidelity of the study, docs/tutorials/own-slope.md)"
 """What to do where no error is known."""
 
 
@@ -88,6 +88,36 @@ def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected 
                 Expected._field_defaults["baseline"] if scene.scheme == "paper" else "",
             )
     return None
+
+
+class Resolution(NamedTuple):
+    """A measured spacing, on the slope of a scene: as many rows of particles over its height."""
+
+    rows: float
+    spacing: float  # m
+    errors: dict[str, float]  # by quantity
+    agrees: bool  # in the class of the reference in every case
+
+
+def resolutions(scene: Scene, table: pd.DataFrame | None = None) -> list[Resolution]:
+    """The measured spacings from coarse to fine, at the scale of a scene's slope; ValueError says why none was measured on one like it.
+
+    ``table`` as from ``read_trade``; the shipped one of its scheme by default.
+    """
+    if others := unlike(scene):
+        raise ValueError(f"no error is known for this slope, since {', '.join(others)}; {REMEDY}")
+    table = shipped_table(scene.scheme) if table is None else table
+    if table is None:
+        raise ValueError(NOT_MEASURED_YET)
+    measured = [(at, variant) for at, variant in _alike(scene, summary(table)) if variant.every_case and variant.finished]
+    if not measured:
+        raise ValueError(f"no error is known for this slope: no measured run was computed as it is; {REMEDY}")
+    by_spacing = {at: variant for at, variant in sorted(measured, key=lambda pair: (-pair[0], pair[1].errors["runout"]))}
+    height = scene.geometry.crest[1] - scene.geometry.toe[1]
+    return [
+        Resolution(HEIGHT / at, at * height / HEIGHT, dict(variant.errors), variant.classes_agree == variant.cases)
+        for at, variant in by_spacing.items()
+    ]
 
 
 ANY_SPACING = "any"
