@@ -459,7 +459,7 @@ def yield_acceleration(
 
 
 @app.command(
-    epilog="Examples:  sph advise slope.yaml --error 10%  |  sph advise --error 20%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv"
+    epilog="Examples:  sph advise slope.yaml --error 10%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv"
 )
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
