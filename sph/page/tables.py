@@ -154,6 +154,8 @@ def run_columns(dimensions: Iterable[Dimension], probe: str) -> list[Column]:
 def key_rows(section: BaseModel, path: str = "") -> Iterator[tuple[str, str, str, str]]:
     """Rows (key, value, unit, meaning) of a scene or a part of it."""
     for name, field in type(section).model_fields.items():
+        if field.exclude:  # another form of a key
+            continue
         value, extra = getattr(section, name), field.json_schema_extra
         unit = str(extra.get("unit", "-")) if isinstance(extra, dict) else "-"
         for key, part in value.items() if isinstance(value, Mapping) else ((None, value),):
