@@ -1,4 +1,4 @@
-"""A thin layer of Bingham debris that flows down an incline from rest: on the wall of the box, by how many rows it has, and on strong soil."""
+"""A thin layer of Bingham debris flows down an incline from rest: by how many rows it has, and on strong soil."""
 
 from __future__ import annotations
 
