@@ -18,7 +18,7 @@ QUICKEST = "rod-column"
 
 @pytest.mark.long
 def test_the_documentation_builds_without_a_warning(tmp_path: Path) -> None:
-    """With the quickest page of the gallery; to run all of them takes a quarter of an hour, and is what the target ``gallery`` does."""
+    """With the quickest page of the gallery; to run all of them takes half an hour, and is what the target ``gallery`` does."""
     (tmp_path / "config").symlink_to(ROOT / "config")
     for target in (f"results/gallery/{QUICKEST}", "docs"):
         result = snakemake(tmp_path, "--cores", "2", "--", target)

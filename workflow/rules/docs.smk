@@ -1,5 +1,5 @@
 # Purpose: the documentation as a site (`snakemake --cores 1 docs`), with the pages of the gallery that have been run
-#          (`snakemake --cores 2 gallery`, a quarter of an hour).
+#          (`snakemake --cores 2 gallery`, half an hour).
 # Inputs:  mkdocs.yml; the pages of docs and the library's docstrings, by their contents; the gallery's scenes and studies.
 # Outputs: results/gallery: a folder a page of the gallery, as it was run, with its figures
 #          results/docs: index.html, a page for each page of docs; api: the public interface and a page a module

@@ -1,0 +1,76 @@
+"""A thin layer of Bingham debris flows down an incline from rest: by how many rows it has, and on strong soil."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from sph.scene.configuration import merge
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene, make_scene
+from sph.solver.run import run
+
+DEPTH, ANGLE, DENSITY, YIELD, VISCOSITY, DURATION = 2.0, 18.0, 1400.0, 1500.0, 1500.0, 6.0  # m, degree, kg/m3, Pa, Pa s, s
+
+
+def debris(spacing: float, ground: float = 0.0) -> Scene:
+    """A layer of debris that goes on periodically, on the wall or on strong soil of a thickness (m)."""
+    weak = {"density": DENSITY, "youngs_modulus": 4e4, "poisson_ratio": 0.45, "cohesion": 1e-3 * YIELD, "friction_angle": 0.0}
+    data = {
+        "name": "debris",
+        "duration": DURATION,
+        "geometry": {"shape": "block", "width": 16.0 * spacing, "height": ground + DEPTH},
+        "walls": {"base": "no_slip", "sides": "periodic"},
+        "soil": weak | {"viscosity": VISCOSITY},
+        "coupling": {"S_R": 1.0, "gamma": 1.0, "initial_state": "fluid"},
+        "gravity": {"inclination": ANGLE, "ramp": 0.0, "duration": 0.01, "damping": 0.0},
+        "motion": {"kind": "none"},
+        "damping": None,
+        "numerics": {"spacing": spacing},
+        "probes": {"A": [8.0 * spacing, ground + 1.0]},
+        "outputs": {"frame_interval": 3.0, "series_interval": 0.01},
+    }
+    strong = {"region": {"kind": "elevation", "top": ground}, "soil": {"cohesion": 1000.0}}
+    same = {"region": {"kind": "elevation", "bottom": 1.0}}  # so that both scenes have the same terms
+    return make_scene(merge(data, {"layers": {"strong": strong} if ground else {"same": same}}))
+
+
+def mean_displacement(scene: Scene) -> float:
+    """Mean displacement of the debris along the incline at the end, m."""
+    trajectory = run(scene).trajectory
+    assert trajectory.attrs["status"] != "diverged"
+    weak = (trajectory["kind"].values == 0) & (trajectory["y0"].values > scene.geometry.height - DEPTH)
+    return -float(trajectory["displacement_x"].values[-1][weak].mean())
+
+
+def exact() -> float:
+    """Mean displacement (m) of an endless layer: rho du/dt = rho g sin(angle) + d tau/dy, by finite differences.
+
+    Below the yield stress the strain rate is small instead of zero: tau = eta rate + tau_y tanh(rate / 0.02 1/s).
+    """
+    rows, step = 40, 5e-4
+    height = DEPTH / rows
+    speed, moved = np.zeros(rows), 0.0
+    for _ in range(round(DURATION / step)):
+        rate = np.concatenate([2.0 * speed[:1], np.diff(speed), [0.0]]) / height
+        stress = VISCOSITY * rate + YIELD * np.tanh(rate / 0.02)
+        speed = speed + step * (GRAVITY * math.sin(math.radians(ANGLE)) + np.diff(stress) / (height * DENSITY))
+        moved += step * float(speed.mean())
+    return moved
+
+
+def test_eight_rows_of_debris_flow_as_an_endless_layer() -> None:
+    assert mean_displacement(debris(0.25)) == pytest.approx(exact(), rel=0.05)
+
+
+@pytest.mark.parametrize(("spacing", "least", "most"), [(1.0, 1.3, 1.8), (0.5, 1.1, 1.3)])
+def test_fewer_rows_flow_too_far(spacing: float, least: float, most: float) -> None:
+    """What ``docs/model/limits.md`` says of thin debris.  Four rows were to be within a tenth, and are not."""
+    assert least < mean_displacement(debris(spacing)) / exact() < most
+
+
+def test_strong_soil_holds_the_debris_on_it() -> None:
+    """What ``docs/model/limits.md`` says of debris on strong soil, at four rows: less than three quarters of the way."""
+    assert mean_displacement(debris(0.5, ground=2.0)) < 0.75 * exact()
