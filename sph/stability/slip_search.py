@@ -1,0 +1,242 @@
+"""The slip surface with the least factor of safety, or the least critical coefficient, of a scene's slope by limit equilibrium.
+
+Circles are tried on a grid of their ends and of their depth, by Bishop's method, and the best of them are moved until no smaller step
+betters them.  Spencer's method goes on from the best circle with convex lines of any shape, and along every seam, layer and the base with
+lines that leave it through the soil.  Nothing is drawn at random: the same scene has the same answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.geometry import SLOPES
+from sph.scene.schema import Scene
+from sph.stability.limit_equilibrium import Balance, Slices, bishop, bishop_coefficient, spencer, spencer_coefficient
+from sph.stability.slip_surface import STEEPEST, VERTICES, Edges, Guide, Section, along, as_line, circles, guides, lines
+
+SLICES, FINER = 40, 5
+"""Slices of a surface in the search, about, and slices into which each is cut for the answer."""
+ENDS, HALVES = 13, np.radians([4.0, 9.0, 15.0, 21.0, 27.0, 34.0, 42.0, 50.0, 58.0, 66.0])
+"""Places of either end in the grid of circles, and halves of their arcs, rad."""
+REACH = 3.0
+"""Heights of the slope before the toe and behind the crest within which surfaces of the grid end."""
+STARTS = 3
+"""Circles of the grid that are moved."""
+FIRST, LAST = 0.1, 5e-4
+"""Steps of a descent over H, at first and at the end; of angles and gradients likewise."""
+STEPS = 120
+"""Most steps of a descent."""
+PROMISING = 1.25
+"""Factor of a guide's first surface over the best so far up to which it is followed."""
+
+MOST_TENSION = 0.1
+"""Share of a surface in tension above which Spencer's answer is not taken."""
+CRACKS = np.array([0.25, 0.5, 0.75, 1.0])
+"""Parts of the depth in tension to which cracks are tried."""
+ENOUGH = 1e3
+HUGE = 1e6
+"""More than any factor of safety."""
+EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
+"""Gradients with which the first lines along a guide leave it towards the toe and the crest."""
+
+Values = Callable[[np.ndarray], np.ndarray]
+
+
+class Surface(NamedTuple):
+    """The worst slip surface of a method."""
+
+    value: float
+    """factor of safety, or critical coefficient; infinite where none was found"""
+    where: str
+    """``circle``, ``line``, or what it runs along"""
+    x: np.ndarray
+    """(points,) in the box, m"""
+    y: np.ndarray
+    """(points,) m"""
+    tension: float
+    """share of its length in tension"""
+    crack: float
+    """depth of the vertical crack at its upper end, m"""
+
+
+NONE = Surface(np.inf, "", np.zeros(0), np.zeros(0), 0.0, 0.0)
+
+
+class LimitEquilibrium(NamedTuple):
+    """Limit equilibrium of a scene's slope."""
+
+    bishop: Surface
+    """factor of safety of the worst circle, Bishop's simplified method"""
+    spencer: Surface
+    """factor of safety of the worst surface of any shape, Spencer's method"""
+    critical: Surface
+    """least critical coefficient by Spencer's method, the yield acceleration over g"""
+
+
+def applies(scene: Scene) -> bool:
+    """Whether limit equilibrium has a question to answer: a slope of solid soil under vertical gravity."""
+    return (
+        isinstance(scene.geometry, SLOPES)
+        and scene.gravity.acceleration > 0.0
+        and scene.gravity.inclination == 0.0
+        and scene.prescribed_velocity_gradient is None
+        and scene.coupling.initial_state == "solid"
+    )
+
+
+def limit_equilibrium(scene: Scene) -> LimitEquilibrium:
+    """Factors of safety and yield coefficient of a scene's slope at its peak strength; ValueError where ``applies`` says no."""
+    if not applies(scene):
+        raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
+    section = Section.of(scene)
+    circle, start = worst_circle(section, bishop)
+    critical_start = worst_circle(section, bishop_coefficient)[1]
+    return LimitEquilibrium(circle, worst_surface(section, spencer, start), worst_surface(section, spencer_coefficient, critical_start))
+
+
+def worst_circle(section: Section, method: Callable[[Slices, np.ndarray], Balance]) -> tuple[Surface, np.ndarray]:
+    """The circle with the least value, and the numbers by which ``circles`` makes it, (3,)."""
+
+    def values(given: np.ndarray) -> np.ndarray:
+        edges, centre = circles(section, given, SLICES)
+        return _values(section, edges, method, centre)
+
+    reach, end = REACH * section.height, section.way[-1]
+    face = np.linspace(section.toe, section.crest, ENDS // 2)
+    left = np.concatenate([np.linspace(max(section.toe - reach, 0.0), section.toe, ENDS)[:-1], face])
+    right = np.concatenate([face, np.linspace(section.crest, min(section.crest + reach, end), ENDS)[1:]])
+    grid = np.stack(np.meshgrid(left, right, HALVES, indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = grid[grid[:, 1] > grid[:, 0]]
+    scale = np.array([section.height, section.height, 1.0])
+    best = descend(values, _best(values(grid), grid), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
+    edges, centre = circles(section, best[None], SLICES)
+    return _surface(section, "circle", edges, method, centre), best
+
+
+def worst_surface(section: Section, method: Callable[[Slices], Balance], circle: np.ndarray) -> Surface:
+    """The surface with the least value: from the circle, by the numbers of ``circles``, and along the guides.
+
+    Where more than ``MOST_TENSION`` of each is in tension, or the forces between slices do not balance for it, a vertical crack ends it.
+    """
+    edges = circles(section, circle[None], SLICES)[0]
+    whole = _worst(section, method, edges, circle, np.zeros(1))
+    if whole.value < ENOUGH:
+        return whole
+    return _worst(section, method, edges, circle, section.crack(circle[1]) * CRACKS)
+
+
+def _worst(section: Section, method: Callable[[Slices], Balance], edges: Edges, circle: np.ndarray, cracks: np.ndarray) -> Surface:
+    """The surface with the least value: a convex line begun from a circle ended by cracks of some depths (m), or one along a guide."""
+    way, height, parts = section.way[-1], section.height, SLICES // (VERTICES.size + 1)
+    scale = np.concatenate([[height, height, height], np.ones(VERTICES.size)])
+    high = np.concatenate([[way, way, cracks[-1]], np.full(VERTICES.size, STEEPEST[1])])
+    starts = np.array([as_line(section, edges, float(circle[0]), float(crack)) for crack in cracks])
+    best = descend(lambda given: _values(section, lines(section, given, parts), method), starts, scale, 0.0 * high, high)
+    found = [_surface(section, "line", lines(section, best[None], parts), method)]
+    for guide in guides(section):
+        found.append(_along(section, guide, method, found[0].value, cracks))
+    return min(found, key=lambda each: each.value)
+
+
+def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], best: float, cracks: np.ndarray) -> Surface:
+    """The worst surface along a guide, if its first ones promise to be worse than the best so far."""
+    parts = SLICES // 6
+
+    def values(given: np.ndarray) -> np.ndarray:
+        edges = along(section, guide, given, parts)
+        return np.where(_turns_up(edges, parts), _values(section, edges, method), np.inf)
+
+    height, reach, end = section.height, REACH * section.height, section.way[-1]
+    ends = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
+    low_x, high_x = np.clip(ends, guide.x[0], guide.x[-1])
+    place = np.linspace(low_x, high_x, ENDS)
+    join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
+    join, leave = join[leave > join], leave[leave > join]
+    if not join.size:
+        return NONE
+    depth = [section.ground(x) - np.interp(x, guide.x, guide.y) for x in (join, leave)]
+    starts = []
+    for out in EXITS:
+        for back in ENTRIES:
+            left, right = (np.interp(x, section.x, section.way) for x in (join - depth[0] / out, leave + depth[1] / back))
+            starts.append(np.column_stack([left, right, np.full(join.size, 0.5 * cracks[-1]), join, leave, np.zeros((join.size, 2))]))
+    grid = np.concatenate(starts)
+    found = values(grid)
+    if not found.min() < PROMISING * best + 0.1:
+        return NONE
+    scale = np.array([height, height, height, height, height, 1.0, 1.0])
+    low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
+    best_given = descend(values, _best(found, grid), scale, low, high)
+    return _surface(section, guide.name, along(section, guide, best_given[None], parts), method)
+
+
+def _turns_up(edges: Edges, parts: int) -> np.ndarray:
+    """Which lines (n,) along a guide do not turn down where they join or leave it, so that the body can move."""
+    gradient = np.diff(edges.y, axis=1) / np.maximum(np.diff(edges.x, axis=1), 1e-12)
+    there = np.diff(edges.x, axis=1) > 1e-9
+    sound = np.ones(len(edges.x), bool)
+    for at in (2 * parts, 4 * parts):
+        sound &= (gradient[:, at] >= gradient[:, at - 1] - 1e-6) | ~there[:, at] | ~there[:, at - 1]
+    return sound
+
+
+def descend(values: Values, starts: np.ndarray, scale: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Pattern search (Hooke and Jeeves 1961) from several starts (n, d) within bounds (d,) at once: the best end (d,).
+
+    Each step tries both directions of every number, then all that bettered it together, once and twice; where nothing is better it halves.
+    """
+    at, count, rows = np.clip(starts, low, high), starts.shape[1], np.arange(len(starts))
+    least, step = values(at), np.full(len(starts), FIRST)
+    moves = np.concatenate([np.eye(count), -np.eye(count)]) * scale
+
+    def trial(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        places = np.clip(at[:, None] + moved, low, high)
+        return places, values(places.reshape(-1, count)).reshape(len(at), -1)
+
+    for _ in range(STEPS):
+        single, found = trial(step[:, None, None] * moves)
+        gain = np.where(found < least[:, None], np.minimum(least[:, None], HUGE) - found, 0.0)
+        way = np.sign(gain[:, :count] - gain[:, count:]) * scale * step[:, None]
+        joint, found_jointly = trial(way[:, None] * np.array([1.0, 2.0])[:, None])
+        places, found = np.concatenate([single, joint], axis=1), np.concatenate([found, found_jointly], axis=1)
+        best = found.argmin(axis=1)
+        moved = found[rows, best] < least
+        at = np.where(moved[:, None], places[rows, best], at)
+        least = np.where(moved, found[rows, best], least)
+        step = np.where(moved, step, 0.5 * step)
+        if (step < LAST).all():
+            break
+    end: np.ndarray = at[int(np.argmin(least))]
+    return end
+
+
+def _values(section: Section, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray) -> np.ndarray:
+    """Values (n,) of surfaces, infinite for those that are not possible."""
+    possible = section.possible(edges)
+    values = np.full(len(edges.x), np.inf)
+    if possible.any():
+        slices = section.slices(Edges(*(each[possible] for each in edges)))
+        balance = method(slices, *(each[possible] for each in centre))
+        values[possible] = balance.value if centre else np.where(balance.tension > MOST_TENSION, np.inf, balance.value)
+    return values
+
+
+def _surface(section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray) -> Surface:
+    """The answer of a method for one surface, cut into more slices than in the search."""
+    balance = method(section.slices(edges.divided(FINER)), *centre)
+    crack = float(section.ground(edges.x[0, -1:])[0] - edges.y[0, -1])
+    return Surface(float(balance.value[0]), where, edges.x[0], edges.y[0], float(balance.tension[0]), crack if crack > 1e-3 * section.height else 0.0)
+
+
+def _best(values: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """The ``STARTS`` best of a grid (n, d) that differ in their ends, its first two numbers."""
+    kept = list[int]()
+    for each in np.argsort(values, kind="stable").tolist():
+        if all((grid[each, :2] != grid[other, :2]).any() for other in kept):
+            kept.append(each)
+        if len(kept) == STARTS:
+            break
+    return grid[kept]
