@@ -24,15 +24,17 @@ import numpy as np
 
 SMALLEST_SHARE = 0.2
 """Least cos(alpha) + sin(alpha) tan(phi) / F of a base: below it the normal force grows without limit (Whitman and Bailey 1967)."""
-ANGLES = np.radians(np.arange(-10.0, 65.0, 10.0))
+ANGLES = np.radians(np.arange(-10.0, 85.0, 10.0))
 """Inclinations of the forces between slices among which Spencer's is sought, rad."""
-ROUNDS = 60
+ROUNDS = 40
 """Most iterations; a surface that needs more has no answer."""
+CLOSE = 1e-6
+"""Change of Spencer's inclination at which it is found, rad."""
 LARGEST = 100.0
 """Factor of safety with which Bishop's iteration begins."""
 CLOSED = 1e-5
 """Moments left over the normal forces times the width of the body, at most: a change of sign may be a pole."""
-NEAR = 1e-9
+NEAR = 1e-8
 """Relative change at which an iteration ends."""
 TENSION_ROUNDS = 3
 """Times that bases which would hold less than nothing are taken out and F is found anew."""
@@ -136,7 +138,7 @@ def spencer(slices: Slices, k: float = 0.0) -> Balance:
     """Factors of safety of surfaces of any shape by Spencer's method."""
 
     def solve(s: Slices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return _balance(_Forces.of(s, k).factor, s.width.sum(axis=1))
+        return _balance(_Forces.of(s, k), _Forces.factor)
 
     return _spencer(slices, solve)
 
@@ -145,7 +147,7 @@ def spencer_coefficient(slices: Slices) -> Balance:
     """Critical coefficients of surfaces of any shape by Spencer's method; negative where F < 1 without a load."""
 
     def solve(s: Slices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return _balance(_Forces.of(s, 0.0).coefficient, s.width.sum(axis=1))
+        return _balance(_Forces.of(s, 0.0), _Forces.coefficient)
 
     return _spencer(slices, solve)
 
@@ -199,6 +201,10 @@ class _Forces(NamedTuple):
         x, y = (each - each.mean(axis=1, keepdims=True) for each in (s.x, s.y))
         return cls(s, cosine, sine, left * cosine + down * sine, normal, s.cohesion * s.length + normal * s.friction, moment, x, y)
 
+    def some(self, rows: np.ndarray) -> _Forces:
+        """Those of some surfaces."""
+        return _Forces(Slices(*(each[rows] for each in self.slices)), *(each[rows] for each in self[1:]))
+
     def turned(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Cosine and sine of alpha - theta, for angles (surfaces, angles): (surfaces, angles, slices)."""
         cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
@@ -220,7 +226,7 @@ class _Forces(NamedTuple):
             share = cosine * factor[..., None] + s
             step = ((driving * factor[..., None] - holding) / share).sum(axis=-1) / (slope / share**2).sum(axis=-1)
             old, factor = factor, np.maximum(factor - step, 0.5 * (factor + pole))
-            if not (np.abs(factor - old) > NEAR * np.abs(factor)).any():
+            if not ((np.abs(factor - old) > NEAR * factor) & (factor < LARGEST)).any():
                 break
         share = cosine * factor[..., None] + s
         sound = (share >= SMALLEST_SHARE * factor[..., None]).all(axis=-1) & (driving.sum(axis=-1) > 0.0)
@@ -257,24 +263,30 @@ class _Trial(NamedTuple):
     normal: np.ndarray  # (surfaces, angles, slices) effective normal forces, N/m
 
 
-def _balance(balanced: Callable[[np.ndarray], _Trial], span: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _balance(forces: _Forces, balanced: Callable[[_Forces, np.ndarray], _Trial]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Value, effective normal forces and angle at which the moments balance as well: the change of sign nearest to level forces, closed by
     regula falsi (Illinois)."""
-    surfaces = len(span)
-    trial, rows = balanced(np.broadcast_to(ANGLES, (surfaces, ANGLES.size))), np.arange(surfaces)
+    surfaces = len(forces.x)
+    trial = balanced(forces, np.broadcast_to(ANGLES, (surfaces, ANGLES.size)))
     rest = np.where(np.isfinite(trial.value), trial.rest, np.nan)
     crosses = rest[:, :-1] * rest[:, 1:] <= 0.0
-    at = np.where(crosses, np.abs(ANGLES[:-1] + ANGLES[1:]), np.inf).argmin(axis=1)
+    rows = np.flatnonzero(crosses.any(axis=1))
+    value, normal, found = np.full(surfaces, np.inf), np.zeros(forces.x.shape), np.zeros(surfaces)
+    if not rows.size:
+        return value, normal, found
+    at = np.where(crosses, np.abs(ANGLES[:-1] + ANGLES[1:]), np.inf).argmin(axis=1)[rows]
     low, high, below, above = ANGLES[at], ANGLES[at + 1], rest[rows, at], rest[rows, at + 1]
-    angle = low
+    angle, forces = low, forces.some(rows)
     for _ in range(ROUNDS):
         old, angle = angle, (low * above - high * below) / (above - below)
-        rest = balanced(angle[:, None]).rest[:, 0]
-        stays = rest * above > 0.0
+        left = balanced(forces, angle[:, None]).rest[:, 0]
+        stays = left * above > 0.0
         low, below = np.where(stays, low, high), np.where(stays, 0.5 * below, above)
-        high, above = angle, rest
-        if not (np.abs(angle - old) > 1e-7).any():
+        high, above = angle, left
+        if not (np.abs(angle - old) > CLOSE).any():
             break
-    trial = balanced(angle[:, None])
-    closed = crosses.any(axis=1) & (np.abs(trial.rest[:, 0]) <= CLOSED * np.abs(trial.normal[:, 0]).sum(axis=-1) * span)
-    return np.where(closed, trial.value[:, 0], np.inf), trial.normal[:, 0], angle
+    trial = balanced(forces, angle[:, None])
+    scale = np.abs(trial.normal[:, 0]).sum(axis=-1) * forces.slices.width.sum(axis=-1)
+    closed = np.abs(trial.rest[:, 0]) <= CLOSED * scale
+    value[rows], normal[rows], found[rows] = np.where(closed, trial.value[:, 0], np.inf), trial.normal[:, 0], angle
+    return value, normal, found

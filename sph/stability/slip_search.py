@@ -8,6 +8,7 @@ lines that leave it through the soil.  Nothing is drawn at random: the same scen
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -15,28 +16,33 @@ import numpy as np
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.stability.limit_equilibrium import Balance, Slices, bishop, bishop_coefficient, spencer, spencer_coefficient
-from sph.stability.slip_surface import STEEPEST, VERTICES, Edges, Guide, Section, along, as_line, circles, guides, lines
+from sph.stability.slip_surface import STEEPEST, VERTICES, Edges, Guide, Section, along, as_lines, circles, guides, lines
 
 SLICES, FINER = 40, 5
 """Slices of a surface in the search, about, and slices into which each is cut for the answer."""
 ENDS, HALVES = 13, np.radians([4.0, 9.0, 15.0, 21.0, 27.0, 34.0, 42.0, 50.0, 58.0, 66.0])
 """Places of either end in the grid of circles, and halves of their arcs, rad."""
+PLACES = 11
+"""Places on a guide where the first lines join and leave it."""
 REACH = 3.0
 """Heights of the slope before the toe and behind the crest within which surfaces of the grid end."""
-STARTS = 3
-"""Circles of the grid that are moved."""
-FIRST, LAST = 0.1, 5e-4
+CIRCLES, STARTS = 8, 3
+"""Circles of the grid that are moved, and lines."""
+FIRST, LAST = 0.1, 1e-3
 """Steps of a descent over H, at first and at the end; of angles and gradients likewise."""
-STEPS = 120
+STEPS = 80
 """Most steps of a descent."""
 PROMISING = 1.25
 """Factor of a guide's first surface over the best so far up to which it is followed."""
 
-MOST_TENSION = 0.1
+MOST_TENSION = 0.05
 """Share of a surface in tension above which Spencer's answer is not taken."""
-CRACKS = np.array([0.25, 0.5, 0.75, 1.0])
+CRACKS = np.array([0.0, 0.3, 0.6, 1.0])
 """Parts of the depth in tension to which cracks are tried."""
-ENOUGH = 1e3
+OTHERS, NEARBY = 60, 1.3
+"""Further circles of the grid from which lines may begin, and their value over the least."""
+ENOUGH = 1.06
+"""Factor of safety over that of Bishop's circle up to which an answer without a crack is taken."""
 HUGE = 1e6
 """More than any factor of safety."""
 EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
@@ -73,7 +79,7 @@ class LimitEquilibrium(NamedTuple):
     spencer: Surface
     """factor of safety of the worst surface of any shape, Spencer's method"""
     critical: Surface
-    """least critical coefficient by Spencer's method, the yield acceleration over g"""
+    """least critical coefficient by Spencer's method, the yield acceleration over g; infinite where F is not above 1"""
 
 
 def applies(scene: Scene) -> bool:
@@ -87,57 +93,76 @@ def applies(scene: Scene) -> bool:
     )
 
 
-def limit_equilibrium(scene: Scene) -> LimitEquilibrium:
-    """Factors of safety and yield coefficient of a scene's slope at its peak strength; ValueError where ``applies`` says no."""
+def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibrium:
+    """Factors of safety of a scene's slope at its peak strength, under a horizontal coefficient, and its critical coefficient.
+
+    A surface in ``critical`` ends in a crack as well where that of the factor of safety does.  ValueError where ``applies`` says no.
+    """
     if not applies(scene):
         raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
     section = Section.of(scene)
-    circle, start = worst_circle(section, bishop)
-    critical_start = worst_circle(section, bishop_coefficient)[1]
-    return LimitEquilibrium(circle, worst_surface(section, spencer, start), worst_surface(section, spencer_coefficient, critical_start))
+    circle, starts = worst_circle(section, partial(bishop, k=coefficient))
+    surface = worst_surface(section, partial(spencer, k=coefficient), starts, ENOUGH * circle.value, circle.value)
+    critical = NONE
+    if surface.value > 1.0 and np.isfinite(surface.value):
+        starts = worst_circle(section, bishop_coefficient)[1]
+        critical = worst_surface(section, spencer_coefficient, starts, HUGE if surface.crack == 0.0 else -HUGE, 1.0)
+    return LimitEquilibrium(circle, surface, critical)
 
 
 def worst_circle(section: Section, method: Callable[[Slices, np.ndarray], Balance]) -> tuple[Surface, np.ndarray]:
-    """The circle with the least value, and the numbers by which ``circles`` makes it, (3,)."""
+    """The circle with the least value, and the numbers by which ``circles`` makes it and others that come near, (n, 3)."""
 
     def values(given: np.ndarray) -> np.ndarray:
         edges, centre = circles(section, given, SLICES)
         return _values(section, edges, method, centre)
 
     reach, end = REACH * section.height, section.way[-1]
-    face = np.linspace(section.toe, section.crest, ENDS // 2)
-    left = np.concatenate([np.linspace(max(section.toe - reach, 0.0), section.toe, ENDS)[:-1], face])
-    right = np.concatenate([face, np.linspace(section.crest, min(section.crest + reach, end), ENDS)[1:]])
+    face, apart = np.linspace(section.toe, section.crest, ENDS), np.linspace(0.0, 1.0, ENDS)[1:] ** 2
+    left = np.concatenate([np.maximum(section.toe - reach * apart, 0.0), face])
+    right = np.concatenate([face, np.minimum(section.crest + reach * apart, end)])
     grid = np.stack(np.meshgrid(left, right, HALVES, indexing="ij"), axis=-1).reshape(-1, 3)
     grid = grid[grid[:, 1] > grid[:, 0]]
     scale = np.array([section.height, section.height, 1.0])
-    best = descend(values, _best(values(grid), grid), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
+    found = values(grid)
+    best = descend(values, _best(found, grid, CIRCLES), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
     edges, centre = circles(section, best[None], SLICES)
-    return _surface(section, "circle", edges, method, centre), best
+    return _surface(section, "circle", edges, method, centre), np.vstack([best, grid[_spread(found)]])
 
 
-def worst_surface(section: Section, method: Callable[[Slices], Balance], circle: np.ndarray) -> Surface:
-    """The surface with the least value: from the circle, by the numbers of ``circles``, and along the guides.
+def worst_surface(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, enough: float, factor: float) -> Surface:
+    """The surface with the least value, begun from the worst circles, by the numbers of ``circles`` (n, 3), and along the guides.
 
-    Where more than ``MOST_TENSION`` of each is in tension, or the forces between slices do not balance for it, a vertical crack ends it.
+    Where none has a value up to ``enough``, since the forces balance for no such surface without much tension, it may end in a vertical
+    crack, as deep as soil whose strength is divided by a factor is in tension, or less.
     """
-    edges = circles(section, circle[None], SLICES)[0]
-    whole = _worst(section, method, edges, circle, np.zeros(1))
-    if whole.value < ENOUGH:
-        return whole
-    return _worst(section, method, edges, circle, section.crack(circle[1]) * CRACKS)
+    if enough > 0.0:
+        whole = _worst(section, method, near, np.zeros(1))
+        if whole.value <= enough:
+            return whole
+    return _worst(section, method, near, section.crack(float(near[0, 1]), factor) * CRACKS)
 
 
-def _worst(section: Section, method: Callable[[Slices], Balance], edges: Edges, circle: np.ndarray, cracks: np.ndarray) -> Surface:
-    """The surface with the least value: a convex line begun from a circle ended by cracks of some depths (m), or one along a guide."""
+def _worst(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, cracks: np.ndarray) -> Surface:
+    """The surface with the least value: a convex line begun from circles that cracks of some depths (m) end, or one along a guide."""
     way, height, parts = section.way[-1], section.height, SLICES // (VERTICES.size + 1)
+    edges = circles(section, near, SLICES)[0]
+
+    def values(given: np.ndarray) -> np.ndarray:
+        return _values(section, lines(section, given, parts), method)
+
     scale = np.concatenate([[height, height, height], np.ones(VERTICES.size)])
     high = np.concatenate([[way, way, cracks[-1]], np.full(VERTICES.size, STEEPEST[1])])
-    starts = np.array([as_line(section, edges, float(circle[0]), float(crack)) for crack in cracks])
-    best = descend(lambda given: _values(section, lines(section, given, parts), method), starts, scale, 0.0 * high, high)
+    starts = as_lines(section, edges, near[:, 0], cracks)
+    first, others = starts[: cracks.size], starts[cracks.size :]
+    starts = np.vstack([_best(values(first), first), _best(values(others), others)])
+    best = descend(values, starts, scale, 0.0 * high, high)
     found = [_surface(section, "line", lines(section, best[None], parts), method)]
+    circle = Edges(*(each[:1] for each in edges))
+    if np.isfinite(_values(section, circle, method)[0]):
+        found.append(_surface(section, "circle", circle, method))
     for guide in guides(section):
-        found.append(_along(section, guide, method, found[0].value, cracks))
+        found.append(_along(section, guide, method, min(each.value for each in found), cracks))
     return min(found, key=lambda each: each.value)
 
 
@@ -152,7 +177,7 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
     height, reach, end = section.height, REACH * section.height, section.way[-1]
     ends = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
     low_x, high_x = np.clip(ends, guide.x[0], guide.x[-1])
-    place = np.linspace(low_x, high_x, ENDS)
+    place = np.linspace(low_x, high_x, PLACES)
     join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
     join, leave = join[leave > join], leave[leave > join]
     if not join.size:
@@ -226,17 +251,25 @@ def _values(section: Section, edges: Edges, method: Callable[..., Balance], *cen
 
 def _surface(section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray) -> Surface:
     """The answer of a method for one surface, cut into more slices than in the search."""
-    balance = method(section.slices(edges.divided(FINER)), *centre)
+    finer = method(section.slices(edges.divided(FINER)), *centre)
+    balance = finer if np.isfinite(finer.value[0]) else method(section.slices(edges), *centre)
     crack = float(section.ground(edges.x[0, -1:])[0] - edges.y[0, -1])
-    return Surface(float(balance.value[0]), where, edges.x[0], edges.y[0], float(balance.tension[0]), crack if crack > 1e-3 * section.height else 0.0)
+    crack = crack if crack > 1e-3 * section.height else 0.0
+    return Surface(float(balance.value[0]), where, edges.x[0], edges.y[0], float(balance.tension[0]), crack)
 
 
-def _best(values: np.ndarray, grid: np.ndarray) -> np.ndarray:
-    """The ``STARTS`` best of a grid (n, d) that differ in their ends, its first two numbers."""
+def _spread(values: np.ndarray) -> np.ndarray:
+    """Indices of ``OTHERS`` values or fewer, evenly through those that come near the least."""
+    near = np.argsort(values, kind="stable")[: np.count_nonzero(values < NEARBY * values.min() + 0.1)]
+    return near[:: max(1, near.size // OTHERS)]
+
+
+def _best(values: np.ndarray, grid: np.ndarray, count: int = STARTS) -> np.ndarray:
+    """The best of a grid (n, d) that differ in their ends, its first two numbers."""
     kept = list[int]()
     for each in np.argsort(values, kind="stable").tolist():
         if all((grid[each, :2] != grid[other, :2]).any() for other in kept):
             kept.append(each)
-        if len(kept) == STARTS:
+        if len(kept) == count:
             break
     return grid[kept]

@@ -43,7 +43,6 @@ class Edges(NamedTuple):
     seam: np.ndarray
     """(surfaces, slices) number of the seam along which a base lies, from 1 on; 0 in the soil"""
 
-
     def divided(self, parts: int) -> Edges:
         """The same surfaces with so many slices for each."""
         return Edges(_divided(self.x, parts), _divided(self.y, parts), np.repeat(self.seam, parts, axis=1))
@@ -81,6 +80,7 @@ class Section(NamedTuple):
             part = (np.arange(PARTS) + 0.5) / PARTS
             place = np.repeat(column, PARTS), (top[:, None] * part).ravel()
             layers = layer_index(scene, _particle(scene, place[0]), place[1]).reshape(COLUMNS, PARTS)
+        if len({soil.density for soil in scene.soils}) > 1:
             density = np.array([soil.density - scene.soil.density for soil in scene.soils])[layers] * top[:, None] / PARTS
             moment = density * top[:, None] * part
             surplus = np.array([np.cumsum(np.pad(each, ((0, 0), (0, 1)))[:, ::-1], axis=1)[:, ::-1] for each in (density, moment)])
@@ -91,12 +91,16 @@ class Section(NamedTuple):
         found: np.ndarray = np.interp(x, self.x, self.y)
         return found
 
-    def crack(self, way: float) -> float:
-        """Depth to which the soil at a place on the ground is in tension, 2 c tan(45 + phi/2) / gamma (Rankine), m."""
+    def crack(self, way: float, factor: float) -> float:
+        """Depth to which the soil at a place on the ground is in tension with its strength divided by a factor, m.
+
+        2 c tan(45 + phi/2) / gamma (Rankine); at most half the slope's height (Terzaghi 1943).
+        """
         x, y = self.place(np.array([[way]]))
         cohesion, friction, layer = self._strength(x, y - NEAR * self.height, np.zeros((1, 1), int))
         weight = self.scene.soils[int(layer[0, 0])].density * self.scene.gravity.acceleration
-        return float(2.0 * cohesion[0, 0] * (friction[0, 0] + np.hypot(1.0, friction[0, 0])) / weight)
+        tangent = friction[0, 0] / factor
+        return min(float(2.0 * cohesion[0, 0] / factor * (tangent + np.hypot(1.0, tangent)) / weight), 0.5 * self.height)
 
     def place(self, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Places x and y on the ground, m, by the way to them."""
@@ -121,23 +125,29 @@ class Section(NamedTuple):
         x, y = edges.x[:, :-1] + 0.5 * width, edges.y[:, :-1] + 0.5 * rise
         at_x = edges.x[:, :-1, None] + width[..., None] * POINTS
         at_y = edges.y[:, :-1, None] + rise[..., None] * POINTS
-        top = self.ground(at_x)
-        mass, moment = self._above(at_x, at_y, top)
-        share = width * gravity
-        full = share * mass.mean(axis=-1)
-        centroid = moment.mean(axis=-1) / np.maximum(mass.mean(axis=-1), 1e-9) - y
-        drowned = np.maximum(np.minimum(top, self.level) - at_y, 0.0).mean(axis=-1)
+        top, surface = self.ground(at_x), self.ground(x)
+        mass, moment = (each.mean(axis=-1) for each in self._above(at_x, at_y, top))
         unit = 0.0 if scene.water is None else 1e3 * scene.water.unit_weight
+        drowned = np.maximum(np.minimum(top, self.level) - at_y, 0.0).mean(axis=-1)
         cohesion, friction, layer = self._strength(x, y, edges.seam)
-        pressure = self._pressure(x, y, layer, gravity) - unit * np.maximum(self.level - y, 0.0)
-        surface = self.ground(x)
         load = np.zeros((*x.shape, 2))
         if scene.water is not None and scene.water.r_u is None:
             line = scene.water.surface(scene.geometry, x.ravel()).reshape(x.shape)
             press = unit * (np.maximum(line - surface, 0.0) - np.maximum(self.level - surface, 0.0))
             load = press[..., None] * np.stack([np.diff(self.ground(edges.x), axis=1), -width], axis=-1)
         return Slices(
-            x, y, width, np.arctan2(rise, width), full - unit * width * drowned, full, centroid, cohesion, friction, pressure, load, surface - y
+            x=x,
+            y=y,
+            width=width,
+            inclination=np.arctan2(rise, width),
+            weight=width * (gravity * mass - unit * drowned),
+            full_weight=width * gravity * mass,
+            centroid=moment / np.maximum(mass, 1e-9) - y,
+            cohesion=cohesion,
+            friction=friction,
+            pressure=self._pressure(x, y, layer) - unit * np.maximum(self.level - y, 0.0),
+            load=load,
+            height=surface - y,
         )
 
     def _above(self, x: np.ndarray, y: np.ndarray, top: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -149,9 +159,9 @@ class Section(NamedTuple):
         column = np.clip(x / self.scene.geometry.width * COLUMNS - 0.5, 0.0, COLUMNS - 1.0)
         part = np.clip(y / np.maximum(top, 1e-9), 0.0, 1.0) * PARTS
         i, j = np.minimum(column.astype(int), COLUMNS - 2), np.minimum(part.astype(int), PARTS - 1)
-        s, t = column - i, part - j
-        table = self.surplus
-        more = (1 - s) * ((1 - t) * table[:, i, j] + t * table[:, i, j + 1]) + s * ((1 - t) * table[:, i + 1, j] + t * table[:, i + 1, j + 1])
+        across, up = column - i, part - j
+        left, right = ((1.0 - up) * self.surplus[:, at, j] + up * self.surplus[:, at, j + 1] for at in (i, i + 1))
+        more = left + across * (right - left)
         return mass + more[0], moment + more[1]
 
     def _strength(self, x: np.ndarray, y: np.ndarray, seam: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -163,17 +173,16 @@ class Section(NamedTuple):
         cohesion, angle = (each.reshape(x.shape) for each in peak_strength(self.scene, bases))
         friction = np.tan(angle)
         for number, own in enumerate(self.scene.seams.values(), 1):
-            along = seam == number
-            cohesion, friction = (np.where(along, of_seam, of_soil) for of_seam, of_soil in zip(own.peak, (cohesion, friction), strict=True))
+            cohesion, friction = (np.where(seam == number, *pair) for pair in zip(own.peak, (cohesion, friction), strict=True))
         return cohesion, friction, layer.reshape(x.shape)
 
-    def _pressure(self, x: np.ndarray, y: np.ndarray, layer: np.ndarray, gravity: float) -> np.ndarray:
+    def _pressure(self, x: np.ndarray, y: np.ndarray, layer: np.ndarray) -> np.ndarray:
         """Pore pressure at the middles of bases, Pa."""
         water = self.scene.water
         if water is None or water.r_u is None:
             return pore_pressure(self.scene, _particle(self.scene, x.ravel()), y.ravel()).reshape(x.shape)
         ratio = np.array([water.r_u, *(water.r_u if each.r_u is None else each.r_u for each in self.scene.layers.values())])[layer]
-        return ratio * gravity * self._above(x, y, self.ground(x))[0]
+        return ratio * self.scene.gravity.acceleration * self._above(x, y, self.ground(x))[0]
 
 
 def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
@@ -223,19 +232,21 @@ def lines(section: Section, given: np.ndarray, parts: int) -> Edges:
     return Edges(x, y, np.zeros((len(x), x.shape[1] - 1), int))
 
 
-def as_line(section: Section, edges: Edges, way: float, crack: float) -> np.ndarray:
-    """What ``lines`` takes (3 + vertices,) for the line through the first of some convex surfaces, which begins at a way (m) and ends where
-    it is as deep as a crack (m)."""
-    x, y = edges.x[0], edges.y[0]
-    depth = section.ground(x) - y
-    last = int(np.flatnonzero(depth >= crack)[-1])
-    after = min(last + 1, x.size - 1)
-    share = (depth[last] - crack) / max(depth[last] - depth[after], 1e-12)
-    end = float(x[last] + min(share, 1.0) * (x[after] - x[last])) if crack > 0.0 else float(x[-1])
-    corners = x[0] + (end - x[0]) * CORNERS
-    gradient = np.diff(np.interp(corners, x, y)) / np.diff(corners)
-    way_to_end = _way_to((end, float(section.ground(np.array([end]))[0])), section.x, section.y, section.way)
-    return np.concatenate([[way, way_to_end, crack], np.maximum(np.diff(gradient), 0.0)])
+def as_lines(section: Section, edges: Edges, ways: np.ndarray, cracks: np.ndarray) -> np.ndarray:
+    """What ``lines`` takes for convex surfaces that begin at ways (n,), m, each ended where it is as deep as each of some cracks, m."""
+    made = []
+    for x, y, way in zip(edges.x, edges.y, ways, strict=True):
+        depth = section.ground(x) - y
+        for crack in cracks:
+            last = int(np.flatnonzero(depth >= crack)[-1]) if (depth >= crack).any() else int(depth.argmax())
+            after = min(last + 1, x.size - 1)
+            share = (depth[last] - crack) / max(depth[last] - depth[after], 1e-12)
+            end = float(x[last] + np.clip(share, 0.0, 1.0) * (x[after] - x[last])) if crack > 0.0 else float(x[-1])
+            corners = x[0] + (end - x[0]) * CORNERS
+            gradient = np.diff(np.interp(corners, x, y)) / np.diff(corners)
+            way_to_end = _way_to((end, float(section.ground(np.array([end]))[0])), section.x, section.y, section.way)
+            made.append(np.concatenate([[way, way_to_end, crack], np.maximum(np.diff(gradient), 0.0)]))
+    return np.array(made)
 
 
 class Guide(NamedTuple):
@@ -278,7 +289,7 @@ def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
 
 
 def guides(section: Section) -> list[Guide]:
-    """The seams, and the lower sides of the thin layers, where each lies in the soil over some length."""
+    """The seams, and the lower sides of thin layers that are weaker than the scene's own soil, as far as each lies in the soil."""
     scene, found = section.scene, list[Guide]()
     for number, (name, seam) in enumerate(scene.seams.items(), 1):
         x, y = scene.geometry.in_box(*np.array(seam.points).T)
@@ -287,10 +298,11 @@ def guides(section: Section) -> list[Guide]:
             found += _within(section, f"along the seam {name}", number, x, y)
     column = (np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS
     top = section.ground(column)
-    for number, name in enumerate(("soil", *scene.layers)):
+    for number, (name, layer) in enumerate(scene.layers.items(), 1):
         there = section.layers == number
-        crossed = np.flatnonzero(there.any(axis=1)) if scene.layers else np.zeros(0, int)
-        if crossed.size < 2 or np.median(there.mean(axis=1)[crossed] * top[crossed]) > THIN * section.height:
+        crossed = np.flatnonzero(there.any(axis=1))
+        strong = layer.soil.cohesion >= scene.soil.cohesion and layer.soil.friction_angle >= scene.soil.friction_angle
+        if strong or crossed.size < 2 or np.median(there.mean(axis=1)[crossed] * top[crossed]) > THIN * section.height:
             continue
         longest = max(np.split(crossed, np.flatnonzero(np.diff(crossed) > 1) + 1), key=len)
         lowest = top * (there.argmax(axis=1) + 0.5) / PARTS
