@@ -32,6 +32,8 @@ CLOSE = 1e-6
 """Change of Spencer's inclination at which it is found, rad."""
 LARGEST = 100.0
 """Factor of safety with which Bishop's iteration begins."""
+SAME = 1e-4
+"""Relative difference of values that are the same for every inclination."""
 CLOSED = 1e-5
 """Moments left over the normal forces times the width of the body, at most: a change of sign may be a pole."""
 NEAR = 1e-8
@@ -265,20 +267,31 @@ class _Trial(NamedTuple):
 
 def _balance(forces: _Forces, balanced: Callable[[_Forces, np.ndarray], _Trial]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Value, effective normal forces and angle at which the moments balance as well: the change of sign nearest to level forces, closed by
-    regula falsi (Illinois)."""
+    regula falsi (Illinois).
+
+    Where the forces alone give the same value for every inclination, as on a plane, that is the answer.
+    """
     surfaces = len(forces.x)
     trial = balanced(forces, np.broadcast_to(ANGLES, (surfaces, ANGLES.size)))
-    rest = np.where(np.isfinite(trial.value), trial.rest, np.nan)
+    width = forces.slices.width.sum(axis=-1)[:, None]
+    nothing = np.abs(trial.rest) <= NEAR * np.abs(trial.normal).sum(axis=-1) * width
+    rest = np.where(np.isfinite(trial.value), np.where(nothing, 0.0, trial.rest), np.nan)
     crosses = rest[:, :-1] * rest[:, 1:] <= 0.0
     rows = np.flatnonzero(crosses.any(axis=1))
-    value, normal, found = np.full(surfaces, np.inf), np.zeros(forces.x.shape), np.zeros(surfaces)
+    sound = np.isfinite(trial.value)
+    level = np.where(sound, np.abs(ANGLES), np.inf).argmin(axis=1)
+    most, least = np.where(sound, trial.value, -np.inf).max(axis=1), np.where(sound, trial.value, np.inf).min(axis=1)
+    plane = (np.count_nonzero(sound, axis=1) > 2) & (most - least <= SAME * np.abs(least))
+    every = np.arange(surfaces)
+    value, found = np.where(plane, trial.value[every, level], np.inf), np.where(plane, ANGLES[level], 0.0)
+    normal = np.where(plane[:, None], trial.normal[every, level], 0.0)
     if not rows.size:
         return value, normal, found
     at = np.where(crosses, np.abs(ANGLES[:-1] + ANGLES[1:]), np.inf).argmin(axis=1)[rows]
     low, high, below, above = ANGLES[at], ANGLES[at + 1], rest[rows, at], rest[rows, at + 1]
     angle, forces = low, forces.some(rows)
     for _ in range(ROUNDS):
-        old, angle = angle, (low * above - high * below) / (above - below)
+        old, angle = angle, np.where(above == below, low, (low * above - high * below) / (above - below))
         left = balanced(forces, angle[:, None]).rest[:, 0]
         stays = left * above > 0.0
         low, below = np.where(stays, low, high), np.where(stays, 0.5 * below, above)
@@ -286,7 +299,7 @@ def _balance(forces: _Forces, balanced: Callable[[_Forces, np.ndarray], _Trial])
         if not (np.abs(angle - old) > CLOSE).any():
             break
     trial = balanced(forces, angle[:, None])
-    scale = np.abs(trial.normal[:, 0]).sum(axis=-1) * forces.slices.width.sum(axis=-1)
-    closed = np.abs(trial.rest[:, 0]) <= CLOSED * scale
-    value[rows], normal[rows], found[rows] = np.where(closed, trial.value[:, 0], np.inf), trial.normal[:, 0], angle
+    closed = np.abs(trial.rest[:, 0]) <= CLOSED * np.abs(trial.normal[:, 0]).sum(axis=-1) * width[rows, 0]
+    rows, trial = rows[closed], _Trial(*(each[closed] for each in trial))
+    value[rows], normal[rows], found[rows] = trial.value[:, 0], trial.normal[:, 0], angle[closed]
     return value, normal, found

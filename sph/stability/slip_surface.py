@@ -312,12 +312,19 @@ def guides(section: Section) -> list[Guide]:
 
 def _within(section: Section, name: str, seam: int, x: np.ndarray, y: np.ndarray) -> list[Guide]:
     """The guide along a line as far as it lies in the soil; none where that is nowhere."""
-    geometry = section.scene.geometry
-    places = np.unique(np.concatenate([x, np.linspace(max(x[0], 0.0), min(x[-1], geometry.width), 2001)]))
+    width = section.scene.geometry.width
+    places = np.unique(np.concatenate([x, section.x, np.linspace(max(x[0], 0.0), min(x[-1], width), 2001)]))
+    places = places[(places >= max(x[0], 0.0)) & (places <= min(x[-1], width))]
     height = np.interp(places, x, y)
-    inside = (places >= 0.0) & (places <= geometry.width) & (height >= 0.0) & (height <= section.ground(places))
+    cover = section.ground(places) - height
+    inside = (height >= 0.0) & (cover >= 0.0)
     if np.count_nonzero(inside) < 2:
         return []
     at = np.flatnonzero(inside)
     longest = max(np.split(at, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
-    return [Guide(name, seam, places[longest], height[longest])]
+    ends = []
+    for last, beyond in ((longest[0], longest[0] - 1), (longest[-1], longest[-1] + 1)):
+        out = 0 <= beyond < places.size and cover[beyond] < 0.0  # the place where the line comes out of the ground
+        ends.append(places[last] + cover[last] / (cover[last] - cover[beyond]) * (places[beyond] - places[last]) if out else places[last])
+    along_it = np.unique(np.concatenate([ends, places[longest]]))
+    return [Guide(name, seam, along_it, np.interp(along_it, x, y))]

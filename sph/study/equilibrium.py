@@ -70,18 +70,13 @@ def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> list[s
     """Why the two can differ as they do in this scene."""
     loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
     thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < FEWEST_IN_LAYER]
+    bent = found.spencer.where == "line" and found.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
     reasons = [
         (difference < 0 and loose, "soil that dilates less than its friction angle is weaker in the particles (Davis 1968)"),
         (difference > 0 and found.spencer.crack > 0, "Spencer's surface ends in a tension crack, where the particles bear tension"),
         (difference > 0 and bool(thin), f"{', '.join(thin)}: few particles across, which makes a layer too strong"),
         (difference > 0, "the searches with particles are on the strong side at coarse spacings"),
-        (
-            difference > 0
-            and found.spencer.where == "line"
-            and not found.spencer.crack
-            and all(s.friction_angle == 0 for s in scene.soils),
-            "without friction a surface that is not a circle bends the body, of which slices take no account",
-        ),
+        (difference > 0 and bent, "without friction a surface that is not a circle bends the body, of which slices take no account"),
         (scene.walls.friction is not None, "soil also slides on the walls (walls.friction), of which limit equilibrium knows nothing"),
     ]
     return [text for applies_here, text in reasons if applies_here]
