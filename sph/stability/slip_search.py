@@ -125,9 +125,10 @@ def worst_circle(section: Section, method: Callable[[Slices, np.ndarray], Balanc
     grid = grid[grid[:, 1] > grid[:, 0]]
     scale = np.array([section.height, section.height, 1.0])
     found = values(grid)
-    best = descend(values, _best(found, grid, CIRCLES), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
-    edges, centre = circles(section, best[None], SLICES)
-    return _surface(section, "circle", edges, method, centre), np.vstack([best, grid[_spread(found)]])
+    ends = descend(values, _best(found, grid, CIRCLES), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
+    edges, centre = circles(section, ends, SLICES)
+    surface, worst = _surface(section, "circle", edges, method, centre, most=1.0)
+    return surface, np.vstack([ends[worst], grid[_spread(found)]])
 
 
 def worst_surface(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, enough: float, factor: float) -> Surface:
@@ -156,11 +157,11 @@ def _worst(section: Section, method: Callable[[Slices], Balance], near: np.ndarr
     starts = as_lines(section, edges, near[:, 0], cracks)
     first, others = starts[: cracks.size], starts[cracks.size :]
     starts = np.vstack([_best(values(first), first), _best(values(others), others)])
-    best = descend(values, starts, scale, 0.0 * high, high)
-    found = [_surface(section, "line", lines(section, best[None], parts), method)]
+    ends = descend(values, starts, scale, 0.0 * high, high)
+    found = [_surface(section, "line", lines(section, ends, parts), method)[0]]
     circle = Edges(*(each[:1] for each in edges))
     if np.isfinite(_values(section, circle, method)[0]):
-        found.append(_surface(section, "circle", circle, method))
+        found.append(_surface(section, "circle", circle, method)[0])
     for guide in guides(section):
         found.append(_along(section, guide, method, min(each.value for each in found), cracks))
     return min(found, key=lambda each: each.value)
@@ -175,8 +176,8 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
         return np.where(_turns_up(edges, parts), _values(section, edges, method), np.inf)
 
     height, reach, end = section.height, REACH * section.height, section.way[-1]
-    ends = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
-    low_x, high_x = np.clip(ends, guide.x[0], guide.x[-1])
+    limits = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
+    low_x, high_x = np.clip(limits, guide.x[0], guide.x[-1])
     place = np.linspace(low_x, high_x, PLACES)
     join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
     join, leave = join[leave > join], leave[leave > join]
@@ -194,8 +195,8 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
         return NONE
     scale = np.array([height, height, height, height, height, 1.0, 1.0])
     low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
-    best_given = descend(values, _best(found, grid), scale, low, high)
-    return _surface(section, guide.name, along(section, guide, best_given[None], parts), method)
+    ends = descend(values, _best(found, grid), scale, low, high)
+    return _surface(section, guide.name, along(section, guide, ends, parts), method)[0]
 
 
 def _turns_up(edges: Edges, parts: int) -> np.ndarray:
@@ -209,7 +210,7 @@ def _turns_up(edges: Edges, parts: int) -> np.ndarray:
 
 
 def descend(values: Values, starts: np.ndarray, scale: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """Pattern search (Hooke and Jeeves 1961) from several starts (n, d) within bounds (d,) at once: the best end (d,).
+    """Pattern search (Hooke and Jeeves 1961) from several starts (n, d) within bounds (d,) at once: the ends (n, d).
 
     Each step tries both directions of every number, then all that bettered it together, once and twice; where nothing is better it halves.
     """
@@ -234,8 +235,7 @@ def descend(values: Values, starts: np.ndarray, scale: np.ndarray, low: np.ndarr
         step = np.where(moved, step, 0.5 * step)
         if (step < LAST).all():
             break
-    end: np.ndarray = at[int(np.argmin(least))]
-    return end
+    return at
 
 
 def _values(section: Section, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray) -> np.ndarray:
@@ -249,13 +249,21 @@ def _values(section: Section, edges: Edges, method: Callable[..., Balance], *cen
     return values
 
 
-def _surface(section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray) -> Surface:
-    """The answer of a method for one surface, cut into more slices than in the search."""
-    finer = method(section.slices(edges.divided(FINER)), *centre)
-    balance = finer if np.isfinite(finer.value[0]) else method(section.slices(edges), *centre)
-    crack = float(section.ground(edges.x[0, -1:])[0] - edges.y[0, -1])
+def _surface(
+    section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray, most: float = 2.0 * MOST_TENSION
+) -> tuple[Surface, int]:
+    """The worst of some surfaces (n,), cut into more slices than in the search, which may have found bases that lie well in weak layers.
+
+    And its number.
+    """
+    coarse, finer = (method(section.slices(each), *centre) for each in (edges, edges.divided(FINER)))
+    sound = np.isfinite(finer.value) & (finer.tension <= most)  # others stand on the edge of what balances
+    values, tension = (np.where(sound, *pair) for pair in zip(finer[::2], coarse[::2], strict=True))
+    values = np.where(coarse.tension <= most, values, np.inf)
+    worst = int(values.argmin())
+    crack = float(section.ground(edges.x[worst, -1:])[0] - edges.y[worst, -1])
     crack = crack if crack > 1e-3 * section.height else 0.0
-    return Surface(float(balance.value[0]), where, edges.x[0], edges.y[0], float(balance.tension[0]), crack)
+    return Surface(float(values[worst]), where, edges.x[worst], edges.y[worst], float(tension[worst]), crack), worst
 
 
 def _spread(values: np.ndarray) -> np.ndarray:

@@ -130,6 +130,9 @@ class Section(NamedTuple):
         unit = 0.0 if scene.water is None else 1e3 * scene.water.unit_weight
         drowned = np.maximum(np.minimum(top, self.level) - at_y, 0.0).mean(axis=-1)
         cohesion, friction, layer = self._strength(x, y, edges.seam)
+        if scene.layers or scene.varying:  # a base may lie in several soils
+            parts = self._strength(at_x, at_y, np.repeat(edges.seam[..., None], POINTS.size, axis=-1))
+            cohesion, friction = (each.mean(axis=-1) for each in parts[:2])
         load = np.zeros((*x.shape, 2))
         if scene.water is not None and scene.water.r_u is None:
             line = scene.water.surface(scene.geometry, x.ravel()).reshape(x.shape)
