@@ -8,6 +8,7 @@ from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.study.cost import cost
+from sph.study.equilibrium import equilibrium_rows
 from sph.study.finding import Finding
 from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.study.layer_findings import Layer, layers_of, seam_rows
@@ -49,6 +50,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
         toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
         steep = f"{geometry.slope_height:.4g} m high, 1 : {(geometry.crest[0] - geometry.toe[0]) / geometry.slope_height:.2g}"
         lines.append(("slope", f"toe ({toe[0]:.10g}, {toe[1]:.10g}) m, crest ({crest[0]:.10g}, {crest[1]:.10g}) m, {steep}"))
+    lines += equilibrium_rows(scene)
     for name, particle in found.probes.items():
         x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
         lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))

@@ -25,6 +25,7 @@ from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, dimension, shown_unit
+from sph.study.equilibrium import weakest_words
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
 from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
@@ -69,9 +70,11 @@ def answer(
     """
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
+    factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
+    by_slices = weakest_words(findings)
     facts = [
         ("Without shaking", *unshaken(table, rows)),
-        ("Factor of safety", *limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")),
+        ("Factor of safety", f"{factor} by particles; {by_slices}" if by_slices else factor, how),
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
         *answer_spacing(found(SPACINGS)),

@@ -38,6 +38,8 @@ CODES: dict[str, Code] = {
     "mobilised-strength": Code(NOTE, "share of its peak strength that a layer mobilises under gravity alone; a warning from 95 % on"),
     "factor-of-safety": Code(NOTE, "static factor of safety"),
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
+    "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),
+    "limit-equilibrium-differs": Code(NOTE, "the factor of safety by particles differs by more than 5 % from Spencer's, and why it can"),
     "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
     "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
     "record-drift": Code(WARNING, "the ground still moves at the end of the record"),

@@ -1,7 +1,8 @@
 """The preflight: what is found of a scene, or of all scenes of a study, before any run of them.
 
 ``sph.study.findings`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
-strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error.  Both are
+strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error, and what limit
+equilibrium says of them (``sph.study.equilibrium``), which takes seconds.  Both are
 searched at two spacings and extrapolated: at one, slopes come out too strong.  ``sph check --stability`` takes the scene's own
 spacing and twice that; the first job of a study takes coarser ones, which cost a fraction of that and leave a larger error.
 """
@@ -29,6 +30,7 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
+from sph.study.equilibrium import of_equilibrium
 from sph.study.finding import Finding, Severity, finding, off_by
 from sph.study.findings import findings
 from sph.study.layer_findings import broken_at, layers_of
@@ -91,10 +93,14 @@ def stability(scene: Scene) -> list[Finding]:
     if not peak.trial.stands:
         return [_of_peak(peak, scene)]
 
+    factors = list[float]()
+
     def limit(code: str) -> Finding:
         label, find, _ = QUESTIONS[code]
         try:
-            return _of_limit(code, extrapolated(find, scene))
+            search = extrapolated(find, scene)
+            factors.extend([search.value] if code == "factor-of-safety" else [])
+            return _of_limit(code, search)
         except ValueError as error:
             return finding("stability-unknown", label, f"not found: {error}")
 
@@ -103,7 +109,8 @@ def stability(scene: Scene) -> list[Finding]:
     coarse: list[Finding] = []
     with suppress(ValueError):  # of spacings too close to each other, which the searches tell
         coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
-    return [*standing, *coarse, *map(limit, QUESTIONS)]
+    limits = [limit(code) for code in QUESTIONS]
+    return [*standing, *coarse, *limits, *of_equilibrium(scene, factors)]
 
 
 class Peak(NamedTuple):
@@ -361,17 +368,22 @@ def study_stability(
         for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
             say(f"{names[0]}: {broken.line()}")
             found.setdefault(broken, []).extend(names)
+        factors = list[float]()
         for code in searches:
             label, find, _ = QUESTIONS[code]
             try:
                 search = extrapolated(find, scene, QUICK_TOLERANCE, asked=quick_spacings(scene))
                 fine = len(search.searches[1].trials)
                 limit, trials = _of_limit(code, search), (search.runs - fine, fine)
+                factors += [search.value] if code == "factor-of-safety" else []
             except ValueError as error:
                 limit, trials = finding("stability-unknown", label, f"not found: {error}"), QUICK_TRIALS
             spent += search_seconds(scene, trials)
             say(f"{names[0]}: {limit.line()}")
             found.setdefault(limit, []).extend(names)
+        for each in of_equilibrium(scene, factors):
+            say(f"{names[0]}: {each.line()}")
+            found.setdefault(each, []).extend(names)
     if unsearched:
         how = "not searched, to save time; sph fos and sph yield-acceleration search one, also from the file of a run"
         found[finding("stability-unknown", "factor of safety and yield acceleration of further slopes of the study", how)] = unsearched

@@ -312,6 +312,16 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
         "3 of 4 runs: the layer clay is thin: 2 particles across, wanted at least 4" in first
         and "Factor of safety 1.35 ± 0.02 static, extrapolated from spacings of 2 and 1 m" in first
     )
+    # The weakest slope by slices stands beside it.
+    slices = [
+        Finding(
+            "limit-equilibrium", "note", "", f"Bishop 1.44 (circle), Spencer {factor} (not circular); yield acceleration Spencer 1 m/s2"
+        )
+        for factor in (1.42, 1.31)
+    ]
+    write_preflight(findings, [Row(each, 1, "one") for each in (note, *slices)])
+    first = Words(build_page(study)).text.partition("One run")[0]
+    assert "Factor of safety 1.41 ± 0.10 by particles; Bishop 1.44 (circle), Spencer 1.31 (not circular) static" in first
 
 
 def searched_file(path: Path, by: str, value: float, error: float, reason: str = "") -> str:

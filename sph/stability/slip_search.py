@@ -1,0 +1,283 @@
+"""The slip surface with the least factor of safety, or the least critical coefficient, of a scene's slope by limit equilibrium.
+
+Circles are tried on a grid of their ends and of their depth, by Bishop's method, and the best of them are moved until no smaller step
+betters them.  Spencer's method goes on from the best circle with convex lines of any shape, and along every seam, layer and the base with
+lines that leave it through the soil.  Nothing is drawn at random: the same scene has the same answer.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.geometry import SLOPES
+from sph.scene.schema import Scene
+from sph.stability.limit_equilibrium import Balance, Slices, bishop, bishop_coefficient, spencer, spencer_coefficient
+from sph.stability.slip_surface import STEEPEST, VERTICES, Edges, Guide, Section, along, as_lines, circles, guides, lines
+
+SLICES, FINER = 40, 5
+"""Slices of a surface in the search, about, and slices into which each is cut for the answer."""
+ENDS, HALVES = 13, np.radians([4.0, 9.0, 15.0, 21.0, 27.0, 34.0, 42.0, 50.0, 58.0, 66.0])
+"""Places of either end in the grid of circles, and halves of their arcs, rad."""
+PLACES = 11
+"""Places on a guide where the first lines join and leave it."""
+REACH = 3.0
+"""Heights of the slope before the toe and behind the crest within which surfaces of the grid end."""
+CIRCLES, STARTS = 8, 3
+"""Circles of the grid that are moved, and lines."""
+FIRST, LAST = 0.1, 1e-3
+"""Steps of a descent over H, at first and at the end; of angles and gradients likewise."""
+STEPS = 80
+"""Most steps of a descent."""
+PROMISING = 1.25
+"""Factor of a guide's first surface over the best so far up to which it is followed."""
+
+MOST_TENSION = 0.05
+"""Share of a surface in tension above which Spencer's answer is not taken."""
+CRACKS = np.array([0.0, 0.3, 0.6, 1.0])
+"""Parts of the depth in tension to which cracks are tried."""
+OTHERS, NEARBY = 60, 1.3
+"""Further circles of the grid from which lines may begin, and their value over the least."""
+ENOUGH = 1.06
+"""Factor of safety over that of Bishop's circle up to which an answer without a crack is taken."""
+HUGE = 1e6
+"""More than any factor of safety."""
+EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
+"""Gradients with which the first lines along a guide leave it towards the toe and the crest."""
+
+Values = Callable[[np.ndarray], np.ndarray]
+
+
+class Surface(NamedTuple):
+    """The worst slip surface of a method."""
+
+    value: float
+    """factor of safety, or critical coefficient; infinite where none was found"""
+    where: str
+    """``circle``, ``line``, or what it runs along"""
+    x: np.ndarray
+    """(points,) in the box, m"""
+    y: np.ndarray
+    """(points,) m"""
+    tension: float
+    """share of its length in tension"""
+    crack: float
+    """depth of the vertical crack at its upper end, m"""
+
+
+NONE = Surface(np.inf, "", np.zeros(0), np.zeros(0), 0.0, 0.0)
+
+
+class LimitEquilibrium(NamedTuple):
+    """Limit equilibrium of a scene's slope."""
+
+    bishop: Surface
+    """factor of safety of the worst circle, Bishop's simplified method"""
+    spencer: Surface
+    """factor of safety of the worst surface of any shape, Spencer's method"""
+    critical: Surface
+    """least critical coefficient by Spencer's method, the yield acceleration over g; infinite where F is not above 1"""
+
+
+def applies(scene: Scene) -> bool:
+    """Whether limit equilibrium has a question to answer: a slope of solid soil under vertical gravity."""
+    return (
+        isinstance(scene.geometry, SLOPES)
+        and scene.gravity.acceleration > 0.0
+        and scene.gravity.inclination == 0.0
+        and scene.prescribed_velocity_gradient is None
+        and scene.coupling.initial_state == "solid"
+    )
+
+
+def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibrium:
+    """Factors of safety of a scene's slope at its peak strength, under a horizontal coefficient, and its critical coefficient.
+
+    A surface in ``critical`` ends in a crack as well where that of the factor of safety does.  ValueError where ``applies`` says no.
+    """
+    if not applies(scene):
+        raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
+    section = Section.of(scene)
+    circle, starts = worst_circle(section, partial(bishop, k=coefficient))
+    surface = worst_surface(section, partial(spencer, k=coefficient), starts, ENOUGH * circle.value, circle.value)
+    critical = NONE
+    if surface.value > 1.0 and np.isfinite(surface.value):
+        starts = worst_circle(section, bishop_coefficient)[1]
+        critical = worst_surface(section, spencer_coefficient, starts, HUGE if surface.crack == 0.0 else -HUGE, 1.0)
+    return LimitEquilibrium(circle, surface, critical)
+
+
+def worst_circle(section: Section, method: Callable[[Slices, np.ndarray], Balance]) -> tuple[Surface, np.ndarray]:
+    """The circle with the least value, and the numbers by which ``circles`` makes it and others that come near, (n, 3)."""
+
+    def values(given: np.ndarray) -> np.ndarray:
+        edges, centre = circles(section, given, SLICES)
+        return _values(section, edges, method, centre)
+
+    reach, end = REACH * section.height, section.way[-1]
+    face, apart = np.linspace(section.toe, section.crest, ENDS), np.linspace(0.0, 1.0, ENDS)[1:] ** 2
+    left = np.concatenate([np.maximum(section.toe - reach * apart, 0.0), face])
+    right = np.concatenate([face, np.minimum(section.crest + reach * apart, end)])
+    grid = np.stack(np.meshgrid(left, right, HALVES, indexing="ij"), axis=-1).reshape(-1, 3)
+    grid = grid[grid[:, 1] > grid[:, 0]]
+    scale = np.array([section.height, section.height, 1.0])
+    found = values(grid)
+    ends = descend(values, _best(found, grid, CIRCLES), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
+    edges, centre = circles(section, ends, SLICES)
+    surface, worst = _surface(section, "circle", edges, method, centre, most=1.0)
+    return surface, np.vstack([ends[worst], grid[_spread(found)]])
+
+
+def worst_surface(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, enough: float, factor: float) -> Surface:
+    """The surface with the least value, begun from the worst circles, by the numbers of ``circles`` (n, 3), and along the guides.
+
+    Where none has a value up to ``enough``, since the forces balance for no such surface without much tension, it may end in a vertical
+    crack, as deep as soil whose strength is divided by a factor is in tension, or less.
+    """
+    if enough > 0.0:
+        whole = _worst(section, method, near, np.zeros(1))
+        if whole.value <= enough:
+            return whole
+    return _worst(section, method, near, section.crack(float(near[0, 1]), factor) * CRACKS)
+
+
+def _worst(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, cracks: np.ndarray) -> Surface:
+    """The surface with the least value: a convex line begun from circles that cracks of some depths (m) end, or one along a guide."""
+    way, height, parts = section.way[-1], section.height, SLICES // (VERTICES.size + 1)
+    edges = circles(section, near, SLICES)[0]
+
+    def values(given: np.ndarray) -> np.ndarray:
+        return _values(section, lines(section, given, parts), method)
+
+    scale = np.concatenate([[height, height, height], np.ones(VERTICES.size)])
+    high = np.concatenate([[way, way, cracks[-1]], np.full(VERTICES.size, STEEPEST[1])])
+    starts = as_lines(section, edges, near[:, 0], cracks)
+    first, others = starts[: cracks.size], starts[cracks.size :]
+    starts = np.vstack([_best(values(first), first), _best(values(others), others)])
+    ends = descend(values, starts, scale, 0.0 * high, high)
+    found = [_surface(section, "line", lines(section, ends, parts), method)[0]]
+    circle = Edges(*(each[:1] for each in edges))
+    if np.isfinite(_values(section, circle, method)[0]):
+        found.append(_surface(section, "circle", circle, method)[0])
+    for guide in guides(section):
+        found.append(_along(section, guide, method, min(each.value for each in found), cracks))
+    return min(found, key=lambda each: each.value)
+
+
+def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], best: float, cracks: np.ndarray) -> Surface:
+    """The worst surface along a guide, if its first ones promise to be worse than the best so far."""
+    parts = SLICES // 6
+
+    def values(given: np.ndarray) -> np.ndarray:
+        edges = along(section, guide, given, parts)
+        return np.where(_turns_up(edges, parts), _values(section, edges, method), np.inf)
+
+    height, reach, end = section.height, REACH * section.height, section.way[-1]
+    limits = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
+    low_x, high_x = np.clip(limits, guide.x[0], guide.x[-1])
+    place = np.linspace(low_x, high_x, PLACES)
+    join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
+    join, leave = join[leave > join], leave[leave > join]
+    if not join.size:
+        return NONE
+    depth = [section.ground(x) - np.interp(x, guide.x, guide.y) for x in (join, leave)]
+    starts = []
+    for out in EXITS:
+        for back in ENTRIES:
+            left, right = (np.interp(x, section.x, section.way) for x in (join - depth[0] / out, leave + depth[1] / back))
+            starts.append(np.column_stack([left, right, np.full(join.size, 0.5 * cracks[-1]), join, leave, np.zeros((join.size, 2))]))
+    grid = np.concatenate(starts)
+    found = values(grid)
+    if not found.min() < PROMISING * best + 0.1:
+        return NONE
+    scale = np.array([height, height, height, height, height, 1.0, 1.0])
+    low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
+    ends = descend(values, _best(found, grid), scale, low, high)
+    return _surface(section, guide.name, along(section, guide, ends, parts), method)[0]
+
+
+def _turns_up(edges: Edges, parts: int) -> np.ndarray:
+    """Which lines (n,) along a guide do not turn down where they join or leave it, so that the body can move."""
+    gradient = np.diff(edges.y, axis=1) / np.maximum(np.diff(edges.x, axis=1), 1e-12)
+    there = np.diff(edges.x, axis=1) > 1e-9
+    sound = np.ones(len(edges.x), bool)
+    for at in (2 * parts, 4 * parts):
+        sound &= (gradient[:, at] >= gradient[:, at - 1] - 1e-6) | ~there[:, at] | ~there[:, at - 1]
+    return sound
+
+
+def descend(values: Values, starts: np.ndarray, scale: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Pattern search (Hooke and Jeeves 1961) from several starts (n, d) within bounds (d,) at once: the ends (n, d).
+
+    Each step tries both directions of every number, then all that bettered it together, once and twice; where nothing is better it halves.
+    """
+    at, count, rows = np.clip(starts, low, high), starts.shape[1], np.arange(len(starts))
+    least, step = values(at), np.full(len(starts), FIRST)
+    moves = np.concatenate([np.eye(count), -np.eye(count)]) * scale
+
+    def trial(moved: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        places = np.clip(at[:, None] + moved, low, high)
+        return places, values(places.reshape(-1, count)).reshape(len(at), -1)
+
+    for _ in range(STEPS):
+        single, found = trial(step[:, None, None] * moves)
+        gain = np.where(found < least[:, None], np.minimum(least[:, None], HUGE) - found, 0.0)
+        way = np.sign(gain[:, :count] - gain[:, count:]) * scale * step[:, None]
+        joint, found_jointly = trial(way[:, None] * np.array([1.0, 2.0])[:, None])
+        places, found = np.concatenate([single, joint], axis=1), np.concatenate([found, found_jointly], axis=1)
+        best = found.argmin(axis=1)
+        moved = found[rows, best] < least
+        at = np.where(moved[:, None], places[rows, best], at)
+        least = np.where(moved, found[rows, best], least)
+        step = np.where(moved, step, 0.5 * step)
+        if (step < LAST).all():
+            break
+    return at
+
+
+def _values(section: Section, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray) -> np.ndarray:
+    """Values (n,) of surfaces, infinite for those that are not possible."""
+    possible = section.possible(edges)
+    values = np.full(len(edges.x), np.inf)
+    if possible.any():
+        slices = section.slices(Edges(*(each[possible] for each in edges)))
+        balance = method(slices, *(each[possible] for each in centre))
+        values[possible] = balance.value if centre else np.where(balance.tension > MOST_TENSION, np.inf, balance.value)
+    return values
+
+
+def _surface(
+    section: Section, where: str, edges: Edges, method: Callable[..., Balance], *centre: np.ndarray, most: float = 2.0 * MOST_TENSION
+) -> tuple[Surface, int]:
+    """The worst of some surfaces (n,), cut into more slices than in the search, which may have found bases that lie well in weak layers.
+
+    And its number.
+    """
+    coarse, finer = (method(section.slices(each), *centre) for each in (edges, edges.divided(FINER)))
+    sound = np.isfinite(finer.value) & (finer.tension <= most)  # others stand on the edge of what balances
+    values, tension = (np.where(sound, *pair) for pair in zip(finer[::2], coarse[::2], strict=True))
+    values = np.where(coarse.tension <= most, values, np.inf)
+    worst = int(values.argmin())
+    crack = float(section.ground(edges.x[worst, -1:])[0] - edges.y[worst, -1])
+    crack = crack if crack > 1e-3 * section.height else 0.0
+    return Surface(float(values[worst]), where, edges.x[worst], edges.y[worst], float(tension[worst]), crack), worst
+
+
+def _spread(values: np.ndarray) -> np.ndarray:
+    """Indices of ``OTHERS`` values or fewer, evenly through those that come near the least."""
+    near = np.argsort(values, kind="stable")[: np.count_nonzero(values < NEARBY * values.min() + 0.1)]
+    return near[:: max(1, near.size // OTHERS)]
+
+
+def _best(values: np.ndarray, grid: np.ndarray, count: int = STARTS) -> np.ndarray:
+    """The best of a grid (n, d) that differ in their ends, its first two numbers."""
+    kept = list[int]()
+    for each in np.argsort(values, kind="stable").tolist():
+        if all((grid[each, :2] != grid[other, :2]).any() for other in kept):
+            kept.append(each)
+        if len(kept) == count:
+            break
+    return grid[kept]

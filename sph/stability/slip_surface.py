@@ -1,0 +1,333 @@
+"""Slip surfaces in a scene, and the slices above them: strength, weight and water from the scene's own ground, layers, seams and water.
+
+Water that stands before the toe enters as Bishop (1955) takes it: below its level the soil is weighed less its buoyancy, and the pore
+pressure counts beyond that of this water.  A slope under water then has the factor of a dry one of the buoyant weight, whatever the method.
+Other standing water is a load on the ground.
+
+A surface begins on the ground at the left, where the soil comes out, and ends on the ground at the right.  Ends are given by their way
+along the ground from its left end (m), so that a vertical face has places too.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.gravity import FAILED_AREA
+from sph.scene.schema import Scene
+from sph.solver.particles import SOIL, Particles, layer_index, peak_strength
+from sph.solver.physics.pore_pressure import pore_pressure
+from sph.stability.limit_equilibrium import Slices
+from sph.stability.standing import slope_height
+
+COLUMNS, PARTS = 400, 200
+"""Columns, and parts of their height, in which layers are weighed."""
+POINTS = np.array([0.125, 0.375, 0.625, 0.875])
+"""Places in a slice at which its depth is taken."""
+NEAR = 1e-6
+"""Part of H that is nothing."""
+THIN = 0.25
+"""Part of H up to which a layer is thin, so that surfaces along it are tried."""
+STEEPEST = np.tan(np.radians([-60.0, 88.0]))
+"""Gradients between which bases lie."""
+
+
+class Edges(NamedTuple):
+    """Surfaces as the ends of the bases of their slices, in the box."""
+
+    x: np.ndarray
+    """(surfaces, slices + 1) m, from the toe's side to the crest's"""
+    y: np.ndarray
+    """(surfaces, slices + 1) m"""
+    seam: np.ndarray
+    """(surfaces, slices) number of the seam along which a base lies, from 1 on; 0 in the soil"""
+
+    def divided(self, parts: int) -> Edges:
+        """The same surfaces with so many slices for each."""
+        return Edges(_divided(self.x, parts), _divided(self.y, parts), np.repeat(self.seam, parts, axis=1))
+
+
+class Section(NamedTuple):
+    """What slices need of a scene."""
+
+    scene: Scene
+    x: np.ndarray  # corners of the ground, m
+    y: np.ndarray
+    way: np.ndarray  # along the ground to them, m
+    toe: float  # way to the toe, m
+    crest: float
+    height: float  # of the slope, m
+    level: float  # of the water that stands before the toe, m; -inf without
+    layers: np.ndarray  # (COLUMNS, PARTS) number of the layer in the middle of each part; without layers (0, 0)
+    surplus: np.ndarray  # (2, COLUMNS, PARTS + 1) density beyond the own soil's above a part's lower end, and its first moment
+
+    @classmethod
+    def of(cls, scene: Scene) -> Section:
+        """The section of a scene with a slope."""
+        geometry = scene.geometry
+        x, y = (np.array(side) for side in geometry.surface)
+        way = np.concatenate([[0.0], np.cumsum(np.hypot(np.diff(x), np.diff(y)))])
+        toe, crest = (_way_to(place, x, y, way) for place in (geometry.toe, geometry.crest))
+        level, water = -np.inf, scene.water
+        if water is not None and water.r_u is None:
+            at_toe = float(water.surface(geometry, np.array([geometry.toe[0]]))[0])
+            level = at_toe if at_toe > geometry.toe[1] else -np.inf
+        layers, surplus = np.zeros((0, 0), int), np.zeros((2, 0, 0))
+        if scene.layers:
+            column = (np.arange(COLUMNS) + 0.5) * geometry.width / COLUMNS
+            top = np.interp(column, x, y)
+            part = (np.arange(PARTS) + 0.5) / PARTS
+            place = np.repeat(column, PARTS), (top[:, None] * part).ravel()
+            layers = layer_index(scene, _particle(scene, place[0]), place[1]).reshape(COLUMNS, PARTS)
+        if len({soil.density for soil in scene.soils}) > 1:
+            density = np.array([soil.density - scene.soil.density for soil in scene.soils])[layers] * top[:, None] / PARTS
+            moment = density * top[:, None] * part
+            surplus = np.array([np.cumsum(np.pad(each, ((0, 0), (0, 1)))[:, ::-1], axis=1)[:, ::-1] for each in (density, moment)])
+        return cls(scene, x, y, way, toe, crest, slope_height(scene), level, layers, surplus)
+
+    def ground(self, x: np.ndarray) -> np.ndarray:
+        """Height of the ground at places of any shape, m."""
+        found: np.ndarray = np.interp(x, self.x, self.y)
+        return found
+
+    def crack(self, way: float, factor: float) -> float:
+        """Depth to which the soil at a place on the ground is in tension with its strength divided by a factor, m.
+
+        2 c tan(45 + phi/2) / gamma (Rankine); at most half the slope's height (Terzaghi 1943).
+        """
+        x, y = self.place(np.array([[way]]))
+        cohesion, friction, layer = self._strength(x, y - NEAR * self.height, np.zeros((1, 1), int))
+        weight = self.scene.soils[int(layer[0, 0])].density * self.scene.gravity.acceleration
+        tangent = friction[0, 0] / factor
+        return min(float(2.0 * cohesion[0, 0] / factor * (tangent + np.hypot(1.0, tangent)) / weight), 0.5 * self.height)
+
+    def place(self, way: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Places x and y on the ground, m, by the way to them."""
+        return np.interp(way, self.way, self.x), np.interp(way, self.way, self.y)
+
+    def possible(self, edges: Edges) -> np.ndarray:
+        """Which surfaces (n,) run from left to right between the ground and the base, below as much soil as a slope that has failed."""
+        tolerance = NEAR * self.height
+        ground = self.ground(edges.x[:, 1:-1])
+        within = (edges.y >= -tolerance).all(axis=1) & (edges.y[:, 1:-1] <= ground + tolerance).all(axis=1)
+        width, rise = np.diff(edges.x, axis=1), np.diff(edges.y, axis=1)
+        forwards = (width >= 0.0) & (rise >= STEEPEST[0] * width - tolerance) & (rise <= STEEPEST[1] * width + tolerance)
+        depth = self.ground(edges.x[:, :-1] + 0.5 * width) - edges.y[:, :-1] - 0.5 * rise
+        area = (depth * width).sum(axis=1)
+        found: np.ndarray = within & forwards.all(axis=1) & (area >= FAILED_AREA * self.height**2)
+        return found
+
+    def slices(self, edges: Edges) -> Slices:
+        """The slices above surfaces."""
+        scene, gravity = self.scene, self.scene.gravity.acceleration
+        width, rise = np.diff(edges.x, axis=1), np.diff(edges.y, axis=1)
+        x, y = edges.x[:, :-1] + 0.5 * width, edges.y[:, :-1] + 0.5 * rise
+        at_x = edges.x[:, :-1, None] + width[..., None] * POINTS
+        at_y = edges.y[:, :-1, None] + rise[..., None] * POINTS
+        top, surface = self.ground(at_x), self.ground(x)
+        mass, moment = (each.mean(axis=-1) for each in self._above(at_x, at_y, top))
+        unit = 0.0 if scene.water is None else 1e3 * scene.water.unit_weight
+        drowned = np.maximum(np.minimum(top, self.level) - at_y, 0.0).mean(axis=-1)
+        cohesion, friction, layer = self._strength(x, y, edges.seam)
+        if scene.layers or scene.varying:  # a base may lie in several soils
+            parts = self._strength(at_x, at_y, np.repeat(edges.seam[..., None], POINTS.size, axis=-1))
+            cohesion, friction = (each.mean(axis=-1) for each in parts[:2])
+        load = np.zeros((*x.shape, 2))
+        if scene.water is not None and scene.water.r_u is None:
+            line = scene.water.surface(scene.geometry, x.ravel()).reshape(x.shape)
+            press = unit * (np.maximum(line - surface, 0.0) - np.maximum(self.level - surface, 0.0))
+            load = press[..., None] * np.stack([np.diff(self.ground(edges.x), axis=1), -width], axis=-1)
+        return Slices(
+            x=x,
+            y=y,
+            width=width,
+            inclination=np.arctan2(rise, width),
+            weight=width * (gravity * mass - unit * drowned),
+            full_weight=width * gravity * mass,
+            centroid=moment / np.maximum(mass, 1e-9) - y,
+            cohesion=cohesion,
+            friction=friction,
+            pressure=self._pressure(x, y, layer) - unit * np.maximum(self.level - y, 0.0),
+            load=load,
+            height=surface - y,
+        )
+
+    def _above(self, x: np.ndarray, y: np.ndarray, top: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Mass of soil above places, kg/m2, and its first moment in height, kg/m."""
+        density = self.scene.soil.density
+        mass, moment = density * (top - y), 0.5 * density * (top**2 - y**2)
+        if not self.surplus.size:
+            return mass, moment
+        column = np.clip(x / self.scene.geometry.width * COLUMNS - 0.5, 0.0, COLUMNS - 1.0)
+        part = np.clip(y / np.maximum(top, 1e-9), 0.0, 1.0) * PARTS
+        i, j = np.minimum(column.astype(int), COLUMNS - 2), np.minimum(part.astype(int), PARTS - 1)
+        across, up = column - i, part - j
+        left, right = ((1.0 - up) * self.surplus[:, at, j] + up * self.surplus[:, at, j + 1] for at in (i, i + 1))
+        more = left + across * (right - left)
+        return mass + more[0], moment + more[1]
+
+    def _strength(self, x: np.ndarray, y: np.ndarray, seam: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Peak cohesion (Pa), tan(phi) and number of the layer at the middles of bases."""
+        at, n = _particle(self.scene, x.ravel()), x.size
+        layer = layer_index(self.scene, at, y.ravel())
+        ones = np.full(n, SOIL, np.int8)
+        bases = Particles(at, y.ravel(), ones, np.zeros(n), layer, n, n, n, n, n)
+        cohesion, angle = (each.reshape(x.shape) for each in peak_strength(self.scene, bases))
+        friction = np.tan(angle)
+        for number, own in enumerate(self.scene.seams.values(), 1):
+            cohesion, friction = (np.where(seam == number, *pair) for pair in zip(own.peak, (cohesion, friction), strict=True))
+        return cohesion, friction, layer.reshape(x.shape)
+
+    def _pressure(self, x: np.ndarray, y: np.ndarray, layer: np.ndarray) -> np.ndarray:
+        """Pore pressure at the middles of bases, Pa."""
+        water = self.scene.water
+        if water is None or water.r_u is None:
+            return pore_pressure(self.scene, _particle(self.scene, x.ravel()), y.ravel()).reshape(x.shape)
+        ratio = np.array([water.r_u, *(water.r_u if each.r_u is None else each.r_u for each in self.scene.layers.values())])[layer]
+        return ratio * self.scene.gravity.acceleration * self._above(x, y, self.ground(x))[0]
+
+
+def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
+    """Places (n,) of particles, over whose lattice the shape may be shifted, from those of the shape, m."""
+    return x - scene.numerics.lattice_shift * scene.numerics.spacing
+
+
+def _way_to(place: tuple[float, float], x: np.ndarray, y: np.ndarray, way: np.ndarray) -> float:
+    """Way along the ground to the nearest place on it, m."""
+    start, step = np.column_stack([x, y])[:-1], np.column_stack([np.diff(x), np.diff(y)])
+    length = np.maximum(np.hypot(*step.T), 1e-12)
+    share = np.clip(((np.array(place) - start) * step).sum(axis=1) / length**2, 0.0, 1.0)
+    distance = np.hypot(*(start + share[:, None] * step - np.array(place)).T)
+    nearest = int(np.argmin(distance))
+    return float(way[nearest] + share[nearest] * length[nearest])
+
+
+def circles(section: Section, given: np.ndarray, slices: int) -> tuple[Edges, np.ndarray]:
+    """Arcs of circles and their centres (n, 2), m, by the ways to their ends (m) and half the angle of the arc (rad), (n, 3)."""
+    (left, low), (right, high) = section.place(given[:, 0]), section.place(given[:, 1])
+    half = given[:, 2]
+    length, chord = np.hypot(right - left, high - low), np.arctan2(high - low, right - left)
+    radius = 0.5 * length / np.sin(half)
+    angle = chord[:, None] + half[:, None] * np.linspace(-1.0, 1.0, slices + 1)
+    up = radius * np.cos(half)
+    centre = np.column_stack([0.5 * (left + right) - up * np.sin(chord), 0.5 * (low + high) + up * np.cos(chord)])
+    x, y = centre[:, :1] + radius[:, None] * np.sin(angle), centre[:, 1:] - radius[:, None] * np.cos(angle)
+    steep = angle[:, -1] > 0.5 * np.pi
+    return Edges(x, np.where(steep[:, None], np.nan, y), np.zeros((len(x), slices), int)), centre
+
+
+VERTICES = np.array([0.05, 0.14, 0.26, 0.4, 0.55, 0.7, 0.85])
+"""Of a convex line, parts of its width."""
+CORNERS = np.concatenate([[0.0], VERTICES, [1.0]])
+"""These and its ends."""
+
+
+def lines(section: Section, given: np.ndarray, parts: int) -> Edges:
+    """Convex lines by the ways to their ends (m), the depth of a crack at the right one (m), and by how much their gradient grows at the
+    ``VERTICES`` (n, 3 + vertices)."""
+    (left, low), (right, high) = section.place(given[:, 0]), section.place(given[:, 1])
+    width, high = right - left, high - given[:, 2]
+    sag = np.minimum(CORNERS[:, None], VERTICES) * (1.0 - np.maximum(CORNERS[:, None], VERTICES))
+    x = left[:, None] + width[:, None] * CORNERS
+    y = low[:, None] + (high - low)[:, None] * CORNERS - width[:, None] * (given[:, 3:] @ sag.T)
+    x, y = (_divided(each, parts) for each in (x, y))
+    return Edges(x, y, np.zeros((len(x), x.shape[1] - 1), int))
+
+
+def as_lines(section: Section, edges: Edges, ways: np.ndarray, cracks: np.ndarray) -> np.ndarray:
+    """What ``lines`` takes for convex surfaces that begin at ways (n,), m, each ended where it is as deep as each of some cracks, m."""
+    made = []
+    for x, y, way in zip(edges.x, edges.y, ways, strict=True):
+        depth = section.ground(x) - y
+        for crack in cracks:
+            last = int(np.flatnonzero(depth >= crack)[-1]) if (depth >= crack).any() else int(depth.argmax())
+            after = min(last + 1, x.size - 1)
+            share = (depth[last] - crack) / max(depth[last] - depth[after], 1e-12)
+            end = float(x[last] + np.clip(share, 0.0, 1.0) * (x[after] - x[last])) if crack > 0.0 else float(x[-1])
+            corners = x[0] + (end - x[0]) * CORNERS
+            gradient = np.diff(np.interp(corners, x, y)) / np.diff(corners)
+            way_to_end = _way_to((end, float(section.ground(np.array([end]))[0])), section.x, section.y, section.way)
+            made.append(np.concatenate([[way, way_to_end, crack], np.maximum(np.diff(gradient), 0.0)]))
+    return np.array(made)
+
+
+class Guide(NamedTuple):
+    """A line in the soil along which a surface may run, from left to right."""
+
+    name: str
+    seam: int  # its number from 1 on; 0 for the lower side of a layer
+    x: np.ndarray  # m
+    y: np.ndarray  # m
+
+
+def along(section: Section, guide: Guide, given: np.ndarray, parts: int) -> Edges:
+    """Lines that run along a guide and on both sides through the soil to the ground.
+
+    By the ways to both ends (m), the depth of a crack at the right one (m), the places x at which the line joins and leaves the guide (m),
+    and by how much the gradient grows in the middle of the two other parts (n, 7).
+    """
+    (left, low), (right, high) = section.place(given[:, 0]), section.place(given[:, 1])
+    high, join, leave = high - given[:, 2], given[:, 3], given[:, 4]
+    at_join, at_leave = (np.interp(x, guide.x, guide.y) for x in (join, leave))
+    share = np.linspace(0.0, 1.0, 2 * parts + 1)
+    x = join[:, None] + (leave - join)[:, None] * share
+    y = np.interp(x, guide.x, guide.y)
+
+    def wedge(x1: np.ndarray, y1: np.ndarray, x2: np.ndarray, y2: np.ndarray, bend: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        middle = 0.5 * (y1 + y2) - 0.25 * bend * (x2 - x1)
+        return _divided(np.column_stack([x1, 0.5 * (x1 + x2), x2]), parts), _divided(np.column_stack([y1, middle, y2]), parts)
+
+    first, last = wedge(left, low, join, at_join, given[:, 5]), wedge(leave, at_leave, right, high, given[:, 6])
+    x, y = (np.column_stack([a[:, :-1], b, c[:, 1:]]) for a, b, c in zip(first, (x, y), last, strict=True))
+    on_it = np.repeat([0, guide.seam, 0], 2 * parts)
+    return Edges(x, y, np.broadcast_to(on_it, (len(x), on_it.size)))
+
+
+def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
+    """Each stretch between corners (n, corners) in so many equal parts (n, parts (corners - 1) + 1)."""
+    share = np.arange(parts) / parts
+    between = corners[:, :-1, None] + np.diff(corners, axis=1)[..., None] * share
+    return np.column_stack([between.reshape(len(corners), -1), corners[:, -1]])
+
+
+def guides(section: Section) -> list[Guide]:
+    """The seams, and the lower sides of thin layers that are weaker than the scene's own soil, as far as each lies in the soil."""
+    scene, found = section.scene, list[Guide]()
+    for number, (name, seam) in enumerate(scene.seams.items(), 1):
+        x, y = scene.geometry.in_box(*np.array(seam.points).T)
+        x, y = (x, y) if x[-1] > x[0] else (x[::-1], y[::-1])
+        if (np.diff(x) > 0.0).all():
+            found += _within(section, f"along the seam {name}", number, x, y)
+    column = (np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS
+    top = section.ground(column)
+    for number, (name, layer) in enumerate(scene.layers.items(), 1):
+        there = section.layers == number
+        crossed = np.flatnonzero(there.any(axis=1))
+        strong = layer.soil.cohesion >= scene.soil.cohesion and layer.soil.friction_angle >= scene.soil.friction_angle
+        if strong or crossed.size < 2 or np.median(there.mean(axis=1)[crossed] * top[crossed]) > THIN * section.height:
+            continue
+        longest = max(np.split(crossed, np.flatnonzero(np.diff(crossed) > 1) + 1), key=len)
+        lowest = top * (there.argmax(axis=1) + 0.5) / PARTS
+        found += _within(section, f"along the layer {name}", 0, column[longest], lowest[longest])
+    return found
+
+
+def _within(section: Section, name: str, seam: int, x: np.ndarray, y: np.ndarray) -> list[Guide]:
+    """The guide along a line as far as it lies in the soil; none where that is nowhere."""
+    width = section.scene.geometry.width
+    places = np.unique(np.concatenate([x, section.x, np.linspace(max(x[0], 0.0), min(x[-1], width), 2001)]))
+    places = places[(places >= max(x[0], 0.0)) & (places <= min(x[-1], width))]
+    height = np.interp(places, x, y)
+    cover = section.ground(places) - height
+    inside = (height >= 0.0) & (cover >= 0.0)
+    if np.count_nonzero(inside) < 2:
+        return []
+    at = np.flatnonzero(inside)
+    longest = max(np.split(at, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
+    ends = []
+    for last, beyond in ((longest[0], longest[0] - 1), (longest[-1], longest[-1] + 1)):
+        out = 0 <= beyond < places.size and cover[beyond] < 0.0  # the place where the line comes out of the ground
+        ends.append(places[last] + cover[last] / (cover[last] - cover[beyond]) * (places[beyond] - places[last]) if out else places[last])
+    along_it = np.unique(np.concatenate([ends, places[longest]]))
+    return [Guide(name, seam, along_it, np.interp(along_it, x, y))]

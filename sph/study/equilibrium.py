@@ -1,0 +1,88 @@
+"""Limit equilibrium of a scene in words: rows of a summary and findings, beside the searches with particles."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene
+from sph.scene.units import in_both
+from sph.solver.particles import place_particles
+from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium
+from sph.study.finding import Finding, finding, off_by
+from sph.study.layer_findings import FEWEST_IN_LAYER, layers_of
+
+LARGEST_DIFFERENCE = 0.05
+"""Of a factor of safety of particles from Spencer's, over that, which is told."""
+CODE, DIFFERS = "limit-equilibrium", "limit-equilibrium-differs"
+
+
+def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
+    """Limit equilibrium of a scene's slope; None where it has no question to answer, or no answer."""
+    found = limit_equilibrium(scene) if applies(scene) else None
+    return found if found is not None and found.spencer.value < float("inf") else None
+
+
+def factor_words(found: LimitEquilibrium) -> str:
+    """Both factors of safety, and where the surfaces lie."""
+    return f"Bishop {found.bishop.value:.2f} (circle), Spencer {found.spencer.value:.2f} ({_where(found.spencer)})"
+
+
+def yield_words(found: LimitEquilibrium) -> str:
+    """The yield acceleration by Spencer's method; 0 for a slope that does not stand."""
+    if found.spencer.value <= 1.0:
+        return f"Spencer {in_both(0.0)}: the slope does not stand"
+    if found.critical.value == float("inf"):
+        return "Spencer: not found"
+    return f"Spencer {in_both(max(found.critical.value, 0.0) * GRAVITY)} ({_where(found.critical)})"
+
+
+def _where(surface: Surface) -> str:
+    words = {"line": "not circular"}.get(surface.where, surface.where)
+    return words if surface.crack == 0.0 else f"{words}, with a tension crack of {surface.crack:.2g} m"
+
+
+def equilibrium_rows(scene: Scene) -> list[tuple[str, str]]:
+    """Label and text for summaries; none for a scene without a slope."""
+    found = found_equilibrium(scene)
+    return [] if found is None else [("factor of safety", factor_words(found)), ("yield acceleration", yield_words(found))]
+
+
+def of_equilibrium(scene: Scene, particles: Iterable[float] = ()) -> list[Finding]:
+    """A note of both methods, and a finding where factors of safety by particles differ from Spencer's."""
+    found = found_equilibrium(scene)
+    if found is None:
+        return []
+    told = [finding(CODE, "limit equilibrium, without a run", f"{factor_words(found)}; yield acceleration {yield_words(found)}")]
+    for value in particles:
+        difference = value / found.spencer.value - 1.0
+        if abs(difference) > LARGEST_DIFFERENCE:
+            what = f"the factor of safety by particles lies {abs(difference):.0%} {'above' if difference > 0 else 'below'} Spencer's"
+            why = "; ".join(_reasons(scene, found, difference)) or "no reason is known: look at both slip surfaces"
+            told.append(
+                finding(DIFFERS, what, f"{value:.2f} and {found.spencer.value:.2f}: {why}", off_by=off_by(value, found.spencer.value))
+            )
+    return told
+
+
+def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> list[str]:
+    """Why the two can differ as they do in this scene."""
+    loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
+    thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < FEWEST_IN_LAYER]
+    bent = found.spencer.where == "line" and found.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
+    reasons = [
+        (difference < 0 and loose, "soil that dilates less than its friction angle is weaker in the particles (Davis 1968)"),
+        (difference > 0 and found.spencer.crack > 0, "Spencer's surface ends in a tension crack, where the particles bear tension"),
+        (difference > 0 and bool(thin), f"{', '.join(thin)}: few particles across, which makes a layer too strong"),
+        (difference > 0, "the searches with particles are on the strong side at coarse spacings"),
+        (difference > 0 and bent, "without friction a surface that is not a circle bends the body, of which slices take no account"),
+        (scene.walls.friction is not None, "soil also slides on the walls (walls.friction), of which limit equilibrium knows nothing"),
+    ]
+    return [text for applies_here, text in reasons if applies_here]
+
+
+def weakest_words(findings: Iterable[Finding]) -> str:
+    """The factors of safety of the weakest slope by limit equilibrium in notes, or nothing."""
+    told = [each.measured.partition("; ")[0] for each in findings if each.code == CODE]
+    return min(told, key=lambda words: float(re.findall(r"Spencer ([\d.]+)", words)[0]), default="")

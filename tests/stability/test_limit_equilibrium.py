@@ -1,0 +1,230 @@
+"""Bishop's and Spencer's methods against published slopes, closed forms, and what must not change an answer."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pytest
+
+from sph.scene.configuration import dotted, merge
+from sph.scene.gravity import GRAVITY
+from sph.scene.schema import Scene, make_scene
+from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
+from sph.stability.slip_search import applies, limit_equilibrium, worst_circle
+from sph.stability.slip_surface import Section, along, circles, guides
+from sph.study.equilibrium import equilibrium_rows, of_equilibrium
+
+PUBLISHED = 0.02
+"""Of the answers that the study of programs for ACADS recommends (Giam and Donald 1989)."""
+EXACT = 0.01
+"""Of stability numbers and closed forms, in which surfaces are cut into slices and searched."""
+
+
+def soil(cohesion: float, angle: float, weight: float) -> dict[str, float]:
+    """Strength (kPa, degrees) and unit weight (kN/m3) as keys of a scene."""
+    return {"cohesion": cohesion, "friction_angle": angle, "density": 1e3 * weight / GRAVITY}
+
+
+def ground(points: Sequence[Sequence[float]], base: float, own: dict[str, float], **settings: Any) -> Scene:
+    scene = {
+        "name": "ground",
+        "scheme": "paper",
+        "duration": 3.0,
+        "geometry": {"shape": "ground_line", "points": points, "base": base},
+        "soil": {"youngs_modulus": 1e5, "poisson_ratio": 0.3, **own},
+        "numerics": {"spacing": 0.5, "time_step": 0.01, "adaptive_step": {}},
+    }
+    return make_scene(merge(scene, dotted(settings)))
+
+
+def slope(angle: float, number: float, friction: float, depth: float = 5.0, **settings: Any) -> Scene:
+    """10 m high, with gamma H / c of a number."""
+    run = 0.0 if angle == 90.0 else 10.0 / math.tan(math.radians(angle))
+    points = [[0.0, 0.0], [30.0, 0.0], [30.0 + run, 10.0], [70.0 + run, 10.0]]
+    return ground(points, -depth, soil(200.0 / number, friction, 20.0), **settings)
+
+
+STEEP = slope(60.0, 3.21, 20.0)
+"""The soil and the slope of the paper's scene, 10 m high: a tension zone as deep as a third of the slope."""
+ACADS_1 = [[20, 25], [30, 25], [50, 35], [70, 35]]
+ACADS_1A = ground(ACADS_1, 20, soil(3.0, 19.6, 20.0))
+ACADS_1C = ground(
+    ACADS_1,
+    20,
+    soil(7.2, 20.0, 19.5),
+    layers={
+        "upper": {
+            "region": {"kind": "polygon", "points": [[30, 25], [50, 35], [70, 35], [70, 31], [54, 31], [50, 29], [40, 27]]},
+            "soil": soil(0.0, 38.0, 19.5),
+        },
+        "middle": {
+            "region": {"kind": "polygon", "points": [[40, 27], [50, 29], [54, 31], [70, 31], [70, 24], [52, 24]]},
+            "soil": soil(5.3, 23.0, 19.5),
+        },
+    },
+)
+ACADS_3A = ground(
+    [[20, 27.75], [43, 27.75], [67.5, 40], [84, 40]],
+    20,
+    soil(28.5, 20.0, 18.84),
+    layers={"weak": {"region": {"kind": "elevation", "bottom": 26.5, "top": 27.0}, "soil": soil(0.0, 10.0, 18.84)}},
+)
+
+
+@pytest.mark.parametrize(
+    ("scene", "coefficient", "published"), [(ACADS_1A, 0.0, 1.00), (ACADS_1C, 0.0, 1.39), (ACADS_1C, 0.15, 1.00)], ids=["1a", "1c", "1d"]
+)
+def test_acads_slopes(scene: Scene, coefficient: float, published: float) -> None:
+    found = limit_equilibrium(scene, coefficient)
+    assert found.bishop.value == pytest.approx(published, rel=PUBLISHED)
+    assert found.spencer.value == pytest.approx(published, rel=PUBLISHED)
+    assert found.spencer.crack == 0.0
+
+
+def test_acads_slope_with_a_weak_layer() -> None:
+    """3(a): 1.24 to 1.27 along the layer, of which circles know nothing."""
+    found = limit_equilibrium(ACADS_3A)
+    assert found.spencer.value == pytest.approx(1.255, rel=PUBLISHED)
+    assert found.spencer.where == "along the layer weak" and found.bishop.value > 1.4
+
+
+@pytest.mark.parametrize(
+    ("angle", "friction", "number"),
+    [(90.0, 0.0, 3.83), (75.0, 0.0, 4.56), (60.0, 0.0, 5.25), (45.0, 20.0, 16.16), (30.0, 20.0, 41.22)],
+)
+def test_stability_numbers_of_taylor_and_chen(angle: float, friction: float, number: float) -> None:
+    """Taylor's (1937) circles without friction, Chen's (1975) spirals with it: F = 1; a vertical cut among them."""
+    assert worst_circle(Section.of(slope(angle, number, friction)), bishop)[0].value == pytest.approx(1.0, rel=EXACT)
+
+
+def test_an_infinite_slope_in_closed_form() -> None:
+    """F = c / (gamma z sin b cos b) + (1 - r_u / cos2 b) tan(phi) / tan(b), at 20 degrees."""
+    slope_angle, depth, weight, cohesion, friction, ratio = math.radians(20.0), 3.0, 2e4, 5e3, math.tan(math.radians(30.0)), 0.2
+    x = np.arange(50.0)[None]
+    ones, pull = np.ones_like(x), weight * depth * np.ones_like(x)
+    endless = Slices(
+        x=x,
+        y=x * math.tan(slope_angle),
+        width=ones,
+        inclination=slope_angle * ones,
+        weight=pull,
+        full_weight=pull,
+        centroid=0.5 * depth * ones,
+        cohesion=cohesion * ones,
+        friction=friction * ones,
+        pressure=ratio * pull,
+        load=np.zeros((*x.shape, 2)),
+        height=depth * ones,
+    )
+    expected = cohesion / (weight * depth * math.sin(slope_angle) * math.cos(slope_angle))
+    expected += (1.0 - ratio / math.cos(slope_angle) ** 2) * friction / math.tan(slope_angle)
+    assert spencer(endless).value[0] == pytest.approx(expected, rel=1e-6)
+
+
+def wedge(cohesion: float, angle: float, **settings: Any) -> Scene:
+    """Rock with a face of 60 degrees, 10 m high, over a seam that rises from the toe by 30 degrees."""
+    crest = 30.0 + 10.0 / math.tan(math.radians(60.0))
+    rise = math.tan(math.radians(30.0))
+    seam = {"points": [[30.0, 0.0], [60.0, 30.0 * rise]], "cohesion": cohesion, "friction_angle": angle}
+    rock = soil(5e3, 45.0, 25.0)
+    return ground([[0.0, 0.0], [30.0, 0.0], [crest, 10.0], [70.0, 10.0]], -5.0, rock, seams={"joint": seam}, **settings)
+
+
+def test_a_block_on_a_seam_slides_as_a_plane_does() -> None:
+    """F = (c A + W cos(p) tan(phi)) / (W sin(p)) (Hoek and Bray 1981), with the triangle between face, seam and crest."""
+    dip, friction = math.radians(30.0), math.radians(25.0)
+    area = 0.5 * 10.0 * (10.0 / math.tan(dip) - 10.0 / math.tan(math.radians(60.0)))
+    weight, length = 25.0 * area, 10.0 / math.sin(dip)
+    for cohesion in (0.0, 20.0):
+        found = limit_equilibrium(wedge(cohesion, 25.0))
+        expected = (cohesion * length + weight * math.cos(dip) * math.tan(friction)) / (weight * math.sin(dip))
+        assert found.spencer.where == "along the seam joint"
+        assert found.spencer.value == pytest.approx(expected, rel=EXACT)
+
+
+def test_a_dry_block_on_a_plane_yields_at_the_tangent_of_what_friction_has_left() -> None:
+    found = limit_equilibrium(wedge(0.0, 40.0))
+    assert found.critical.where == "along the seam joint"
+    assert found.critical.value == pytest.approx(math.tan(math.radians(10.0)), rel=EXACT)
+
+
+def test_a_slope_under_water_is_one_of_its_buoyant_weight() -> None:
+    drowned = limit_equilibrium(slope(30.0, 20.0, 20.0, water={"pressure": "by_place", "level": 12.0, "unit_weight": 10.0}))
+    buoyant = limit_equilibrium(
+        ground([[0, 0], [30, 0], [30 + 10 / math.tan(math.radians(30.0)), 10], [87.3, 10]], -5.0, soil(10.0, 20.0, 10.0))
+    )
+    for name in ("bishop", "spencer"):
+        assert getattr(drowned, name).value == pytest.approx(getattr(buoyant, name).value, rel=1e-6)
+
+
+def test_water_before_the_toe_is_the_same_as_a_load_on_the_ground() -> None:
+    """One circle, once by Bishop's (1955) buoyant weights and once with the water's pressure on toe and face; Spencer's forces between the
+    slices have another direction, since they hold the water in the slope or do not."""
+    section = Section.of(slope(30.0, 20.0, 20.0, water={"pressure": "by_place", "level": 5.0}))
+    edges, centre = circles(section, np.array([[30.0, 55.0, math.radians(25.0)]]), 400)
+    assert section.level == pytest.approx(10.0), "above the base"
+    loaded = section._replace(level=-math.inf)
+    assert np.abs(loaded.slices(edges).load).max() > 1e3 and np.abs(section.slices(edges).load).max() == 0.0
+    (by_buoyancy, by_load) = (bishop(each.slices(edges), centre).value[0] for each in (section, loaded))
+    assert by_load == pytest.approx(by_buoyancy, rel=1e-3)
+    (by_buoyancy, by_load) = (spencer(each.slices(edges)).value[0] for each in (section, loaded))
+    assert by_load == pytest.approx(by_buoyancy, rel=0.02)
+
+
+def test_the_factor_falls_with_the_load_to_one_at_the_critical_coefficient() -> None:
+    scene = slope(30.0, 20.0, 20.0)
+    free = limit_equilibrium(scene)
+    pushed = [limit_equilibrium(scene, k) for k in (0.1, free.critical.value)]
+    for name in ("bishop", "spencer"):
+        values = [getattr(each, name).value for each in (free, *pushed)]
+        assert values == sorted(values, reverse=True) and values[0] > 1.2 > values[-1]
+    assert pushed[-1].spencer.value == pytest.approx(1.0, rel=EXACT)
+
+
+def test_the_critical_coefficient_of_a_surface_is_where_its_factor_is_one() -> None:
+    section = Section.of(ACADS_3A)
+    (layer,) = guides(section)
+    lines = along(section, layer, np.array([[20.0, 60.0, 0.0, 24.0, 40.0, 0.0, 0.2]]), 8)
+    slices = section.slices(lines)
+    k = float(spencer_coefficient(slices).value[0])
+    assert spencer(slices, k).value[0] == pytest.approx(1.0, rel=1e-5)
+    assert spencer(slices, k + 0.05).value[0] < 1.0 < spencer(slices, k - 0.05).value[0]
+
+
+def test_a_mirrored_slope_has_the_same_factors() -> None:
+    points, own = ACADS_1, soil(3.0, 19.6, 20.0)
+    mirrored = ground([[-x, y] for x, y in points][::-1], 20, own, **{"geometry.downhill": "right"})
+    found = limit_equilibrium(mirrored)
+    assert found.bishop.value == pytest.approx(limit_equilibrium(ACADS_1A).bishop.value, rel=1e-6)
+    assert found.spencer.value == pytest.approx(limit_equilibrium(ACADS_1A).spencer.value, rel=1e-6)
+
+
+def test_steep_cohesive_soil_gets_a_crack_and_says_so() -> None:
+    found = limit_equilibrium(STEEP)
+    assert 0.0 < found.spencer.crack <= 5.0 and found.spencer.value < found.bishop.value
+    assert found.critical.crack > 0.0
+    ((_, factor), (_, yields)) = equilibrium_rows(STEEP)
+    assert "with a tension crack of" in factor and "with a tension crack of" in yields
+
+
+def test_a_difference_from_the_particles_is_told_with_what_applies() -> None:
+    (note,) = of_equilibrium(ACADS_1A, [0.97])
+    assert (note.code, note.severity) == ("limit-equilibrium", "note") and note.measured.startswith("Bishop 0.9")
+    _, weaker = of_equilibrium(ACADS_1A, [0.90])
+    assert "below Spencer's" in weaker.what and "Davis 1968" in weaker.measured and "crack" not in weaker.measured
+    _, stronger = of_equilibrium(STEEP, [2.2])
+    assert "above Spencer's" in stronger.what and "tension crack" in stronger.measured and "Davis" not in stronger.measured
+
+
+def test_what_is_no_slope_of_solid_soil_is_refused_and_has_no_rows() -> None:
+    column = make_scene(
+        {"name": "column", "scheme": "paper", "duration": 3.0, "geometry": {"shape": "block", "width": 30.0, "height": 20.0}}
+    )
+    assert not applies(column) and equilibrium_rows(column) == [] and of_equilibrium(column) == []
+    with pytest.raises(ValueError, match=r"column: limit equilibrium needs geometry\.shape: slope or ground_line"):
+        limit_equilibrium(column)
+    fluid = merge(slope(30.0, 20.0, 20.0).model_dump(), {"coupling": {"initial_state": "fluid"}})
+    assert not applies(make_scene(fluid))
