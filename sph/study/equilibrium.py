@@ -49,19 +49,25 @@ def equilibrium_rows(scene: Scene) -> list[tuple[str, str]]:
     return [] if found is None else [("factor of safety", factor_words(found)), ("yield acceleration", yield_words(found))]
 
 
-def of_equilibrium(scene: Scene, particles: Iterable[float] = ()) -> list[Finding]:
-    """A note of both methods, and a finding where factors of safety by particles differ from Spencer's."""
+def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) -> list[Finding]:
+    """A note of both methods, and a finding where factors of safety by ``particles``, each with its error, differ from Spencer's by more
+    than that."""
     found = found_equilibrium(scene)
     if found is None:
         return []
     told = [finding(CODE, "limit equilibrium, without a run", f"{factor_words(found)}; yield acceleration {yield_words(found)}")]
-    for value in particles:
+    for value, error in particles:
         difference = value / found.spencer.value - 1.0
-        if abs(difference) > LARGEST_DIFFERENCE:
+        if abs(difference) > max(LARGEST_DIFFERENCE, error / found.spencer.value):
             what = f"the factor of safety by particles lies {abs(difference):.0%} {'above' if difference > 0 else 'below'} Spencer's"
             why = "; ".join(_reasons(scene, found, difference)) or "no reason is known: look at both slip surfaces"
             told.append(
-                finding(DIFFERS, what, f"{value:.2f} and {found.spencer.value:.2f}: {why}", off_by=off_by(value, found.spencer.value))
+                finding(
+                    DIFFERS,
+                    what,
+                    f"{value:.2f} ± {error:.2f} and {found.spencer.value:.2f}: {why}",
+                    off_by=off_by(value, found.spencer.value),
+                )
             )
     return told
 

@@ -93,13 +93,13 @@ def stability(scene: Scene) -> list[Finding]:
     if not peak.trial.stands:
         return [_of_peak(peak, scene)]
 
-    factors = list[float]()
+    factors = list[tuple[float, float]]()
 
     def limit(code: str) -> Finding:
         label, find, _ = QUESTIONS[code]
         try:
             search = extrapolated(find, scene)
-            factors.extend([search.value] if code == "factor-of-safety" else [])
+            factors.extend([(search.value, search.error)] if code == "factor-of-safety" else [])
             return _of_limit(code, search)
         except ValueError as error:
             return finding("stability-unknown", label, f"not found: {error}")
@@ -368,14 +368,14 @@ def study_stability(
         for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
             say(f"{names[0]}: {broken.line()}")
             found.setdefault(broken, []).extend(names)
-        factors = list[float]()
+        factors = list[tuple[float, float]]()
         for code in searches:
             label, find, _ = QUESTIONS[code]
             try:
                 search = extrapolated(find, scene, QUICK_TOLERANCE, asked=quick_spacings(scene))
                 fine = len(search.searches[1].trials)
                 limit, trials = _of_limit(code, search), (search.runs - fine, fine)
-                factors += [search.value] if code == "factor-of-safety" else []
+                factors += [(search.value, search.error)] if code == "factor-of-safety" else []
             except ValueError as error:
                 limit, trials = finding("stability-unknown", label, f"not found: {error}"), QUICK_TRIALS
             spent += search_seconds(scene, trials)

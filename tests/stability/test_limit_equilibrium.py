@@ -211,11 +211,11 @@ def test_steep_cohesive_soil_gets_a_crack_and_says_so() -> None:
 
 
 def test_a_difference_from_the_particles_is_told_with_what_applies() -> None:
-    (note,) = of_equilibrium(ACADS_1A, [0.97])
+    (note,) = of_equilibrium(ACADS_1A, [(0.97, 0.01), (0.90, 0.2)])
     assert (note.code, note.severity) == ("limit-equilibrium", "note") and note.measured.startswith("Bishop 0.9")
-    _, weaker = of_equilibrium(ACADS_1A, [0.90])
+    _, weaker = of_equilibrium(ACADS_1A, [(0.90, 0.02)])
     assert "below Spencer's" in weaker.what and "Davis 1968" in weaker.measured and "crack" not in weaker.measured
-    _, stronger = of_equilibrium(STEEP, [2.2])
+    _, stronger = of_equilibrium(STEEP, [(2.2, 0.05)])
     assert "above Spencer's" in stronger.what and "tension crack" in stronger.measured and "Davis" not in stronger.measured
 
 
