@@ -10,7 +10,7 @@ import functools
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import pandas as pd
@@ -89,8 +89,8 @@ class Study(Section):
         default=None,
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
-    client_page: bool = key(
-        "whether the page is for a client: without paths, commands, sections that have still to be made and the cost", default=False
+    page: Literal["full", "client"] = key(
+        "client: the page is without paths, commands, sections that have still to be made and cost", default="full"
     )
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(

@@ -26,7 +26,9 @@ BACK: dict[str, Any] = {"back_analysis": {"observed": {"runout": {"value": 20.0,
 @functools.cache
 def design(folder: Path, name: str) -> Any:
     """That of a shipped experiment, with all that it may ask for."""
-    study = load_study(read_yaml(ROOT / "config" / "config.yaml") | {"fidelity": "draft"}, [ROOT], check=False)
+    study = load_study(
+        read_yaml(ROOT / "config" / "config.yaml") | {"fidelity": "draft", "second_fidelity": "standard"}, [ROOT], check=False
+    )
     experiment = EXPERIMENTS[name]
     more = {"trigger": {"hazard": "site.csv"}, "sensitivity": BACK}.get(name, {})
     (folder / "site.csv").write_text("amplitude (m/s2),annual frequency\n0.1,0.01\n20,0.0001\n")

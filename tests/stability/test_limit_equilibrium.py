@@ -74,6 +74,7 @@ ACADS_3A = ground(
 )
 
 
+@pytest.mark.crosscheck
 @pytest.mark.parametrize(
     ("scene", "coefficient", "published"), [(ACADS_1A, 0.0, 1.00), (ACADS_1C, 0.0, 1.39), (ACADS_1C, 0.15, 1.00)], ids=["1a", "1c", "1d"]
 )
@@ -84,6 +85,7 @@ def test_acads_slopes(scene: Scene, coefficient: float, published: float) -> Non
     assert found.spencer.crack == 0.0
 
 
+@pytest.mark.crosscheck
 def test_acads_slope_with_a_weak_layer() -> None:
     """3(a): 1.24 to 1.27 along the layer, of which circles know nothing."""
     found = limit_equilibrium(ACADS_3A)

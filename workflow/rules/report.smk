@@ -53,7 +53,7 @@ rule page:
                     for run in PLAN.page_runs
                 ],
                 "probe": PLAN.study.metrics.probe,
-                "client": PLAN.study.client_page,
+                "client": PLAN.study.page == "client",
                 "shown": {
                     figure: [run.file for run in PLAN.figure_runs(figure)]
                     for figure in PLAN.study.figure_files
