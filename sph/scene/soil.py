@@ -57,7 +57,7 @@ class Soil(Section):
         "undrained shear strength of saturated clay, instead of cohesion and friction angle: a cohesion without friction",
         "kPa",
         "ours",
-        ge=0,
+        gt=0,
         le=1e6,
         default=None,
         exclude=True,
