@@ -77,6 +77,8 @@ class Soil(Section):
     def _computed(self) -> Soil:
         if self.shear_wave_speed is not None:
             raise ValueError(f"shear_wave_speed: {self.shear_wave_speed:g} m/s needs density and poisson_ratio beside it")
+        if self.undrained_strength is not None:
+            raise ValueError(f"undrained_strength: {self.undrained_strength:g} kPa is read by a scene alone; here write cohesion")
         return self
 
     @model_validator(mode="after")
