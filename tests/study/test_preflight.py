@@ -172,9 +172,8 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
         ("stands-at-residual", 2, "0.9-1.0"),
         ("factor-of-safety", 4, "0.3-1.0"),
         ("limit-equilibrium", 4, "0.3-1.0"),
-        ("limit-equilibrium-differs", 4, "0.3-1.0"),  # of a quick search, and of soil that does not dilate
     ]
-    assert len(said) == 7, "a slope and the strength it uses, two residual strengths, a search, limit equilibrium and how it differs"
+    assert len(said) == 6, "a slope and the strength it uses, two residual strengths, a search, limit equilibrium within its error"
     (found,) = searched
     assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(UNASKED_RATIO)
     assert all(search.upper - search.lower <= wide * search.value for search in found.searches)
