@@ -206,9 +206,9 @@ def drifts(files: Sequence[str], probe: str) -> list[str]:
             count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
             found.append(f"Not converged: {what} in {len(of)} of {count} runs, most in {worst['run']}: {said}{towards}.")
         for place in places_in(rows["quantity"].unique()):
-            of = rows[rows["quantity"] == column_of(place, PASSED)]
-            reached = (of[["value", "second_value", "extrapolated"]] >= 0.0) | of[["value", "second_value", "extrapolated"]].isna()
-            open_runs = list(of.loc[reached.nunique(axis=1) > 1, "run"])
+            past = rows[rows["quantity"] == column_of(place, PASSED)]
+            known = [(run, values) for run, *values in past[["run", "value", "second_value", "extrapolated"]].itertuples(index=False)]
+            open_runs = [run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1]
             if open_runs:
                 found.append(
                     f"Not converged: whether debris reaches {place} depends on the spacing in {', '.join(open_runs[:3])}"

@@ -100,4 +100,9 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     past = [("weak", "road_passed", *compared(run(9.0, 10.0), run(9.0, 7.5), "road_passed", (1.27, 1.9), 0.05))]
     write_csv(pd.DataFrame(past, columns=table.columns), file)
     assert drifts([str(file)], "A") == ["Not converged: whether debris reaches road depends on the spacing in weak."]
+    short = run(9.0, 4.0), run(2.0, 3.0, "damaged")  # of two classes, and both short of the road
+    past = [(name, "road_passed", *compared(own, second, "road_passed", (1.27, 1.9), 0.05)) for name, own, second in (
+        ("short", *short), ("diverged", run(9.0, 4.0), run(math.nan, math.nan, UNDETERMINED)))]  # fmt: skip
+    write_csv(pd.DataFrame(past, columns=table.columns), file)
+    assert drifts([str(file)], "A") == [], "the spacing does not decide whether the road is reached"
     assert answer_spacing([]) == drifts([], "A") == []
