@@ -1,6 +1,6 @@
 """Times of the README's commands: ``python -m tools.times [--tasks study tests ...] [--keep FOLDER]``.
 
-Each command is run as the README has it, in a fresh clone of this repository's last commit and with nothing compiled; the study is then run
+Each command is run as the README has it, in a fresh clone of this repository's last commit, with nothing installed or compiled; the study is then run
 again at other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the release
 (``sph/experiments/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept, for
 instance to adopt its results by ``python -m tools.release``.
@@ -11,6 +11,7 @@ from __future__ import annotations
 import argparse
 import os
 import re
+import shutil
 import subprocess
 import tempfile
 import time
@@ -22,10 +23,11 @@ from tools.release import STUDY_AT, write_time
 from tools.shipped import note
 
 ROOT = Path(__file__).resolve().parents[1]
-STUDY, TESTS = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
+STUDY, TESTS, FIRST = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
 FRESH = "from a fresh clone: packages installed, solver compiled"
 INSTALLED = "packages installed, nothing compiled"
 TASKS = {
+    "first picture": (FIRST, FRESH),
     "study": (STUDY, FRESH),
     "tests": (TESTS, FRESH),
     **{
@@ -57,6 +59,8 @@ def main() -> None:
             if conditions == INSTALLED and not (clone / ".venv").exists():
                 subprocess.run(STUDY.rpartition(" && ")[0], shell=True, cwd=clone, check=True)
             load = f"; load average {os.getloadavg()[0]:.1f} at the start"
+            if conditions == FRESH:
+                shutil.rmtree(clone / ".venv", ignore_errors=True)
             seconds = timed(command, clone)
             write_time(task, seconds, conditions + load, machine_class())
             print(f"{task}: {duration(seconds)}")

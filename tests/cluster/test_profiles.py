@@ -66,7 +66,7 @@ def test_the_container_copies_what_there_is() -> None:
 
 def test_the_container_installs_as_the_readme_does() -> None:
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    installed = re.search(r"pip install (-c constraints\.txt -e \"\.\[workflow\]\")", readme)
+    installed = re.search(r"pip install --no-compile (-c constraints\.txt -e \"\.\[workflow\]\")", readme)
     assert installed
     ran = " ".join(argument for name, argument in instructions(RECIPE) if name == "RUN")
     assert f".venv/bin/pip install --no-cache-dir {installed[1]}" in ran and "python3 -m venv .venv" in ran

@@ -45,7 +45,7 @@ def test_the_readme_is_read_in_two_minutes() -> None:
 
 
 def test_ci_runs_the_test_command_of_the_readme() -> None:
-    _, tests = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
+    _, tests, _ = re.findall(r"^python3 -m venv .*$", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)
     assert tests in (ROOT / ".ci" / "run").read_text(encoding="utf-8").replace("pip install -q ", "pip install ").splitlines()
 
 
