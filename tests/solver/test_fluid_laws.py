@@ -50,7 +50,7 @@ def test_elastic_below_yield() -> None:
     assert q == pytest.approx(G * 1e-3, rel=1e-12)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(radius=st.floats(0, 0.999), angle=st.floats(0, 2 * math.pi), z=st.floats(-1e4, 1e4))
 def test_no_creep_below_yield(radius: float, angle: float, z: float) -> None:
     start = (radius * TAU_Y * math.cos(angle), radius * TAU_Y * math.sin(angle), z)
@@ -122,7 +122,7 @@ def test_capped_viscosity_in_compression() -> None:
 rates = st.floats(-50, 50)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(xx=rates, yy=rates, xy=rates, turn=st.floats(0, math.pi), capped=st.booleans(), radius=st.floats(0, 2))
 def test_a_rotated_strain_rate_gives_the_rotated_stress(xx: float, yy: float, xy: float, turn: float, capped: bool, radius: float) -> None:
     law = CAPPED if capped else ElasticViscoplastic(G, 1e3)

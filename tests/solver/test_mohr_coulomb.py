@@ -42,7 +42,7 @@ def returned(surface: MohrCoulomb, p: float, d: float, q: float, z: float) -> tu
 ROUNDING = 1e-6
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(p=stresses, d=stresses, q=stresses, z=stresses, cohesion=cohesions, degrees=angles)
 def test_on_or_inside_the_surface_afterwards(p: float, d: float, q: float, z: float, cohesion: float, degrees: float) -> None:
     angle = math.radians(degrees)
@@ -54,7 +54,7 @@ def test_on_or_inside_the_surface_afterwards(p: float, d: float, q: float, z: fl
         assert excess(after, cohesion, angle) == pytest.approx(0.0, abs=ROUNDING), "a yielding stress ends on the surface"
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(p=stresses, d=stresses, q=stresses, z=stresses, cohesion=cohesions, degrees=angles)
 def test_direction_kept_pressure_unchanged(p: float, d: float, q: float, z: float, cohesion: float, degrees: float) -> None:
     surface = make_mohr_coulomb(cohesion, math.radians(degrees))
@@ -71,7 +71,7 @@ def test_direction_kept_pressure_unchanged(p: float, d: float, q: float, z: floa
         assert -np.trace(after) / 3 == pytest.approx(p, abs=ROUNDING)
 
 
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 @given(p=stresses, d=stresses, q=stresses, z=stresses, cohesion=cohesions, degrees=angles)
 def test_a_second_return_changes_nothing(p: float, d: float, q: float, z: float, cohesion: float, degrees: float) -> None:
     surface = make_mohr_coulomb(cohesion, math.radians(degrees))
@@ -103,7 +103,7 @@ def test_at_the_apex_with_positive_z() -> None:
     assert excess(full_stress(*result), 150e3, math.radians(20)) <= ROUNDING
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(p=stresses, d=stresses, q=stresses, z=stresses, cohesion=cohesions)
 def test_without_friction(p: float, d: float, q: float, z: float, cohesion: float) -> None:
     surface = make_mohr_coulomb(cohesion, 0.0)
@@ -112,7 +112,7 @@ def test_without_friction(p: float, d: float, q: float, z: float, cohesion: floa
     assert math.hypot(d_after, q_after) == pytest.approx(min(math.hypot(d, q), cohesion), rel=1e-12)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(p=stresses, d=stresses, q=stresses, z=stresses, degrees=angles)
 def test_without_cohesion(p: float, d: float, q: float, z: float, degrees: float) -> None:
     angle = math.radians(degrees)

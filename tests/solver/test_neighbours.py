@@ -76,20 +76,20 @@ def check_against_brute_force(x: np.ndarray, y: np.ndarray, reach: float) -> Non
     assert surely <= found_set <= perhaps
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(seed=seeds, n=st.integers(1, 120), cloud=st.sampled_from(CLOUDS), reach=st.floats(0.3, 30.0))
 def test_candidates_of_clouds(seed: int, n: int, cloud, reach: float) -> None:
     check_against_brute_force(*cloud(seed, n), reach)
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(points=st.lists(st.tuples(coordinate, coordinate), min_size=1, max_size=25), reach=st.floats(0.5, 20.0))
 def test_candidates_of_any_points(points: list[tuple[float, float]], reach: float) -> None:
     x, y = np.array(points).T.copy()
     check_against_brute_force(x, y, reach)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(seed=seeds, n=st.integers(1, 120), cloud=st.sampled_from(CLOUDS), reach=st.floats(0.3, 30.0), periods=st.floats(2.0, 9.0))
 def test_periodic_candidates(seed: int, n: int, cloud, reach: float, periods: float) -> None:
     # Nearest images by brute force, with a period of 2 to 9 reaches and particles several periods away from each other.
@@ -200,7 +200,7 @@ def test_compression_repels() -> None:
     assert row(pairs, 0)[1][0] > 0 > row(pairs, 1)[0][0]
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(seed=seeds, n=st.integers(2, 60), name=st.sampled_from(["cubic_spline", "wendland_c2"]), zero=st.sampled_from([DOUBLE, SINGLE]))
 def test_gradients_and_sums_against_the_formula(seed: int, n: int, name: str, zero: np.floating) -> None:
     generator = np.random.default_rng(seed)

@@ -97,7 +97,7 @@ def test_the_apron_that_weak_debris_needs_is_named() -> None:
     assert room(low(**soil, **{"coupling.S_R": 1.0})) == [], "soil that keeps its strength needs no more than 2 H"
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(0.5, 20.0), st.sampled_from([None, "weak"]))
 def test_less_strength_asks_for_more_room_never_for_less_than_before(first: float, second: float, apron: float, layer: str | None) -> None:
     weak = {} if layer is None else {"layers": {layer: {"region": {"kind": "depth", "top": 3.0}, "soil": {"cohesion": 6.0}}}}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -124,7 +124,6 @@ def test_the_trimmed_part_has_its_share_of_the_arias_intensity(wave: np.ndarray,
     assert np.all(np.abs(part) <= np.abs(wave[first - before : first - before + part.size]))
 
 
-@settings(deadline=None)
 @given(WAVES.filter(lambda wave: wave.size > 20 and np.abs(wave).max() > 0.1), st.booleans(), st.booleans(), st.booleans())
 def test_whatever_comes_between_the_ground_stops(wave: np.ndarray, filtered: bool, trimmed: bool, coarser: bool) -> None:
     assume(np.abs(corrected(wave, INTERVAL, 1)).max() > 1e-3)
