@@ -129,6 +129,15 @@ class Study(Section):
                     raise ValueError(f"cases: number {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}")
         return self
 
+    @model_validator(mode="after")
+    def _one_spacing_a_fidelity(self) -> Study:
+        if self.second_fidelity not in (None, self.fidelity) and "numerics.spacing" in self.names:
+            raise ValueError(
+                f"second_fidelity: {self.second_fidelity!r} has no spacing of its own, since numerics.spacing is a dimension of the runs; "
+                "leave out one of the two"
+            )
+        return self
+
     @functools.cached_property
     def names(self) -> list[str]:
         """The dimensions, in the order of file names and tables."""

@@ -78,6 +78,11 @@ def test_nothing_to_compare_is_refused(changes: dict[str, Any], words: str) -> N
     assert words in str(raised.value)
 
 
+def test_a_study_over_the_spacing_has_no_second_one() -> None:
+    with pytest.raises(ValueError, match="second_fidelity: 'coarse' .*numerics.spacing is a dimension"):
+        study(grid={"numerics.spacing": ["1.0", "2.0"]})
+
+
 def test_an_unknown_second_fidelity_is_refused() -> None:
     with pytest.raises(ValueError, match="second_fidelity: 'finest' is not one of"):
         study(second_fidelity="finest")
