@@ -201,6 +201,12 @@ METRICS: tuple[Variable, ...] = (
         "largest height above the initial ground, half a spacing included, of soil in the largest linked mass with x below the initial "
         "toe; heave of the apron counts; at least 0",
     ),
+    _number(
+        "deposit_thickness",
+        "m",
+        "mean thickness of what lies before the toe: area of soil in the largest linked mass with x below the initial toe and above the "
+        "initial ground, over the run-out; NaN without run-out",
+    ),
     Variable(
         "reached_side",
         ROW,
@@ -388,16 +394,24 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
         "nearest_neighbour_p05": _nearest_distance_p05(x, y) / spacing,
     }
     values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
-    if isinstance(scene.geometry, SLOPES):
-        toe_x, toe_y = scene.geometry.toe
-        lattice_shift = scene.numerics.lattice_shift
-        x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing, lattice_shift)
-        x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe
-        behind = (x0 > toe_x) & (y0 > toe_y)
-        found = _runout_metrics(x, y, mass, mass & behind & (moved > settings.moved_threshold), scene.geometry, spacing)
-        debris = Debris(soil, behind, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
-        values |= found | at_places(trajectory, scene, settings.places, debris, found["runout"])
-    return values
+    return values | debris_metrics(trajectory, scene, settings)
+
+
+def debris_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings) -> dict[str, float]:
+    """The metrics of debris at rest before the toe, and of the places; empty for a scene without a slope."""
+    if not isinstance(scene.geometry, SLOPES):
+        return {}
+    soil, spacing, lattice_shift = trajectory["kind"].values == SOIL, scene.numerics.spacing, scene.numerics.lattice_shift
+    x, y = (trajectory[name].values[-1, soil].astype(float) for name in ("x", "y"))
+    mass = largest_mass(x, y, settings.link_length * spacing)
+    toe_x, toe_y = scene.geometry.toe
+    x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing, lattice_shift)
+    x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe
+    behind = (x0 > toe_x) & (y0 > toe_y)
+    moved = np.hypot(*displacement(trajectory))[soil] > settings.moved_threshold
+    found = _runout_metrics(x, y, mass, mass & behind & moved, scene.geometry, spacing)
+    debris = Debris(soil, behind, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
+    return found | at_places(trajectory, scene, settings.places, debris, found["runout"])
 
 
 def _area_change(trajectory: xr.Dataset, soil: np.ndarray) -> float:
@@ -423,11 +437,13 @@ def _runout_metrics(
     on_apron = mass & (x < toe_x)
     above_ground = y[on_apron] - np.interp(x[on_apron], *geometry.surface)
     deposit = float(above_ground.max()) + 0.5 * spacing if on_apron.any() else 0.0
+    area = float(np.count_nonzero(above_ground > 0.0)) * spacing**2
     return {
         "runout": runout,
         "runout_over_height": runout / geometry.slope_height,
         "travel_angle": travel_angle,
         "deposit_height": max(0.0, deposit),
+        "deposit_thickness": area / runout if runout > 0.0 else math.nan,
     }
 
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import xarray as xr
 
-from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, energy_error
+from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
@@ -14,6 +15,11 @@ from sph.study.finding import Finding, finding
 
 LOWER_BOUND = (FRONT, OVER)
 """Sides with which displacement and run-out are lower bounds: debris would have gone further, or has been lost."""
+THICK = 4
+"""Particles across a deposit at least: with four a layer of debris flows 1.16 times too far on a smooth base, with two 1.7 times
+(``tests/physics/test_thin_debris.py``)."""
+FAR = 10
+"""Spacings of run-out beyond which that matters: nearer, a thin deposit is the foot of the slope."""
 WORDS = {FRONT: "the end of the box before the toe", BACK: "the end of the box behind the crest", OVER: "the top of a side"}
 
 
@@ -50,14 +56,30 @@ def energy_open(error: float) -> list[Finding]:
     return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller one")]
 
 
+def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:
+    """The finding of a run whose debris has run far and lies in few rows of particles, by its metrics (m); none where they are NaN."""
+    spacing = scene.numerics.spacing
+    if not (runout > FAR * spacing and thickness < THICK * spacing):
+        return []
+    what = f"debris that ran {runout:.3g} m is thin, so its run-out is not reliable"
+    measured = f"{thickness / spacing:.2g} particles thick before the toe, in the mean"
+    return [finding("thin-debris", what, measured, f"at least {THICK}, better {2 * THICK}", "numerics.spacing")]
+
+
 def after_run(scene: Scene, values: Mapping[str, Value]) -> list[Finding]:
     """All findings of a run by its metrics."""
     met = debris_at_wall(scene, str(values["reached_side"]), float(values["reached_side_time"]))
-    return [*met, *energy_open(float(values["energy_error"]))]
+    thin = thin_debris(scene, float(values["runout"]), float(values["deposit_thickness"]))
+    return [*met, *thin, *energy_open(float(values["energy_error"]))]
 
 
 def found_after(trajectory: xr.Dataset, scene: Scene) -> list[Finding]:
     """The same from the trajectory of a run that came to its end, with the default settings of the metrics."""
     settings = MetricSettings()
     met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
-    return [*debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)), *energy_open(energy_error(trajectory))]
+    debris = debris_metrics(trajectory, scene, settings)
+    return [
+        *debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)),
+        *thin_debris(scene, debris.get("runout", math.nan), debris.get("deposit_thickness", math.nan)),
+        *energy_open(energy_error(trajectory)),
+    ]

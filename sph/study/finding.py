@@ -76,6 +76,7 @@ CODES: dict[str, Code] = {
     "back-wall": Code(WARNING, "the back wall is near the crest"),
     "little-room": Code(WARNING, "little room for the debris before the front wall"),
     "debris-at-wall": Code(WARNING, "after the run: failed soil has reached an end of the box, so the box decides how far it goes"),
+    "thin-debris": Code(WARNING, "after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable"),
     "energy-open": Code(WARNING, "after the run: its energy budget does not close within the limit, so its results are not reliable"),
     "other-slope": Code(WARNING, "the ground falls further to the other side"),
     "time-step": Code(WARNING, "the time step is near or above its limit"),

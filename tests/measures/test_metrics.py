@@ -140,14 +140,20 @@ class TestRunout:
         assert values["travel_angle"] == pytest.approx(math.degrees(math.atan2(25.0, run + 3.0)), abs=1e-4)
         assert values["deposit_height"] == pytest.approx(4.0, abs=1e-5)  # the column 2.5 m behind the toe is 4 particles high
 
+    def test_mean_thickness_of_the_deposit(self, slid: xr.Dataset) -> None:
+        # A wedge of 3 m at 60 degrees: 1.5 m tan(60) thick; columns of 1, 3 and 4 particles over 3 m.
+        assert measure(slid)["deposit_thickness"] == pytest.approx(8.0 / 3.0) == pytest.approx(1.5 * math.tan(math.radians(60.0)), rel=0.03)
+
     def test_no_deposit_on_a_standing_slope(self, standing: xr.Dataset) -> None:
-        assert measure(standing)["deposit_height"] == 0.0
+        values = measure(standing)
+        assert values["deposit_height"] == 0.0 and math.isnan(float(values["deposit_thickness"]))
 
     def test_other_shapes_have_no_runout(self) -> None:
         block = {"geometry": {"shape": "block", "width": 10.0, "height": 5.0}}
         values = measure(synthetic(translation(-3.0), overrides=block))
         assert nan_metrics(values) == {
-            "runout", "runout_over_height", "travel_angle", "deposit_height", "first_failure_time", "reached_side_time",
+            "runout", "runout_over_height", "travel_angle", "deposit_height", "deposit_thickness", "first_failure_time",
+            "reached_side_time",
         }  # fmt: skip
         assert values["area_moved_100cm"] == 50.0
 

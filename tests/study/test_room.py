@@ -14,7 +14,7 @@ from sph.measures.metrics import Value, measure
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import run
-from sph.study.after_run import debris_at_wall, found_after, is_bounded
+from sph.study.after_run import after_run, debris_at_wall, found_after, is_bounded, thin_debris
 from sph.study.findings import findings, reach, room_ahead
 
 LOW: dict[str, Any] = {
@@ -64,6 +64,26 @@ def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound(
     assert [found] == debris_at_wall(scene, str(short["reached_side"]), float(short["reached_side_time"]))
     assert long["reached_side"] == "" and np.isnan(float(long["reached_side_time"])), "60 m are enough for an S_R of 0.3"
     assert debris_at_wall(scene, "", np.nan) == []
+
+
+@pytest.mark.parametrize(
+    ("runout", "deposit", "told"),
+    [(10.1, 3.9, True), (10.1, 4.0, False), (9.9, 3.9, False), (0.0, 0.0, False), (np.nan, np.nan, False)],
+)
+def test_debris_that_ran_far_and_is_thin_is_told(runout: float, deposit: float, told: bool) -> None:
+    """Further than ten spacings, thinner than four."""
+    spacing = low().numerics.spacing
+    found = thin_debris(low(), runout * spacing, deposit * spacing)
+    assert [(each.code, each.key) for each in found] == [("thin-debris", "numerics.spacing")] * told
+    assert all("3.9 particles thick" in each.measured for each in found)
+
+
+def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:
+    scene = low(**{"coupling.S_R": 0.3, "geometry.apron_length": 60.0})
+    trajectory = run(scene).trajectory
+    values = measure(trajectory)
+    assert thin_debris(scene, float(values["runout"]), float(values["deposit_thickness"])), "weak soil on a long apron runs out thin"
+    assert found_after(trajectory, scene) == after_run(scene, values)
 
 
 def within(scene: Scene) -> float:
