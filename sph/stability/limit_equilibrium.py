@@ -24,20 +24,18 @@ import numpy as np
 
 SMALLEST_SHARE = 0.2
 """Least cos(alpha) + sin(alpha) tan(phi) / F of a base: below it the normal force grows without limit (Whitman and Bailey 1967)."""
-ANGLES = np.radians(np.arange(-10.0, 85.0, 10.0))
-"""Inclinations of the forces between slices among which Spencer's is sought, rad."""
-ROUNDS = 40
+ROUNDS = 10
 """Most iterations; a surface that needs more has no answer."""
-CLOSE = 1e-6
-"""Change of Spencer's inclination at which it is found, rad."""
-LARGEST = 100.0
-"""Factor of safety with which Bishop's iteration begins."""
-SAME = 1e-4
-"""Relative difference of values that are the same for every inclination."""
-CLOSED = 1e-5
-"""Moments left over the normal forces times the width of the body, at most: a change of sign may be a pole."""
-NEAR = 1e-8
-"""Relative change at which an iteration ends."""
+NEAR, FOUND = 1e-7, 1e-5
+"""Relative change, or change of an inclination (rad), at which an iteration ends, and up to which it has an answer."""
+SMALLEST = 1e-3
+"""Value below which its change counts over this, since a critical coefficient may be 0."""
+LARGEST_TURN = 0.35
+"""Largest change of an inclination in a round, rad."""
+TINY = 1e-9
+"""Less than any length (m) or stress (Pa) that counts."""
+FLAT = 1e-3
+"""Largest difference of inclinations of a plane, rad."""
 TENSION_ROUNDS = 3
 """Times that bases which would hold less than nothing are taken out and F is found anew."""
 
@@ -81,225 +79,111 @@ class Balance(NamedTuple):
 
     value: np.ndarray
     """(surfaces,) factor of safety, or critical coefficient; infinite where the method finds none"""
-    angle: np.ndarray
-    """(surfaces,) inclination of the forces between slices, rad; 0 in Bishop's method"""
     tension: np.ndarray
     """(surfaces,) share of the surface whose effective normal stress is tension"""
 
 
-Method = Callable[[Slices], Balance]
-
-
 def bishop(slices: Slices, centre: np.ndarray, k: float = 0.0) -> Balance:
     """Factors of safety of circles about centres (surfaces, 2), m, by Bishop's simplified method."""
-    drive, pushed, radius = _moments(slices, centre)
-    drive = drive + k * pushed
+    x, y = slices.x - centre[:, :1], slices.y - centre[:, 1:]
+    by_load = x * slices.load[..., 1] - (y + slices.height) * slices.load[..., 0]
+    drive = (slices.weight * x - by_load - k * slices.full_weight * (y + slices.centroid)).sum(axis=1)
+    cosine, sine, length = np.cos(slices.inclination), np.sin(slices.inclination), slices.length
+    vertical, radius = slices.weight - slices.load[..., 1] - slices.pressure * slices.width, np.hypot(x, y).mean(axis=1)
 
     def solve(s: Slices) -> tuple[np.ndarray, np.ndarray]:
-        factor = np.where(drive > 0.0, LARGEST, np.nan)
+        inverse = np.zeros(len(x))  # 1 / F
         for _ in range(ROUNDS):
-            old, factor = factor, radius * _bishop_bases(s, factor)[0].sum(axis=1) / drive
-            if not (np.abs(factor - old) > NEAR * factor).any():
+            share = cosine + sine * s.friction * inverse[:, None]
+            normal = (vertical - s.cohesion * length * sine * inverse[:, None]) / share
+            old, inverse = inverse, drive / (radius * (s.cohesion * length + normal * s.friction).sum(axis=1))
+            if not (np.abs(inverse - old) > NEAR * inverse).any():
                 break
-        return factor, _bishop_bases(s, factor)[1]
+        sound = (np.minimum(share, cosine) >= SMALLEST_SHARE).all(axis=1) & (drive > 0.0) & (inverse > 0.0)
+        return np.where(sound, 1.0 / inverse, np.inf), normal
 
     return _without_negative_strength(slices, solve)
-
-
-def bishop_coefficient(slices: Slices, centre: np.ndarray) -> Balance:
-    """Critical coefficients of circles by Bishop's method: in closed form, since it takes no part in the vertical forces."""
-    drive, pushed, radius = _moments(slices, centre)
-
-    def solve(s: Slices) -> tuple[np.ndarray, np.ndarray]:
-        held, normal = _bishop_bases(s, np.ones(len(drive)))
-        return np.where(pushed > 0.0, (radius * held.sum(axis=1) - drive) / np.where(pushed > 0.0, pushed, 1.0), np.inf), normal
-
-    return _without_negative_strength(slices, solve)
-
-
-def _moments(s: Slices, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Moments (surfaces,) about the centre that drive the body, by weight and water (N) and by k = 1, and the mean arm of the bases, m."""
-    x, y = s.x - centre[:, :1], s.y - centre[:, 1:]
-    by_load = x * s.load[..., 1] - (y + s.height) * s.load[..., 0]
-    drive = (s.weight * x - by_load).sum(axis=1)
-    pushed = (-(y + s.centroid) * s.full_weight).sum(axis=1)
-    return drive, pushed, np.hypot(x, y).mean(axis=1)
-
-
-def _bishop_bases(s: Slices, factor: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Strength and effective normal force (surfaces, slices) of the bases, N/m; infinite where a base is too steep for the method."""
-    cosine, sine = np.cos(s.inclination), np.sin(s.inclination)
-    vertical, reduced = s.weight - s.load[..., 1] - s.pressure * s.width, factor[:, None]
-    share = cosine + sine * s.friction / reduced
-    sound = np.where(share >= SMALLEST_SHARE, share, np.nan)
-    normal = (vertical - s.cohesion * s.length * sine / reduced) / sound
-    return s.cohesion * s.length + normal * s.friction, normal
 
 
 def spencer(slices: Slices, k: float = 0.0) -> Balance:
     """Factors of safety of surfaces of any shape by Spencer's method."""
-
-    def solve(s: Slices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return _balance(_Forces.of(s, k), _Forces.factor)
-
-    return _spencer(slices, solve)
+    return _without_negative_strength(slices, lambda s: _spencer(s, k))
 
 
 def spencer_coefficient(slices: Slices) -> Balance:
     """Critical coefficients of surfaces of any shape by Spencer's method; negative where F < 1 without a load."""
-
-    def solve(s: Slices) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        return _balance(_Forces.of(s, 0.0), _Forces.coefficient)
-
-    return _spencer(slices, solve)
-
-
-def _spencer(slices: Slices, solve: Callable[[Slices], tuple[np.ndarray, np.ndarray, np.ndarray]]) -> Balance:
-    angle = np.zeros(len(slices.x))
-
-    def solve_and_keep(s: Slices) -> tuple[np.ndarray, np.ndarray]:
-        value, normal, found = solve(s)
-        angle[:] = found
-        return value, normal
-
-    balance = _without_negative_strength(slices, solve_and_keep)
-    return balance._replace(angle=angle)
+    return _without_negative_strength(slices, lambda s: _spencer(s, None))
 
 
 def _without_negative_strength(slices: Slices, solve: Callable[[Slices], tuple[np.ndarray, np.ndarray]]) -> Balance:
     """Solve for a value and the effective normal forces, again without the bases that would hold less than nothing."""
     with np.errstate(all="ignore"):
-        s = slices
+        s, length = slices, slices.length
         value, normal = solve(s)
         for _ in range(TENSION_ROUNDS):
-            gone = np.isfinite(value)[:, None] & (s.cohesion * s.length + normal * s.friction < 0.0) & (s.cohesion + s.friction > 0.0)
+            gone = np.isfinite(value)[:, None] & (s.cohesion * length + normal * s.friction < 0.0) & (s.cohesion + s.friction > 0.0)
             if not gone.any():
                 break
             s = s._replace(cohesion=np.where(gone, 0.0, s.cohesion), friction=np.where(gone, 0.0, s.friction))
             value, normal = solve(s)
-        tension = np.where(normal < 0.0, slices.length, 0.0).sum(axis=1) / slices.length.sum(axis=1)
-        return Balance(np.where(np.isfinite(value), value, np.inf), np.zeros(len(value)), tension)
+        return Balance(value, _in_tension(normal / np.maximum(length, TINY), length))
 
 
-class _Forces(NamedTuple):
-    """The parts of the net force of the neighbours on a slice, Q = (A F - R) / (C F + S), and what its moment needs."""
-
-    slices: Slices
-    cosine: np.ndarray
-    sine: np.ndarray
-    driving: np.ndarray  # A: along the base, N/m
-    normal: np.ndarray  # effective normal force without the neighbours, N/m
-    holding: np.ndarray  # R: strength without the neighbours, N/m
-    moment: np.ndarray  # (surfaces,) of load and k about the bases, anticlockwise, N
-    x: np.ndarray  # from the mean, m
-    y: np.ndarray
-
-    @classmethod
-    def of(cls, s: Slices, k: float) -> _Forces:
-        cosine, sine = np.cos(s.inclination), np.sin(s.inclination)
-        down, left = s.weight - s.load[..., 1], k * s.full_weight - s.load[..., 0]
-        normal = down * cosine - left * sine - s.pressure * s.length
-        moment = (k * s.full_weight * s.centroid - s.load[..., 0] * s.height).sum(axis=1)
-        x, y = (each - each.mean(axis=1, keepdims=True) for each in (s.x, s.y))
-        return cls(s, cosine, sine, left * cosine + down * sine, normal, s.cohesion * s.length + normal * s.friction, moment, x, y)
-
-    def some(self, rows: np.ndarray) -> _Forces:
-        """Those of some surfaces."""
-        return _Forces(Slices(*(each[rows] for each in self.slices)), *(each[rows] for each in self[1:]))
-
-    def turned(self, angle: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Cosine and sine of alpha - theta, for angles (surfaces, angles): (surfaces, angles, slices)."""
-        cosine, sine = np.cos(angle)[..., None], np.sin(angle)[..., None]
-        own_cosine, own_sine = self.cosine[:, None], self.sine[:, None]
-        return cosine * own_cosine + sine * own_sine, cosine * own_sine - sine * own_cosine
-
-    def factor(self, angle: np.ndarray) -> _Trial:
-        """F at which the horizontal forces balance.
-
-        The sum of Q rises with F and is concave beyond its last pole: Newton's iteration from below does not overshoot.
-        """
-        cosine, sine = self.turned(angle)
-        s = sine * self.slices.friction[:, None]
-        driving, holding = self.driving[:, None], self.holding[:, None]
-        pole = np.maximum((-s / cosine).max(axis=-1), 0.0)
-        slope = driving * s + holding * cosine
-        factor = np.maximum(holding.sum(axis=-1) / driving.sum(axis=-1), 1.1 * pole + 0.01)
-        for _ in range(ROUNDS):
-            share = cosine * factor[..., None] + s
-            step = ((driving * factor[..., None] - holding) / share).sum(axis=-1) / (slope / share**2).sum(axis=-1)
-            old, factor = factor, np.maximum(factor - step, 0.5 * (factor + pole))
-            if not ((np.abs(factor - old) > NEAR * factor) & (factor < LARGEST)).any():
-                break
-        share = cosine * factor[..., None] + s
-        sound = (share >= SMALLEST_SHARE * factor[..., None]).all(axis=-1) & (driving.sum(axis=-1) > 0.0)
-        q = (driving * factor[..., None] - holding) / share
-        normal = self.normal[:, None] + q * sine
-        return _Trial(np.where(sound, factor, np.nan), self.rest(q, angle, self.moment[:, None]), normal)
-
-    def coefficient(self, angle: np.ndarray) -> _Trial:
-        """The coefficient at which the horizontal forces balance with F = 1: Q is linear in it."""
-        cosine, sine = self.turned(angle)
-        friction, full = self.slices.friction[:, None], self.slices.full_weight[:, None]
-        share = cosine + sine * friction
-        q = (self.driving - self.holding)[:, None] / share
-        q_of_k = full * (self.cosine + self.sine * self.slices.friction)[:, None] / share
-        k = -q.sum(axis=-1) / q_of_k.sum(axis=-1)
-        q = q + q_of_k * k[..., None]
-        moment = self.moment[:, None] + k * (full * self.slices.centroid[:, None]).sum(axis=-1)
-        normal = self.normal[:, None] - k[..., None] * full * self.sine[:, None] + q * sine
-        sound = (share >= SMALLEST_SHARE).all(axis=-1)
-        return _Trial(np.where(sound, k, np.nan), self.rest(q, angle, moment), normal)
-
-    def rest(self, q: np.ndarray, angle: np.ndarray, moment: np.ndarray) -> np.ndarray:
-        """Moment (surfaces, angles) that the net forces leave, N: each acts where it balances its slice."""
-        across = np.sin(angle)[..., None] * self.x[:, None] - np.cos(angle)[..., None] * self.y[:, None]
-        found: np.ndarray = (q * across).sum(axis=-1) - moment
-        return found
+def _in_tension(stress: np.ndarray, length: np.ndarray) -> np.ndarray:
+    """Share (surfaces,) of the length in tension, with stresses that change linearly from the middle of one base to that of the next."""
+    low, high = np.minimum(stress[:, :-1], stress[:, 1:]), np.maximum(stress[:, :-1], stress[:, 1:])
+    share = np.clip(-low / np.maximum(high - low, TINY), 0.0, 1.0)
+    between = 0.5 * (length[:, :-1] + length[:, 1:])
+    return _sum(share, between) / between.sum(axis=1)
 
 
-class _Trial(NamedTuple):
-    """What balances the forces (surfaces, angles) for inclinations of the forces between slices."""
+def _spencer(s: Slices, k: float | None) -> tuple[np.ndarray, np.ndarray]:
+    """F under a coefficient, or the critical coefficient if that is None, and the effective normal forces.
 
-    value: np.ndarray
-    rest: np.ndarray  # of the moments, N
-    normal: np.ndarray  # (surfaces, angles, slices) effective normal forces, N/m
-
-
-def _balance(forces: _Forces, balanced: Callable[[_Forces, np.ndarray], _Trial]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Value, effective normal forces and angle at which the moments balance as well: the change of sign nearest to level forces, closed by
-    regula falsi (Illinois).
-
-    Where the forces alone give the same value for every inclination, as on a plane, that is the answer.
+    The net force of the neighbours on a slice is Q = (A - R / F) / (cos(alpha - theta) + sin(alpha - theta) tan(phi) / F), with the force A
+    along its base and its strength R without neighbours.  Newton's iteration closes the sums of Q and of its moments together, for theta
+    and for 1 / F or k, in which Q is nearly linear.  On a plane every theta gives the same value.
     """
-    surfaces = len(forces.x)
-    trial = balanced(forces, np.broadcast_to(ANGLES, (surfaces, ANGLES.size)))
-    width = forces.slices.width.sum(axis=-1)[:, None]
-    nothing = np.abs(trial.rest) <= NEAR * np.abs(trial.normal).sum(axis=-1) * width
-    rest = np.where(np.isfinite(trial.value), np.where(nothing, 0.0, trial.rest), np.nan)
-    crosses = rest[:, :-1] * rest[:, 1:] <= 0.0
-    rows = np.flatnonzero(crosses.any(axis=1))
-    sound = np.isfinite(trial.value)
-    level = np.where(sound, np.abs(ANGLES), np.inf).argmin(axis=1)
-    most, least = np.where(sound, trial.value, -np.inf).max(axis=1), np.where(sound, trial.value, np.inf).min(axis=1)
-    plane = (np.count_nonzero(sound, axis=1) > 2) & (most - least <= SAME * np.abs(least))
-    every = np.arange(surfaces)
-    value, found = np.where(plane, trial.value[every, level], np.inf), np.where(plane, ANGLES[level], 0.0)
-    normal = np.where(plane[:, None], trial.normal[every, level], 0.0)
-    if not rows.size:
-        return value, normal, found
-    at = np.where(crosses, np.abs(ANGLES[:-1] + ANGLES[1:]), np.inf).argmin(axis=1)[rows]
-    low, high, below, above = ANGLES[at], ANGLES[at + 1], rest[rows, at], rest[rows, at + 1]
-    angle, forces = low, forces.some(rows)
-    for _ in range(ROUNDS):
-        old, angle = angle, np.where(above == below, low, (low * above - high * below) / (above - below))
-        left = balanced(forces, angle[:, None]).rest[:, 0]
-        stays = left * above > 0.0
-        low, below = np.where(stays, low, high), np.where(stays, 0.5 * below, above)
-        high, above = angle, left
-        if not (np.abs(angle - old) > CLOSE).any():
+    critical = k is None
+    cosine, sine, friction, length = np.cos(s.inclination), np.sin(s.inclination), s.friction, s.length
+    x, y = (each - each.mean(axis=1, keepdims=True) for each in (s.x, s.y))
+    by_k, moment_by_k = s.full_weight * (cosine + sine * friction), _sum(s.full_weight, s.centroid)
+    chord = np.arctan2((length * sine).sum(axis=1), s.width.sum(axis=1))
+    plane = np.abs(s.inclination - chord[:, None]).max(axis=1) <= FLAT
+    value, theta = np.zeros(len(x)), chord
+    for number in range(ROUNDS):
+        if critical or number == 0:
+            pushed = value if critical else np.full(len(x), k)
+            down, left = s.weight - s.load[..., 1], pushed[:, None] * s.full_weight - s.load[..., 0]
+            alone = down * cosine - left * sine - s.pressure * length
+            pull, hold = left * cosine + down * sine, s.cohesion * length + alone * friction
+            moment = pushed * moment_by_k - _sum(s.load[..., 0], s.height)
+        inverse = np.ones((len(x), 1)) if critical else value[:, None]
+        level, steep = np.cos(theta)[:, None], np.sin(theta)[:, None]
+        across, along = level * cosine + steep * sine, level * sine - steep * cosine
+        share = across + along * friction * inverse
+        q = (pull - hold * inverse) / share
+        q_value = (by_k if critical else -hold - q * along * friction) / share
+        q_theta = q * (across * friction * inverse - along) / share
+        arm, arm_theta = x * steep - y * level, x * level + y * steep
+        force, force_value, force_theta = q.sum(axis=1), q_value.sum(axis=1), q_theta.sum(axis=1)
+        rest, rest_theta = _sum(q, arm) - moment, _sum(q_theta, arm) + _sum(q, arm_theta)
+        rest_value = _sum(q_value, arm) - (moment_by_k if critical else 0.0)
+        turn = (force * rest_value - rest * force_value) / (force_value * rest_theta - force_theta * rest_value)
+        turn = np.where(plane, 0.0, np.clip(turn, -LARGEST_TURN, LARGEST_TURN))
+        change = -(force + force_theta * turn) / force_value
+        value, theta = value + change, theta + turn
+        open_by = np.maximum(np.abs(change) / np.maximum(np.abs(value), SMALLEST), np.abs(turn))
+        if not (open_by > NEAR).any():
             break
-    trial = balanced(forces, angle[:, None])
-    closed = np.abs(trial.rest[:, 0]) <= CLOSED * np.abs(trial.normal[:, 0]).sum(axis=-1) * width[rows, 0]
-    rows, trial = rows[closed], _Trial(*(each[closed] for each in trial))
-    value[rows], normal[rows], found[rows] = trial.value[:, 0], trial.normal[:, 0], angle[closed]
-    return value, normal, found
+    found = (open_by <= FOUND) & (share >= SMALLEST_SHARE).all(axis=1)
+    if not critical:
+        found &= (value > 0.0) & (pull.sum(axis=1) > 0.0)
+        value = 1.0 / value
+    return np.where(found, value, np.inf), alone + q * along
+
+
+def _sum(one: np.ndarray, other: np.ndarray) -> np.ndarray:
+    """Sums (surfaces,) of products over the slices."""
+    found: np.ndarray = np.einsum("ij,ij->i", one, other)
+    return found

@@ -1,7 +1,7 @@
 """The slip surface with the least factor of safety, or the least critical coefficient, of a scene's slope by limit equilibrium.
 
-Circles are tried on a grid of their ends and of their depth, by Bishop's method, and the best of them are moved until no smaller step
-betters them.  Spencer's method goes on from the best circle with convex lines of any shape, and along every seam, layer and the base with
+Circles are tried on a coarse grid of their ends and of their depth, by Bishop's method, and the best of them are moved until no smaller
+step betters them.  Spencer's method goes on from the best circles with convex lines of any shape, and along every seam and weak layer with
 lines that leave it through the soil.  Nothing is drawn at random: the same scene has the same answer.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
-from sph.stability.limit_equilibrium import Balance, Slices, bishop, bishop_coefficient, spencer, spencer_coefficient
+from sph.stability.limit_equilibrium import Balance, Slices, bishop, spencer, spencer_coefficient
 from sph.stability.slip_surface import STEEPEST, VERTICES, Edges, Guide, Section, along, as_lines, circles, guides, lines
 
 SLICES, FINER = 40, 5
@@ -26,23 +26,27 @@ PLACES = 11
 """Places on a guide where the first lines join and leave it."""
 REACH = 3.0
 """Heights of the slope before the toe and behind the crest within which surfaces of the grid end."""
-CIRCLES, STARTS = 8, 3
+CIRCLES, STARTS = 6, 3
 """Circles of the grid that are moved, and lines."""
-FIRST, LAST = 0.1, 1e-3
+FIRST, LAST = 0.1, 4e-3
 """Steps of a descent over H, at first and at the end; of angles and gradients likewise."""
-STEPS = 80
+STEPS = 40
 """Most steps of a descent."""
+WORTH = 1e-3
+"""Relative gain of a step below which the next one is half as long."""
 PROMISING = 1.25
 """Factor of a guide's first surface over the best so far up to which it is followed."""
 
 MOST_TENSION = 0.05
 """Share of a surface in tension above which Spencer's answer is not taken."""
+PENALTY = 5.0
+"""Added in the search for the share of a surface in tension beyond that."""
 CRACKS = np.array([0.0, 0.3, 0.6, 1.0])
 """Parts of the depth in tension to which cracks are tried."""
-OTHERS, NEARBY = 60, 1.3
+OTHERS, NEARBY = 30, 1.3
 """Further circles of the grid from which lines may begin, and their value over the least."""
-ENOUGH = 1.06
-"""Factor of safety over that of Bishop's circle up to which an answer without a crack is taken."""
+CRACKED = 0.185
+"""Share of Bishop's circle in tension above which the crest has a crack, if Spencer's forces do not balance on it."""
 HUGE = 1e6
 """More than any factor of safety."""
 EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
@@ -62,13 +66,15 @@ class Surface(NamedTuple):
     """(points,) in the box, m"""
     y: np.ndarray
     """(points,) m"""
+    seam: np.ndarray
+    """(points - 1,) number of the seam along which a base lies, from 1 on; 0 in the soil"""
     tension: float
     """share of its length in tension"""
     crack: float
     """depth of the vertical crack at its upper end, m"""
 
 
-NONE = Surface(np.inf, "", np.zeros(0), np.zeros(0), 0.0, 0.0)
+NONE = Surface(np.inf, "", np.zeros(0), np.zeros(0), np.zeros(0, int), 0.0, 0.0)
 
 
 class LimitEquilibrium(NamedTuple):
@@ -96,51 +102,66 @@ def applies(scene: Scene) -> bool:
 def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibrium:
     """Factors of safety of a scene's slope at its peak strength, under a horizontal coefficient, and its critical coefficient.
 
-    A surface in ``critical`` ends in a crack as well where that of the factor of safety does.  ValueError where ``applies`` says no.
+    In steep cohesive soil no forces balance by Spencer's method on the worst circle, and much of it is in tension: surfaces then end in a
+    crack.  A surface in ``critical`` does so where that of the factor of safety does.  ValueError where ``applies`` says no.
     """
     if not applies(scene):
         raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
     section = Section.of(scene)
-    circle, starts = worst_circle(section, partial(bishop, k=coefficient))
-    surface = worst_surface(section, partial(spencer, k=coefficient), starts, ENOUGH * circle.value, circle.value)
+    circle, near = worst_circle(section, coefficient)
+    balances = np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0])
+    cracked = circle.tension > CRACKED and not balances
+    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, cracked, circle.value)
     critical = NONE
-    if surface.value > 1.0 and np.isfinite(surface.value):
-        starts = worst_circle(section, bishop_coefficient)[1]
-        critical = worst_surface(section, spencer_coefficient, starts, HUGE if surface.crack == 0.0 else -HUGE, 1.0)
+    if 1.0 < surface.value < np.inf:
+        value, tension = spencer_coefficient(section.slices(Edges(surface.x[None], surface.y[None], surface.seam[None])))
+        own = surface._replace(value=float(value[0]), tension=float(tension[0])) if tension[0] <= 2.0 * MOST_TENSION else NONE
+        near = worst_circle(section, own.value, near)[1] if own.value < np.inf else near
+        critical = worst_surface(section, spencer_coefficient, near, own, surface.crack > 0.0, 1.0)
     return LimitEquilibrium(circle, surface, critical)
 
 
-def worst_circle(section: Section, method: Callable[[Slices, np.ndarray], Balance]) -> tuple[Surface, np.ndarray]:
-    """The circle with the least value, and the numbers by which ``circles`` makes it and others that come near, (n, 3)."""
+def worst_circle(section: Section, coefficient: float = 0.0, among: np.ndarray | None = None) -> tuple[Surface, np.ndarray]:
+    """The circle with the least factor of safety, and the numbers by which ``circles`` makes it and others that come near, (n, 3).
 
-    def values(given: np.ndarray) -> np.ndarray:
-        edges, centre = circles(section, given, SLICES)
+    It is sought from the best of a grid, or of the circles by the numbers ``among``.
+    """
+    method = partial(bishop, k=coefficient)
+
+    def values(given: np.ndarray, slices: int = SLICES) -> np.ndarray:
+        edges, centre = circles(section, given, slices)
         return _values(section, edges, method, centre)
 
-    reach, end = REACH * section.height, section.way[-1]
-    face, apart = np.linspace(section.toe, section.crest, ENDS), np.linspace(0.0, 1.0, ENDS)[1:] ** 2
-    left = np.concatenate([np.maximum(section.toe - reach * apart, 0.0), face])
-    right = np.concatenate([face, np.minimum(section.crest + reach * apart, end)])
-    grid = np.stack(np.meshgrid(left, right, HALVES, indexing="ij"), axis=-1).reshape(-1, 3)
-    grid = grid[grid[:, 1] > grid[:, 0]]
-    scale = np.array([section.height, section.height, 1.0])
-    found = values(grid)
+    grid = _grid(section) if among is None else among
+    scale, end = np.array([section.height, section.height, 1.0]), section.way[-1]
+    found = values(grid, SLICES // 2)
     ends = descend(values, _best(found, grid, CIRCLES), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
     edges, centre = circles(section, ends, SLICES)
     surface, worst = _surface(section, "circle", edges, method, centre, most=1.0)
     return surface, np.vstack([ends[worst], grid[_spread(found)]])
 
 
-def worst_surface(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, enough: float, factor: float) -> Surface:
-    """The surface with the least value, begun from the worst circles, by the numbers of ``circles`` (n, 3), and along the guides.
+def _grid(section: Section) -> np.ndarray:
+    """Numbers (n, 3) of circles with their ends before the toe, on the face and behind the crest."""
+    reach, face, apart = REACH * section.height, np.linspace(section.toe, section.crest, ENDS), np.linspace(0.0, 1.0, ENDS)[1:] ** 2
+    left = np.concatenate([np.maximum(section.toe - reach * apart, 0.0), face])
+    right = np.concatenate([face, np.minimum(section.crest + reach * apart, section.way[-1])])
+    grid = np.stack(np.meshgrid(left, right, HALVES, indexing="ij"), axis=-1).reshape(-1, 3)
+    return grid[grid[:, 1] > grid[:, 0]]
 
-    Where none has a value up to ``enough``, since the forces balance for no such surface without much tension, it may end in a vertical
-    crack, as deep as soil whose strength is divided by a factor is in tension, or less.
+
+def worst_surface(
+    section: Section, method: Callable[[Slices], Balance], near: np.ndarray, known: Surface, cracked: bool, factor: float
+) -> Surface:
+    """The surface with the least value: a known one, or one found from the worst circles, by the numbers of ``circles`` (n, 3), and along
+    the guides.
+
+    If it is cracked, or none has a value otherwise, it may end in a vertical crack, as deep as soil with its strength divided by a factor
+    is in tension, or less.
     """
-    if enough > 0.0:
-        whole = _worst(section, method, near, np.zeros(1))
-        if whole.value <= enough:
-            return whole
+    best = known if cracked else min(known, _worst(section, method, near, np.zeros(1)), key=lambda each: each.value)
+    if not cracked and np.isfinite(best.value):
+        return best
     return _worst(section, method, near, section.crack(float(near[0, 1]), factor) * CRACKS)
 
 
@@ -229,10 +250,11 @@ def descend(values: Values, starts: np.ndarray, scale: np.ndarray, low: np.ndarr
         joint, found_jointly = trial(way[:, None] * np.array([1.0, 2.0])[:, None])
         places, found = np.concatenate([single, joint], axis=1), np.concatenate([found, found_jointly], axis=1)
         best = found.argmin(axis=1)
-        moved = found[rows, best] < least
+        gain = np.minimum(least, HUGE) - np.minimum(found[rows, best], HUGE)
+        moved = gain > 0.0
         at = np.where(moved[:, None], places[rows, best], at)
         least = np.where(moved, found[rows, best], least)
-        step = np.where(moved, step, 0.5 * step)
+        step = np.where(gain > WORTH * np.abs(least), step, 0.5 * step)
         if (step < LAST).all():
             break
     return at
@@ -245,7 +267,7 @@ def _values(section: Section, edges: Edges, method: Callable[..., Balance], *cen
     if possible.any():
         slices = section.slices(Edges(*(each[possible] for each in edges)))
         balance = method(slices, *(each[possible] for each in centre))
-        values[possible] = balance.value if centre else np.where(balance.tension > MOST_TENSION, np.inf, balance.value)
+        values[possible] = balance.value if centre else balance.value + PENALTY * np.maximum(balance.tension - MOST_TENSION, 0.0)
     return values
 
 
@@ -258,12 +280,12 @@ def _surface(
     """
     coarse, finer = (method(section.slices(each), *centre) for each in (edges, edges.divided(FINER)))
     sound = np.isfinite(finer.value) & (finer.tension <= most)  # others stand on the edge of what balances
-    values, tension = (np.where(sound, *pair) for pair in zip(finer[::2], coarse[::2], strict=True))
+    values, tension = (np.where(sound, *pair) for pair in zip(finer, coarse, strict=True))
     values = np.where(coarse.tension <= most, values, np.inf)
     worst = int(values.argmin())
     crack = float(section.ground(edges.x[worst, -1:])[0] - edges.y[worst, -1])
     crack = crack if crack > 1e-3 * section.height else 0.0
-    return Surface(float(values[worst]), where, edges.x[worst], edges.y[worst], float(tension[worst]), crack), worst
+    return Surface(float(values[worst]), where, edges.x[worst], edges.y[worst], edges.seam[worst], float(tension[worst]), crack), worst
 
 
 def _spread(values: np.ndarray) -> np.ndarray:

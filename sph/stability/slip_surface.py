@@ -17,14 +17,13 @@ import numpy as np
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL, Particles, layer_index, peak_strength
-from sph.solver.physics.pore_pressure import pore_pressure
 from sph.stability.limit_equilibrium import Slices
 from sph.stability.standing import slope_height
 
+POINTS = np.array([-0.375, -0.125, 0.125, 0.375])
+"""Places on a base, from its middle, at which its strength is taken where a base may lie in several soils."""
 COLUMNS, PARTS = 400, 200
 """Columns, and parts of their height, in which layers are weighed."""
-POINTS = np.array([0.125, 0.375, 0.625, 0.875])
-"""Places in a slice at which its depth is taken."""
 NEAR = 1e-6
 """Part of H that is nothing."""
 THIN = 0.25
@@ -60,7 +59,7 @@ class Section(NamedTuple):
     height: float  # of the slope, m
     level: float  # of the water that stands before the toe, m; -inf without
     layers: np.ndarray  # (COLUMNS, PARTS) number of the layer in the middle of each part; without layers (0, 0)
-    surplus: np.ndarray  # (2, COLUMNS, PARTS + 1) density beyond the own soil's above a part's lower end, and its first moment
+    surplus: np.ndarray  # (COLUMNS, PARTS + 1, 2) density beyond the own soil's above a part's lower end, and its first moment
 
     @classmethod
     def of(cls, scene: Scene) -> Section:
@@ -73,7 +72,7 @@ class Section(NamedTuple):
         if water is not None and water.r_u is None:
             at_toe = float(water.surface(geometry, np.array([geometry.toe[0]]))[0])
             level = at_toe if at_toe > geometry.toe[1] else -np.inf
-        layers, surplus = np.zeros((0, 0), int), np.zeros((2, 0, 0))
+        layers, surplus = np.zeros((0, 0), int), np.zeros((0, 0, 2))
         if scene.layers:
             column = (np.arange(COLUMNS) + 0.5) * geometry.width / COLUMNS
             top = np.interp(column, x, y)
@@ -83,7 +82,8 @@ class Section(NamedTuple):
         if len({soil.density for soil in scene.soils}) > 1:
             density = np.array([soil.density - scene.soil.density for soil in scene.soils])[layers] * top[:, None] / PARTS
             moment = density * top[:, None] * part
-            surplus = np.array([np.cumsum(np.pad(each, ((0, 0), (0, 1)))[:, ::-1], axis=1)[:, ::-1] for each in (density, moment)])
+            below = np.pad(np.stack([density, moment], axis=-1), ((0, 0), (0, 1), (0, 0)))
+            surplus = np.cumsum(below[:, ::-1], axis=1)[:, ::-1]
         return cls(scene, x, y, way, toe, crest, slope_height(scene), level, layers, surplus)
 
     def ground(self, x: np.ndarray) -> np.ndarray:
@@ -96,9 +96,11 @@ class Section(NamedTuple):
 
         2 c tan(45 + phi/2) / gamma (Rankine); at most half the slope's height (Terzaghi 1943).
         """
-        x, y = self.place(np.array([[way]]))
-        cohesion, friction, layer = self._strength(x, y - NEAR * self.height, np.zeros((1, 1), int))
-        weight = self.scene.soils[int(layer[0, 0])].density * self.scene.gravity.acceleration
+        x, y = self.place(np.array([[[way]]]))
+        y = y - NEAR * self.height
+        cohesion, friction, _ = self._strength(x, y, np.zeros((1, 1), int))
+        layer = int(layer_index(self.scene, _particle(self.scene, x[0, 0]), y[0, 0])[0])
+        weight = self.scene.soils[layer].density * self.scene.gravity.acceleration
         tangent = friction[0, 0] / factor
         return min(float(2.0 * cohesion[0, 0] / factor * (tangent + np.hypot(1.0, tangent)) / weight), 0.5 * self.height)
 
@@ -123,34 +125,37 @@ class Section(NamedTuple):
         scene, gravity = self.scene, self.scene.gravity.acceleration
         width, rise = np.diff(edges.x, axis=1), np.diff(edges.y, axis=1)
         x, y = edges.x[:, :-1] + 0.5 * width, edges.y[:, :-1] + 0.5 * rise
-        at_x = edges.x[:, :-1, None] + width[..., None] * POINTS
-        at_y = edges.y[:, :-1, None] + rise[..., None] * POINTS
-        top, surface = self.ground(at_x), self.ground(x)
-        mass, moment = (each.mean(axis=-1) for each in self._above(at_x, at_y, top))
+        chord = np.arctan2(rise.sum(axis=1, keepdims=True), width.sum(axis=1, keepdims=True))
+        inclination = np.where(width > NEAR * self.height, np.arctan2(rise, width), chord)
+        top = self.ground(x)
+        mass, moment = self._above(x, y, top)
         unit = 0.0 if scene.water is None else 1e3 * scene.water.unit_weight
-        drowned = np.maximum(np.minimum(top, self.level) - at_y, 0.0).mean(axis=-1)
-        cohesion, friction, layer = self._strength(x, y, edges.seam)
-        if scene.layers or scene.varying:  # a base may lie in several soils
-            parts = self._strength(at_x, at_y, np.repeat(edges.seam[..., None], POINTS.size, axis=-1))
-            cohesion, friction = (each.mean(axis=-1) for each in parts[:2])
-        load = np.zeros((*x.shape, 2))
+        drowned = unit * np.maximum(np.minimum(top, self.level) - y, 0.0)
+        parts = POINTS if scene.layers or scene.varying else np.zeros(1)
+        cohesion, friction, ratio = self._strength(
+            x[..., None] + width[..., None] * parts, y[..., None] + rise[..., None] * parts, edges.seam
+        )
+        pressure, load = np.zeros(x.shape), np.zeros((*x.shape, 2))
         if scene.water is not None and scene.water.r_u is None:
             line = scene.water.surface(scene.geometry, x.ravel()).reshape(x.shape)
-            press = unit * (np.maximum(line - surface, 0.0) - np.maximum(self.level - surface, 0.0))
+            pressure = unit * (np.maximum(line - y, 0.0) - np.maximum(self.level - y, 0.0))
+            press = unit * (np.maximum(line - top, 0.0) - np.maximum(self.level - top, 0.0))
             load = press[..., None] * np.stack([np.diff(self.ground(edges.x), axis=1), -width], axis=-1)
+        elif scene.water is not None:
+            pressure = ratio * gravity * mass
         return Slices(
             x=x,
             y=y,
             width=width,
-            inclination=np.arctan2(rise, width),
-            weight=width * (gravity * mass - unit * drowned),
+            inclination=inclination,
+            weight=width * (gravity * mass - drowned),
             full_weight=width * gravity * mass,
             centroid=moment / np.maximum(mass, 1e-9) - y,
             cohesion=cohesion,
             friction=friction,
-            pressure=self._pressure(x, y, layer) - unit * np.maximum(self.level - y, 0.0),
+            pressure=pressure,
             load=load,
-            height=surface - y,
+            height=top - y,
         )
 
     def _above(self, x: np.ndarray, y: np.ndarray, top: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -159,33 +164,25 @@ class Section(NamedTuple):
         mass, moment = density * (top - y), 0.5 * density * (top**2 - y**2)
         if not self.surplus.size:
             return mass, moment
-        column = np.clip(x / self.scene.geometry.width * COLUMNS - 0.5, 0.0, COLUMNS - 1.0)
+        column = np.clip(x / self.scene.geometry.width * COLUMNS, 0.0, COLUMNS - 1.0).astype(int)
         part = np.clip(y / np.maximum(top, 1e-9), 0.0, 1.0) * PARTS
-        i, j = np.minimum(column.astype(int), COLUMNS - 2), np.minimum(part.astype(int), PARTS - 1)
-        across, up = column - i, part - j
-        left, right = ((1.0 - up) * self.surplus[:, at, j] + up * self.surplus[:, at, j + 1] for at in (i, i + 1))
-        more = left + across * (right - left)
-        return mass + more[0], moment + more[1]
+        j = np.minimum(part.astype(int), PARTS - 1)
+        low, high = self.surplus[column, j], self.surplus[column, j + 1]
+        more = low + (part - j)[..., None] * (high - low)
+        return mass + more[..., 0], moment + more[..., 1]
 
     def _strength(self, x: np.ndarray, y: np.ndarray, seam: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Peak cohesion (Pa), tan(phi) and number of the layer at the middles of bases."""
-        at, n = _particle(self.scene, x.ravel()), x.size
-        layer = layer_index(self.scene, at, y.ravel())
-        ones = np.full(n, SOIL, np.int8)
-        bases = Particles(at, y.ravel(), ones, np.zeros(n), layer, n, n, n, n, n)
-        cohesion, angle = (each.reshape(x.shape) for each in peak_strength(self.scene, bases))
-        friction = np.tan(angle)
-        for number, own in enumerate(self.scene.seams.values(), 1):
+        """Means of peak cohesion (Pa), tan(phi) and r_u over places (surfaces, slices, places) on bases along seams (surfaces, slices)."""
+        scene, at, n = self.scene, _particle(self.scene, x.ravel()), x.size
+        layer = layer_index(scene, at, y.ravel()) if scene.layers else np.zeros(n, int)
+        bases = Particles(at, y.ravel(), np.full(n, SOIL, np.int8), np.zeros(n), layer, n, n, n, n, n)
+        cohesion, angle = peak_strength(scene, bases)
+        water = 0.0 if scene.water is None else scene.water.r_u or 0.0
+        ratios = np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
+        cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), ratios[layer]))
+        for number, own in enumerate(scene.seams.values(), 1):
             cohesion, friction = (np.where(seam == number, *pair) for pair in zip(own.peak, (cohesion, friction), strict=True))
-        return cohesion, friction, layer.reshape(x.shape)
-
-    def _pressure(self, x: np.ndarray, y: np.ndarray, layer: np.ndarray) -> np.ndarray:
-        """Pore pressure at the middles of bases, Pa."""
-        water = self.scene.water
-        if water is None or water.r_u is None:
-            return pore_pressure(self.scene, _particle(self.scene, x.ravel()), y.ravel()).reshape(x.shape)
-        ratio = np.array([water.r_u, *(water.r_u if each.r_u is None else each.r_u for each in self.scene.layers.values())])[layer]
-        return ratio * self.scene.gravity.acceleration * self._above(x, y, self.ground(x))[0]
+        return cohesion, friction, ratio
 
 
 def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
@@ -247,7 +244,7 @@ def as_lines(section: Section, edges: Edges, ways: np.ndarray, cracks: np.ndarra
             end = float(x[last] + np.clip(share, 0.0, 1.0) * (x[after] - x[last])) if crack > 0.0 else float(x[-1])
             corners = x[0] + (end - x[0]) * CORNERS
             gradient = np.diff(np.interp(corners, x, y)) / np.diff(corners)
-            way_to_end = _way_to((end, float(section.ground(np.array([end]))[0])), section.x, section.y, section.way)
+            way_to_end = float(np.interp(end, section.x, section.way))
             made.append(np.concatenate([[way, way_to_end, crack], np.maximum(np.diff(gradient), 0.0)]))
     return np.array(made)
 

@@ -40,24 +40,31 @@ def sources_digest(paths: Iterable[Path], folder: Path, more: str = "") -> str:
 
 @cache
 def _executed(data: bytes, suffix: str) -> str:
-    said = repr(_syntax(ast.parse(data))).encode() if suffix == ".py" else data
+    said = _syntax(ast.parse(data)).encode() if suffix == ".py" else data
     return hashlib.sha256(said).hexdigest()
 
 
-def _syntax(part: Any) -> Any:
-    """A part of a syntax tree as tuples, without the words."""
+def _syntax(part: Any) -> str:
+    """A part of a syntax tree without the words, written as nested tuples."""
     if isinstance(part, list):
-        return tuple(_syntax(each) for each in part if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant)))
+        return _tuple([_syntax(each) for each in part if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))])
     if not isinstance(part, ast.AST):
-        return part
-    fields = dict(ast.iter_fields(part))
+        return repr(part)
+    fields = vars(part)
     if isinstance(part, ast.Raise) and isinstance(part.exc, ast.Call):
-        fields["exc"] = part.exc.func
+        fields = fields | {"exc": part.exc.func}
     elif isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in WORDS:
         places = WORDS[part.func.id]
-        fields["args"] = [each for place, each in enumerate(part.args) if place not in places or not _is_text(each)]
-        fields["keywords"] = [each for each in part.keywords if each.arg not in places or not _is_text(each.value)]
-    return type(part).__name__, *((name, _syntax(value)) for name, value in fields.items())
+        fields = fields | {
+            "args": [each for place, each in enumerate(part.args) if place not in places or not _is_text(each)],
+            "keywords": [each for each in part.keywords if each.arg not in places or not _is_text(each.value)],
+        }
+    named = [f"({name!r}, {_syntax(fields[name])})" for name in part._fields if name in fields]
+    return _tuple([repr(type(part).__name__), *named])
+
+
+def _tuple(parts: list[str]) -> str:
+    return f"({parts[0]},)" if len(parts) == 1 else f"({', '.join(parts)})"
 
 
 def _is_text(part: ast.expr) -> bool:

@@ -13,7 +13,7 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
-from sph.stability.slip_search import applies, limit_equilibrium, worst_circle
+from sph.stability.slip_search import LimitEquilibrium, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
 from sph.study.equilibrium import equilibrium_rows, of_equilibrium
 
@@ -99,7 +99,7 @@ def test_acads_slope_with_a_weak_layer() -> None:
 )
 def test_stability_numbers_of_taylor_and_chen(angle: float, friction: float, number: float) -> None:
     """Taylor's (1937) circles without friction, Chen's (1975) spirals with it: F = 1; a vertical cut among them."""
-    assert worst_circle(Section.of(slope(angle, number, friction)), bishop)[0].value == pytest.approx(1.0, rel=EXACT)
+    assert worst_circle(Section.of(slope(angle, number, friction)))[0].value == pytest.approx(1.0, rel=EXACT)
 
 
 def test_an_infinite_slope_in_closed_form() -> None:
@@ -147,10 +147,25 @@ def test_a_block_on_a_seam_slides_as_a_plane_does() -> None:
         assert found.spencer.value == pytest.approx(expected, rel=EXACT)
 
 
-def test_a_dry_block_on_a_plane_yields_at_the_tangent_of_what_friction_has_left() -> None:
-    found = limit_equilibrium(wedge(0.0, 40.0))
+@pytest.mark.parametrize(("cohesion", "angle"), [(0.0, 40.0), (20.0, 25.0)])
+def test_a_block_on_a_plane_yields_where_its_strength_is_used_up(cohesion: float, angle: float) -> None:
+    """k = (c A + W (cos(p) tan(phi) - sin(p))) / (W (cos(p) + sin(p) tan(phi))); without cohesion tan(phi - p)."""
+    dip, friction = math.radians(30.0), math.tan(math.radians(angle))
+    weight, length = 25.0 * 0.5 * 10.0 * (10.0 / math.tan(dip) - 10.0 / math.tan(math.radians(60.0))), 10.0 / math.sin(dip)
+    expected = cohesion * length / weight + math.cos(dip) * friction - math.sin(dip)
+    found = limit_equilibrium(wedge(cohesion, angle))
     assert found.critical.where == "along the seam joint"
-    assert found.critical.value == pytest.approx(math.tan(math.radians(10.0)), rel=EXACT)
+    assert found.critical.value == pytest.approx(expected / (math.cos(dip) + math.sin(dip) * friction), rel=EXACT)
+
+
+def test_a_slope_of_half_the_size_and_cohesion_has_the_same_answers() -> None:
+    """By dimensions: F and k depend on gamma H / c alone, in a slope with a crack too."""
+    half = ground(
+        [[0.0, 0.0], [15.0, 0.0], [15.0 + 5.0 / math.tan(math.radians(60.0)), 5.0], [40.0, 5.0]], -2.5, soil(100.0 / 3.21, 20.0, 20.0)
+    )
+    found, whole = limit_equilibrium(half), limit_equilibrium(STEEP)
+    for name in LimitEquilibrium._fields:
+        assert getattr(found, name).value == pytest.approx(getattr(whole, name).value, rel=EXACT)
 
 
 def test_a_slope_under_water_is_one_of_its_buoyant_weight() -> None:
