@@ -22,6 +22,7 @@ from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
+from sph.scene.soil import Soil
 from sph.storage.trajectory import scene_of
 
 SOIL_COLOUR = "#d9c9a8"
@@ -213,11 +214,24 @@ def _material(scene: Scene) -> list[str]:
     """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
     couplings = [(None, None), *((layer.S_R, layer.gamma) for layer in scene.layers.values())]
     return [
-        f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {soil.cohesion:g} kPa, "
-        f"φ = {soil.friction_angle:g}°; failed: $S_R$ = {scene.coupling.S_R if ratio is None else ratio:g}, "
+        f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
+        f"φ = {soil.friction_angle:g}°; failed: {_kept(soil, scene.coupling.S_R if ratio is None else ratio)}, "
         f"γ = {scene.coupling.gamma if rate is None else rate:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
         for soil, (ratio, rate) in zip(scene.soils, couplings, strict=True)
     ]
+
+
+def _cohesion(soil: Soil) -> str:
+    """The peak cohesion in words, with z the depth below the top of the soil where it grows."""
+    return f"({soil.cohesion:g} + {soil.gradient:g} z/m) kPa" if soil.gradient else f"{soil.cohesion:g} kPa"
+
+
+def _kept(soil: Soil, ratio: float) -> str:
+    """What failed soil keeps of its strength: S_R, and residual strengths that are written, which it does not touch."""
+    words = [f"$S_R$ = {ratio:g}"] if None in (soil.residual_cohesion, soil.residual_friction_angle) else []
+    words += [] if soil.residual_cohesion is None else [f"$c_r$ = {soil.residual_cohesion:g} kPa"]
+    words += [] if soil.residual_friction_angle is None else [f"$φ_r$ = {soil.residual_friction_angle:g}°"]
+    return ", ".join(words)
 
 
 @styled
