@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -15,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
 from sph.figures.history import shade_shaking
-from sph.figures.profile import mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
+from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
@@ -31,7 +32,8 @@ LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
 """Least part of the duration of a stage whose name has room."""
-HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+TITLE = 80
+"""Most characters in a line of a title."""
 
 
 @styled
@@ -137,8 +139,12 @@ def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
         ax.annotate("water", place, (-4, -4), textcoords="offset points", ha="right", va="top", color="tab:blue", size="small")
 
 
-def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True) -> None:
-    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them."""
+def mark_places(
+    ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True, before_the_toe: bool = False
+) -> None:
+    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them, whose number
+    lies above the crest's level where something else stands ``before_the_toe``.
+    """
     geometry, near = scene.geometry, 2.0 * scene.numerics.spacing
     edges = {"toe": geometry.toe, "crest": geometry.crest} if isinstance(geometry, SLOPES) else {}
     for name, place in probes.items():
@@ -158,11 +164,11 @@ def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]
         side = geometry.direction
         ax.annotate(
             text,
-            (x, 0.35 * toe_y + 0.65 * crest_y),
-            xytext=(-5 * side, 0),
+            (x, crest_y if before_the_toe else 0.35 * toe_y + 0.65 * crest_y),
+            xytext=(0, 3) if before_the_toe else (-5 * side, 0),
             textcoords="offset points",
-            ha="right" if side > 0 else "left",
-            va="center",
+            ha="center" if before_the_toe else "right" if side > 0 else "left",
+            va="bottom" if before_the_toe else "center",
         )
 
 
@@ -219,6 +225,14 @@ def _material(scene: Scene) -> list[str]:
         f"γ = {scene.coupling.gamma if rate is None else rate:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
         for soil, (ratio, rate) in zip(scene.soils, couplings, strict=True)
     ]
+
+
+def coupling_words(scene: Scene) -> str:
+    """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
+    others = {name: _kept(layer.soil, scene.coupling.S_R if layer.S_R is None else layer.S_R) for name, layer in scene.layers.items()}
+    own = _kept(scene.soil, scene.coupling.S_R)
+    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in others.items() if kept != own]
+    return fill(f"{'; '.join([own, *named])}, γ = {scene.coupling.gamma:g} s⁻¹", TITLE)
 
 
 def _cohesion(soil: Soil) -> str:

@@ -11,8 +11,9 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from sph.figures.arrangement import LEGEND_LINE, draw_box, draw_ground, draw_seams, draw_water, layer_colours, layer_legend, mark_places
-from sph.figures.profile import draw_circles, survey_axes
+from sph.figures.profile import draw_circles, draw_places, survey_axes
 from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
+from sph.measures.places import PlaceAt
 from sph.scene.schema import Scene
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, varying_layers
 
@@ -25,8 +26,10 @@ SHOWN_WIDTH = 600
 
 
 @styled
-def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) -> Figure:
+def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int], places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Soil coloured by the layer of each particle, walls, ground, phreatic line (dashed), toe and crest; ``probes`` are particles.
+
+    Posts stand at the ``places`` of a study that debris may reach, as in ``metrics.places``.
 
     A panel each for cohesion and friction angle follows where they vary in space.
     """
@@ -45,7 +48,9 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) 
     draw_ground(ax, scene)
     draw_seams(ax, scene)
     draw_water(ax, scene)
-    mark_places(ax, scene, {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()})
+    at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()}
+    mark_places(ax, scene, at, before_the_toe=bool(places))
+    draw_places(ax, scene, places or {})
     survey_axes(ax, scene, (-reach, width + reach, -below, top))
     ax.set_title(plain(scene.title or scene.name), loc="left")
     for quantity, below_it in zip(varying, maps, strict=True):
