@@ -2,8 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from sph.measures.metrics import MetricSettings
+from sph.measures.places import PlaceAt, check_places
+from sph.scene.configuration import read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
@@ -87,8 +92,18 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
     return table
 
 
-def draw(found: Check) -> Figure:
-    """The scene as a figure; the drawing library, which needs a folder that it can write, is imported here only."""
+def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
+    """The places of a study's configuration that debris may reach; ValueError for one that the scene has not before its slope."""
+    metrics = read_yaml(study).get("metrics") or {}
+    if not isinstance(metrics, dict):
+        raise ValueError(f"{study}: metrics: must be a section")
+    places = validated(MetricSettings, {"places": metrics.get("places") or {}}, f"{study}: metrics").places
+    check_places(places, scene, str(study))
+    return places
+
+
+def draw(found: Check, places: Mapping[str, PlaceAt] | None = None) -> Figure:
+    """The scene as a figure, with the places of a study; the drawing library, which needs a folder to write in, is imported here only."""
     from sph.figures.scene import figure_scene
 
-    return figure_scene(found.scene, found.particles, found.probes)
+    return figure_scene(found.scene, found.particles, found.probes, places)

@@ -202,6 +202,9 @@ def check(
     scene: SceneFile,
     set_: Settings = None,
     plot: Annotated[Path | None, typer.Option(help="picture of the scene to write (.png, .pdf, .svg)")] = None,
+    study: Annotated[
+        Path | None, typer.Option("--configfile", help="a study's configuration: its places (metrics.places) are drawn")
+    ] = None,
     static: Annotated[
         bool,
         typer.Option(
@@ -212,19 +215,20 @@ def check(
 ) -> None:
     """Check a scene before it is run: a table, a drawing, and findings that may spoil its results."""
     with refusals("testing whether it stands, by trial runs" if static else "placing the particles"):
-        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, rows
+        from sph.command.check import LAYER_COLUMNS, draw, layer_rows, places_of, rows
         from sph.command.check import check as look_at
         from sph.command.repeat import read_given
         from sph.study.preflight import stability
 
         loaded, inputs = read_given(scene, parse_settings(set_))
         if plot is not None:
-            check_picture(plot, inputs, "--plot")
+            check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
+        places = {} if study is None else places_of(study, loaded)
         found = look_at(loaded)
         if plot is not None:
             from sph.figures.style import save
 
-            save(draw(found), plot)
+            save(draw(found, places), plot)
         facts, told = rows(found), (stability(loaded) if static else []) + found.findings
     layers = layer_rows(found)
     if as_json:

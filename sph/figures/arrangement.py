@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -15,13 +16,14 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 
 from sph.figures.history import shade_shaking
-from sph.figures.profile import mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
+from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
+from sph.scene.soil import Soil
 from sph.storage.trajectory import scene_of
 
 SOIL_COLOUR = "#d9c9a8"
@@ -30,7 +32,8 @@ LEGEND_LINE = 0.17
 """Inches of a line of the legend of layers."""
 NAMED = 0.12
 """Least part of the duration of a stage whose name has room."""
-HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+TITLE = 80
+"""Most characters in a line of a title."""
 
 
 @styled
@@ -136,8 +139,12 @@ def draw_water(ax: Axes, scene: Scene, named: bool = False) -> None:
         ax.annotate("water", place, (-4, -4), textcoords="offset points", ha="right", va="top", color="tab:blue", size="small")
 
 
-def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True) -> None:
-    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them."""
+def mark_places(
+    ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]], height: bool = True, before_the_toe: bool = False
+) -> None:
+    """Probes, toe and crest edge by name, a probe at one of these by both names; with ``height`` the height between them, whose number
+    lies above the crest's level where something else stands ``before_the_toe``.
+    """
     geometry, near = scene.geometry, 2.0 * scene.numerics.spacing
     edges = {"toe": geometry.toe, "crest": geometry.crest} if isinstance(geometry, SLOPES) else {}
     for name, place in probes.items():
@@ -157,11 +164,11 @@ def mark_places(ax: Axes, scene: Scene, probes: Mapping[str, tuple[float, float]
         side = geometry.direction
         ax.annotate(
             text,
-            (x, 0.35 * toe_y + 0.65 * crest_y),
-            xytext=(-5 * side, 0),
+            (x, crest_y if before_the_toe else 0.35 * toe_y + 0.65 * crest_y),
+            xytext=(0, 3) if before_the_toe else (-5 * side, 0),
             textcoords="offset points",
-            ha="right" if side > 0 else "left",
-            va="center",
+            ha="center" if before_the_toe else "right" if side > 0 else "left",
+            va="bottom" if before_the_toe else "center",
         )
 
 
@@ -213,11 +220,32 @@ def _material(scene: Scene) -> list[str]:
     """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
     couplings = [(None, None), *((layer.S_R, layer.gamma) for layer in scene.layers.values())]
     return [
-        f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {soil.cohesion:g} kPa, "
-        f"φ = {soil.friction_angle:g}°; failed: $S_R$ = {scene.coupling.S_R if ratio is None else ratio:g}, "
+        f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
+        f"φ = {soil.friction_angle:g}°; failed: {_kept(soil, scene.coupling.S_R if ratio is None else ratio)}, "
         f"γ = {scene.coupling.gamma if rate is None else rate:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
         for soil, (ratio, rate) in zip(scene.soils, couplings, strict=True)
     ]
+
+
+def coupling_words(scene: Scene) -> str:
+    """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
+    others = {name: _kept(layer.soil, scene.coupling.S_R if layer.S_R is None else layer.S_R) for name, layer in scene.layers.items()}
+    own = _kept(scene.soil, scene.coupling.S_R)
+    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in others.items() if kept != own]
+    return fill(f"{'; '.join([own, *named])}, γ = {scene.coupling.gamma:g} s⁻¹", TITLE)
+
+
+def _cohesion(soil: Soil) -> str:
+    """The peak cohesion in words, with z the depth below the top of the soil where it grows."""
+    return f"({soil.cohesion:g} + {soil.gradient:g} z/m) kPa" if soil.gradient else f"{soil.cohesion:g} kPa"
+
+
+def _kept(soil: Soil, ratio: float) -> str:
+    """What failed soil keeps of its strength: S_R, and residual strengths that are written, which it does not touch."""
+    words = [f"$S_R$ = {ratio:g}"] if None in (soil.residual_cohesion, soil.residual_friction_angle) else []
+    words += [] if soil.residual_cohesion is None else [f"$c_r$ = {soil.residual_cohesion:g} kPa"]
+    words += [] if soil.residual_friction_angle is None else [f"$φ_r$ = {soil.residual_friction_angle:g}°"]
+    return ", ".join(words)
 
 
 @styled

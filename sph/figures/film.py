@@ -15,6 +15,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 from PIL import Image
 
+from sph.figures.arrangement import coupling_words
 from sph.figures.history import shade_shaking
 from sph.figures.profile import OUTSIDE, draw_profile, field_norm, frame_limits, mark_probes, survey_axes
 from sph.figures.style import STYLE, WIDTH, add_note, colour_map, plain
@@ -96,8 +97,7 @@ def draw_film(trajectory: xr.Dataset, frames: Sequence[int], field: str, motion:
         draw_profile(profile, trajectory, frame, field, norm)
         mark_probes(profile, trajectory, frame)
         time = float(trajectory["time"].values[frame])
-        coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} s⁻¹"
-        profile.set_title(f"{plain(scene.title or scene.name)}, {coupling}\nt = {time:5.2f} s", loc="left")
+        profile.set_title(f"{plain(scene.title or scene.name)}, {coupling_words(scene)}\nt = {time:5.2f} s", loc="left")
         survey_axes(profile, scene, (left, right, lower, upper))
         if now is not None:
             now.set_xdata([time, time])

@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from sph.figures.arrangement import coupling_words
 from sph.figures.history import shade_shaking
 from sph.figures.profile import draw_profile, field_norm, frame_limits, mark_probes
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, add_note, curve_colours, plain, save, styled
@@ -41,8 +42,7 @@ def plot_trajectory(trajectory: xr.Dataset, time: float | None = None, field: st
     beside = axes[0].inset_axes((1.015, 0.0, 0.02, 1.0))
     figure.colorbar(circles, cax=beside, label=fill(f"{chosen.label} ({chosen.units})", max(12, int(15 * panel))))
     status = trajectory.attrs["status"]
-    coupling = f"$S_R$ = {scene.coupling.S_R:g}, γ = {scene.coupling.gamma:g} s⁻¹"
-    axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling}, {status}", loc="left")
+    axes[0].set_title(f"{plain(scene.title or scene.name)}\nt = {shown:g} s, {coupling_words(scene)}, {status}", loc="left")
     _draw_probes(axes[1], trajectory)
     _draw_energies(axes[2], trajectory)
     for ax in axes[1:]:

@@ -14,8 +14,10 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator
 
-from sph.figures.style import WIDTH, add_note, colour_map, label_panels, styled
+from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, styled
 from sph.measures.fields import FIELDS, with_end
+from sph.measures.places import PlaceAt, beyond_toe
+from sph.scene.geometry import SLOPES
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL
@@ -23,6 +25,12 @@ from sph.storage.trajectory import scene_of
 
 OUTSIDE = 0.45
 """Inches beside the axes of a profile that ticks and labels need; only sets the figure's height."""
+PLACE_COLOUR = "#8c2d04"
+POST = 11.0
+"""Height of the post at a place, points."""
+HALO = {"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 0.8}
+PER_INCH = 14.0
+"""Characters of a label in an inch."""
 LONG_TITLE, LINE = 72, 0.17
 """Most characters in a line of a panel's title, and the inches that another line needs."""
 
@@ -131,6 +139,20 @@ def mark_place(ax: Axes, name: str, x: float, y: float, above: bool = False) -> 
     ax.annotate(name, (x, y), xytext=offset, textcoords="offset points", ha=align, va=level, weight="bold", bbox=halo, zorder=5)
 
 
+def draw_places(ax: Axes, scene: Scene, places: Mapping[str, PlaceAt]) -> None:
+    """A post on the initial ground at each place that debris may reach, with its name upright above it."""
+    geometry = scene.geometry
+    if not isinstance(geometry, SLOPES):
+        return
+    post = {"arrowstyle": "-", "color": PLACE_COLOUR, "linewidth": 1.0, "shrinkA": 0.0, "shrinkB": 0.0}
+    look: dict[str, Any] = {"color": PLACE_COLOUR, "size": "small", "weight": "bold", "bbox": HALO, "arrowprops": post, "zorder": 6}
+    for name, at in places.items():
+        x = geometry.toe[0] - beyond_toe(at, geometry)
+        foot = x, float(geometry.ground(np.array([x]))[0])
+        above: dict[str, Any] = {"xytext": (0, POST), "textcoords": "offset points", "ha": "center", "va": "bottom", "rotation": 90}
+        ax.annotate(plain(name).replace("_", " "), foot, **above, **look)
+
+
 def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:
     """One scale for the soil of several trajectories in some frames, the last one by default; a constant field gets a span of 1,
     values that are not finite are left out."""
@@ -143,7 +165,9 @@ def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int)
     return Normalize(low, high if high > low else low + 1.0)
 
 
-def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field: str) -> Figure:
+def stack_of_profiles(
+    trajectories: Mapping[str, xr.Dataset], frame: int, field: str, places: Mapping[str, PlaceAt] | None = None
+) -> Figure:
     """Profiles of one frame below each other, a title for each, one colour bar; x axis and scale are common."""
     if not trajectories:
         raise ValueError("trajectories: a figure of profiles needs at least one")
@@ -159,14 +183,14 @@ def stack_of_profiles(trajectories: Mapping[str, xr.Dataset], frame: int, field:
     for ax, trajectory in zip(axes, trajectories.values(), strict=True):
         circles = draw_profile(ax, trajectory, frame, field, norm)
         mark_probes(ax, trajectory, frame)
+        draw_places(ax, scene_of(trajectory), places or {})
     for ax, trajectory in zip(axes, trajectories.values(), strict=True):
         survey_axes(ax, scene_of(trajectory), (left, right, lower, upper))
         ax.label_outer()
     label_panels(axes, ["\n".join(lines) for lines in titles])
     bar = FIELDS[field]
-    figure.colorbar(
-        circles, ax=list(axes), label=f"{bar.label} ({bar.units})", pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5
-    )
+    words = textwrap.fill(f"{bar.label} ({bar.units})", max(12, int(PER_INCH * panel * len(trajectories))))
+    figure.colorbar(circles, ax=list(axes), label=words, pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5)
     return figure
 
 
@@ -181,16 +205,17 @@ def figure_profiles(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") 
 
 
 @styled
-def figure_displaced(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") -> Figure:
+def figure_displaced(trajectories: Mapping[str, xr.Dataset], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Profiles of the slope at the end of the run, coloured by the displacement of the particles since the gravity stage, on one scale;
-    particles of the box are white, the line is the initial surface, A is the particle at the original crest edge.
+    particles of the box are white, the line is the initial surface, A is the particle at the original crest edge.  Posts stand at the
+    places that debris may reach.
 
-    ``trajectories`` by panel title.  Raises ValueError without trajectories.
+    ``trajectories`` by panel title, ``places`` as in ``metrics.places``.  Raises ValueError without trajectories.
     """
-    return _profiles(trajectories, "displacement", fidelity)
+    return _profiles(trajectories, "displacement", fidelity, places)
 
 
-def _profiles(trajectories: Mapping[str, xr.Dataset], field: str, fidelity: str) -> Figure:
-    figure = stack_of_profiles(trajectories, -1, field)
+def _profiles(trajectories: Mapping[str, xr.Dataset], field: str, fidelity: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
+    figure = stack_of_profiles(trajectories, -1, field, places)
     add_note(figure, [scene_of(ds) for ds in trajectories.values()], fidelity)
     return figure

@@ -11,10 +11,11 @@ from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 
 from sph.figures.arrangement import LEGEND_LINE, draw_box, draw_ground, draw_seams, draw_water, layer_colours, layer_legend, mark_places
-from sph.figures.profile import draw_circles, survey_axes
+from sph.figures.profile import draw_circles, draw_places, survey_axes
 from sph.figures.style import WIDTH, add_note, colour_map, plain, styled
+from sph.measures.places import PlaceAt
 from sph.scene.schema import Scene
-from sph.solver.particles import QUANTITIES, Particles, peak_strength, varying_layer
+from sph.solver.particles import QUANTITIES, Particles, peak_strength, varying_layers
 
 BAR = 0.75
 """Height of the scale and the coordinates below a panel, inch."""
@@ -25,8 +26,10 @@ SHOWN_WIDTH = 600
 
 
 @styled
-def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) -> Figure:
+def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int], places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Soil coloured by the layer of each particle, walls, ground, phreatic line (dashed), toe and crest; ``probes`` are particles.
+
+    Posts stand at the ``places`` of a study that debris may reach, as in ``metrics.places``.
 
     A panel each for cohesion and friction angle follows where they vary in space.
     """
@@ -34,7 +37,7 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) 
     width, height = scene.geometry.width, scene.geometry.height
     thick = scene.walls.layers * scene.numerics.spacing
     reach, below, top = thick + 0.06 * width, thick + 0.03 * height, 1.12 * height
-    varying = [quantity for quantity in QUANTITIES if any(variable.quantity == quantity for variable in scene.varying)]
+    varying = [quantity for quantity in QUANTITIES if varying_layers(scene, quantity)]
     panel = max((WIDTH - 0.7) * (top + below) / (width + 2 * reach), 0.8)
     high = panel + 1.0 + LEGEND_LINE * len(scene.soils) + (panel + BAR) * len(varying)
     figure = Figure(figsize=(WIDTH, high), layout="constrained")
@@ -45,7 +48,9 @@ def figure_scene(scene: Scene, particles: Particles, probes: Mapping[str, int]) 
     draw_ground(ax, scene)
     draw_seams(ax, scene)
     draw_water(ax, scene)
-    mark_places(ax, scene, {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()})
+    at = {name: (float(particles.x[particle]), float(particles.y[particle])) for name, particle in probes.items()}
+    mark_places(ax, scene, at, before_the_toe=bool(places))
+    draw_places(ax, scene, places or {})
     survey_axes(ax, scene, (-reach, width + reach, -below, top))
     ax.set_title(plain(scene.title or scene.name), loc="left")
     for quantity, below_it in zip(varying, maps, strict=True):
@@ -60,8 +65,7 @@ def _draw_strength(ax: Axes, scene: Scene, particles: Particles, quantity: str) 
     """Peak cohesion or friction angle of the soil particles in which it varies, with its scale; the others are left blank."""
     text, factor = {"cohesion": ("peak cohesion (kPa)", 1e-3), "friction_angle": ("peak friction angle (degree)", 180.0 / np.pi)}[quantity]
     values = factor * peak_strength(scene, particles)[QUANTITIES.index(quantity), : particles.n_soil]
-    numbers = [varying_layer(scene, variable) for variable in scene.varying if variable.quantity == quantity]
-    values = np.where(np.isin(particles.layer[: particles.n_soil], numbers), values, np.nan)
+    values = np.where(np.isin(particles.layer[: particles.n_soil], varying_layers(scene, quantity)), values, np.nan)
     norm = Normalize(np.nanmin(values), np.nanmax(values)) if np.isfinite(values).any() else Normalize(0.0, 1.0)
     draw_box(ax, scene)
     _draw_soil(ax, scene, particles, values, colour_map(), norm)

@@ -25,7 +25,7 @@ from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, dimension, shown_unit
-from sph.study.equilibrium import weakest_words
+from sph.study.equilibrium import RESIDUAL, spencers, weakest_words
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
 from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
@@ -75,6 +75,7 @@ def answer(
     facts = [
         ("Without shaking", *unshaken(table, rows)),
         ("Factor of safety", f"{factor} by particles; {by_slices}" if by_slices else factor, how),
+        *at_residual(rows),
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
         *answer_spacing(found(SPACINGS)),
@@ -111,6 +112,19 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
             "by a static test it stands, but its factor of safety is not above 1 by more than its error",
         )
     return ("stands", "by a static test") if tested else ("not tested", "sph check --stability")
+
+
+def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
+    """The factors of safety at the strength that failed soil keeps, and what it means where that is below 1 and the slope stands now."""
+    words = [row.finding.measured for row in rows if row.finding.code == RESIDUAL]
+    falls, stands = (sum(row.runs for row in rows if row.finding.code == code) for code in ("fails-at-residual", "stands-at-residual"))
+    by_particles = f"by particles it stands in {stands} of {falls + stands} runs" if falls + stands else ""
+    if not words and not by_particles:
+        return []
+    factors = sorted(map(spencers, words))
+    by_slices = words[0] if len(words) == 1 else f"Spencer {factors[0]:.2f} to {factors[-1]:.2f}" if words else ""
+    meant = "soil that is brought beyond its peak flows on, whatever the factor at the peak (progressive failure)" if falls else ""
+    return [("Factor at the residual strength", "; ".join(filter(None, (by_slices, by_particles))), meant)]
 
 
 def _files(limit: str) -> str:

@@ -195,7 +195,11 @@ def chosen_keys(table: Table) -> Table:
 
 def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
     """The scene's own soil and its layers with their properties, those that the study varies with all their values."""
-    fields = {name: str((field.json_schema_extra or {}).get("unit", "-")) for name, field in Soil.model_fields.items()}  # type: ignore[union-attr]
+    fields = {
+        name: str((field.json_schema_extra or {}).get("unit", "-"))  # type: ignore[union-attr]
+        for name, field in Soil.model_fields.items()
+        if not field.exclude and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
+    }
     rows = []
     for name, layer in (("soil", None), *scene.layers.items()):
         path, soil = ("", scene.soil) if layer is None else (f"layers.{name}.", layer.soil)
@@ -206,7 +210,8 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
                 ("gamma", layer and layer.gamma, scene.coupling.gamma),
             )
         )
-        values = (varied.get(f"{path}soil.{key}", "" if getattr(soil, key) is None else f"{getattr(soil, key):.6g}") for key in fields)
+        numbers = {key: soil.gradient or None if key == "cohesion_growth" else getattr(soil, key) for key in fields}
+        values = (varied.get(f"{path}soil.{key}", "" if number is None else f"{number:.6g}") for key, number in numbers.items())
         rows.append(
             (
                 name.replace("_", " "),

@@ -41,6 +41,10 @@ class DepthRegion(Section):
         depth = ground - y
         return (self.top <= depth) & (depth < (math.inf if self.bottom is None else self.bottom))
 
+    def upper_side(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+        """Height (n,) of its upper side above places (n,) in it, m."""
+        return ground - self.top
+
 
 class ElevationRegion(Section):
     """What lies between two heights: level strata."""
@@ -59,6 +63,10 @@ class ElevationRegion(Section):
         """Which of the places (n,) lie in it, m."""
         return ((-math.inf if self.bottom is None else self.bottom) <= y) & (y < (math.inf if self.top is None else self.top))
 
+    def upper_side(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+        """Height (n,) of its upper side above places (n,) in it, the ground where that is lower, m."""
+        return ground if self.top is None else np.minimum(ground, self.top)
+
 
 class PolygonRegion(PolygonBody):
     """What lies inside a polygon: lenses, fills, a weathered zone."""
@@ -68,6 +76,16 @@ class PolygonRegion(PolygonBody):
     def contains(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray | None = None) -> np.ndarray:
         """Which of the places (n,) lie in it, m."""
         return super().contains(x, y)
+
+    def upper_side(self, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+        """Height (n,) of the side next above places (n,) in it, the ground where that is lower, m."""
+        lowest = np.array(ground, float)
+        for (x1, y1), (x2, y2) in zip(self.outline, np.roll(self.outline, -1, axis=0), strict=True):
+            if x1 != x2:
+                side = y1 + (x - x1) / (x2 - x1) * (y2 - y1)
+                above = (min(x1, x2) <= x) & (x <= max(x1, x2)) & (side >= y)
+                lowest = np.where(above, np.minimum(lowest, side), lowest)
+        return lowest
 
 
 class Layer(Section):

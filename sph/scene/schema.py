@@ -310,6 +310,11 @@ class Scene(Section):
         """Variables that vary in space."""
         return [] if self.uncertain is None else self.uncertain.varying
 
+    @property
+    def strength_varies(self) -> bool:
+        """Whether soil of one kind has another strength from place to place: by a random field, or since it grows with depth."""
+        return bool(self.varying) or any(soil.gradient for soil in self.soils)
+
     def stored(self) -> str:
         """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
 

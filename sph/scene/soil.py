@@ -7,9 +7,34 @@ import warnings
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
 from sph.scene.configuration import Section, key
+from sph.scene.places import Coordinate
+
+
+class CohesionGrowth(Section):
+    """Growth of the cohesion with depth, vertically below the top of the soil or of its layer as it lies at the start."""
+
+    gradient: float = key("growth of the cohesion in a metre of depth", "kPa/m", ge=0, le=1e4)
+    datum: Coordinate | None = key(
+        "elevation from which the depth counts, such as that of the ground before a cut; null: the ground line, or the upper side of "
+        "the layer where that lies below it",
+        "m",
+        default=None,
+    )
+
+
+class UndrainedStrength(CohesionGrowth):
+    """Undrained strength that grows with depth z: s_u = at_top + gradient z."""
+
+    at_top: float = key("undrained strength at the top of the soil or of its layer, or at the datum and above it", "kPa", ge=0, le=1e6)
+
+    @model_validator(mode="after")
+    def _some(self) -> UndrainedStrength:
+        if self.at_top == 0.0 and self.gradient == 0.0:
+            raise ValueError("at_top: 0 kPa with gradient: 0 kPa/m is no strength; one of them must be above 0")
+        return self
 
 
 class Soil(Section):
@@ -53,14 +78,19 @@ class Soil(Section):
         default=None,
         exclude=True,
     )
-    undrained_strength: float | None = key(
-        "undrained shear strength of saturated clay, instead of cohesion and friction angle: a cohesion without friction",
+    undrained_strength: Annotated[float, Field(gt=0, le=1e6)] | UndrainedStrength | None = key(
+        "undrained shear strength of saturated clay, instead of cohesion and friction angle: a cohesion without friction; one number, or "
+        "at_top and gradient where it grows with depth",
         "kPa",
         "ours",
-        gt=0,
-        le=1e6,
         default=None,
         exclude=True,
+    )
+    cohesion_growth: CohesionGrowth | None = key(
+        "growth of the cohesion with depth, cohesion being that at the top; null: none",
+        "kPa/m",
+        "Gibson and Morgenstern 1962",
+        default=None,
     )
     viscosity: float = key("viscosity coefficient of the fluid state", "Pa s", "Table 2", ge=0, le=1e9, default=2.0)
     K0: float | None = key(
@@ -78,12 +108,20 @@ class Soil(Section):
         if self.shear_wave_speed is not None:
             raise ValueError(f"shear_wave_speed: {self.shear_wave_speed:g} m/s needs density and poisson_ratio beside it")
         if self.undrained_strength is not None:
-            raise ValueError(f"undrained_strength: {self.undrained_strength:g} kPa is read by a scene alone; here write cohesion")
+            raise ValueError(f"undrained_strength: {self.undrained_strength} kPa is read by a scene alone; here write cohesion")
         return self
+
+    @model_serializer(mode="wrap")
+    def _stored(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Without a growth of cohesion that nobody named, so that what is stored of other scenes stays as it was."""
+        stored: dict[str, Any] = handler(self)
+        if self.cohesion_growth is None and "cohesion_growth" not in self.model_fields_set:
+            stored.pop("cohesion_growth", None)
+        return stored
 
     @model_validator(mode="after")
     def _at_rest(self) -> Soil:
-        if self.K0 is not None and self.cohesion == 0:
+        if self.K0 is not None and self.cohesion == 0 and self.gradient == 0:
             self.check_at_rest("K0", 1.0)  # without cohesion the limits are those of any depth
         return self
 
@@ -102,6 +140,17 @@ class Soil(Section):
         written = ((self.residual_cohesion, self.cohesion), (self.residual_friction_angle, self.friction_angle))
         cohesion, angle = (strength_ratio * peak if residual is None else residual for residual, peak in written)
         return cohesion, angle
+
+    @property
+    def gradient(self) -> float:
+        """Growth of the cohesion with depth, kPa/m."""
+        return 0.0 if self.cohesion_growth is None else self.cohesion_growth.gradient
+
+    def at_depth(self, depth: float) -> Soil:
+        """The soil at a depth (m) below its top, whose cohesion does not grow; the soil itself where it grows nowhere."""
+        return (
+            self.model_copy(update={"cohesion": self.cohesion + self.gradient * depth, "cohesion_growth": None}) if self.gradient else self
+        )
 
     @property
     def at_rest(self) -> float:

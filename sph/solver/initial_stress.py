@@ -22,7 +22,8 @@ import numpy as np
 from sph.scene.gravity import UniformStress
 from sph.scene.loading import Loading
 from sph.scene.schema import Scene
-from sph.solver.particles import Particles, overburden
+from sph.scene.soil import Soil
+from sph.solver.particles import Particles, overburden, peak_strength
 from sph.solver.physics.pore_pressure import pore_pressure
 from sph.solver.state import State
 
@@ -54,12 +55,28 @@ def greatest_stress(scene: Scene, particles: Particles) -> list[float]:
     return [float(vertical[particles.layer[soil] == number].max(initial=0.0)) for number in range(len(scene.soils))]
 
 
+def soils_at_greatest_stress(scene: Scene, particles: Particles) -> list[Soil]:
+    """The scene's soils, those whose cohesion grows with depth with the least that any particle under the greatest stress in it has."""
+    if not any(soil.gradient for soil in scene.soils):
+        return list(scene.soils)
+    inside = slice(0, particles.n_soil)
+    vertical, layer = effective_overburden(scene, particles.x[inside], particles.y[inside]), particles.layer[inside]
+    cohesion, found = peak_strength(scene, particles)[0, inside], []
+    for number, soil in enumerate(scene.soils):
+        there = np.flatnonzero(layer == number)
+        deepest = there[np.argmax(vertical[there])] if there.size and soil.gradient else None
+        held = soil if deepest is None else soil.at_depth((1e-3 * float(cohesion[deepest]) - soil.cohesion) / soil.gradient)
+        found.append(held)
+    return found
+
+
 def check_at_rest(scene: Scene, particles: Particles) -> None:
     """ValueError for a K0 that the peak strength of its soil does not hold at the greatest effective stress in it, where cohesion helps
     least: the run would start from another stress than the scene's."""
     if all(soil.K0 is None for soil in scene.soils):
         return
-    for path, soil, stress in zip(scene.soil_keys, scene.soils, greatest_stress(scene, particles), strict=True):
+    soils = soils_at_greatest_stress(scene, particles)
+    for path, soil, stress in zip(scene.soil_keys, soils, greatest_stress(scene, particles), strict=True):
         if stress > 0.0:
             soil.check_at_rest(f"{path}.K0", stress, f" at its greatest vertical effective stress, {1e-3 * stress:.3g} kPa")
 

@@ -106,17 +106,45 @@ def _in_soil(scene: Scene, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np
 
 
 def peak_strength(scene: Scene, particles: Particles) -> np.ndarray:
-    """Cohesion (Pa) and friction angle (rad) of each particle's solid state (2, n), random fields included."""
+    """Cohesion (Pa) and friction angle (rad) of each particle's solid state (2, n), growth with depth and random fields included.
+
+    A random field multiplies the strength that has grown.
+    """
     strength = np.array([[soil.cohesion_si, soil.friction_angle_si] for soil in scene.soils]).T[:, particles.layer]
+    if not scene.strength_varies:
+        return strength
+    x, y, ground = _in_soil(scene, particles.x, particles.y)
+    soil = slice(0, particles.n_soil)  # not held off the sides, by a distance that depends on the spacing
+    x[soil], y[soil] = shifted(particles.x[soil], particles.y[soil], *_lattice(scene))
+    for number, its in enumerate(scene.soils):
+        there = particles.layer == number
+        if its.gradient:
+            strength[0, there] += 1e3 * its.gradient * _depth(scene, number, x[there], y[there], ground[there])
     if scene.uncertain is not None and scene.varying:
-        x, y, _ = _in_soil(scene, particles.x, particles.y)
-        soil = slice(0, particles.n_soil)  # not held off the sides, by a distance that depends on the spacing
-        x[soil], y[soil] = shifted(particles.x[soil], particles.y[soil], *_lattice(scene))
         ratios = scene.uncertain.ratios(*scene.geometry.in_survey(x, y))
         for variable in scene.varying:
             there = particles.layer == varying_layer(scene, variable)
             strength[QUANTITIES.index(variable.quantity), there] *= ratios[variable.of][there]
     return strength
+
+
+def _depth(scene: Scene, number: int, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """Depth (n,) at which the cohesion of a soil is asked for at places (n,) in it, below a ground (n,), m; never negative."""
+    growth = scene.soils[number].cohesion_growth
+    assert growth is not None
+    places, top = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
+    if growth.datum is not None:
+        top = np.full(x.shape, growth.datum)
+    elif number > 0:
+        top = list(scene.layers.values())[number - 1].region.upper_side(*places, top)
+    return np.maximum(top - places[1], 0.0)
+
+
+def varying_layers(scene: Scene, quantity: str) -> list[int]:
+    """Numbers of the layers in which a strength varies from place to place; 0 for the scene's own soil."""
+    random = [varying_layer(scene, variable) for variable in scene.varying if variable.quantity == quantity]
+    growing = [number for number, soil in enumerate(scene.soils) if quantity == "cohesion" and soil.gradient]
+    return sorted({*random, *growing})
 
 
 def varying_layer(scene: Scene, variable: Variable) -> int:

@@ -301,7 +301,8 @@ def guides(section: Section) -> list[Guide]:
     for number, (name, layer) in enumerate(scene.layers.items(), 1):
         there = section.layers == number
         crossed = np.flatnonzero(there.any(axis=1))
-        strong = layer.soil.cohesion >= scene.soil.cohesion and layer.soil.friction_angle >= scene.soil.friction_angle
+        grows = scene.soil.gradient > 0.0  # so that a layer deep down may be weaker than the soil about it
+        strong = not grows and layer.soil.cohesion >= scene.soil.cohesion and layer.soil.friction_angle >= scene.soil.friction_angle
         if strong or crossed.size < 2 or np.median(there.mean(axis=1)[crossed] * top[crossed]) > THIN * section.height:
             continue
         longest = max(np.split(crossed, np.flatnonzero(np.diff(crossed) > 1) + 1), key=len)

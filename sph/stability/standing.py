@@ -31,7 +31,7 @@ from sph.scene.scheme import RESOLVED
 from sph.scene.seams import Seam
 from sph.scene.soil import Soil
 from sph.scene.walls import WallFriction
-from sph.solver.initial_stress import greatest_stress
+from sph.solver.initial_stress import greatest_stress, soils_at_greatest_stress
 from sph.solver.particles import QUANTITIES, place_particles
 from sph.solver.run import Result, run
 from sph.stability.search import Trial
@@ -179,7 +179,7 @@ def divided_strength(scene: Scene, factor: float) -> Scene:
 
     made = _with_strength(
         scene,
-        lambda soil, _: (soil.cohesion / factor, divided(soil.friction_angle), divided(soil.dilation_angle)),
+        lambda soil, _: (soil.cohesion / factor, soil.gradient / factor, divided(soil.friction_angle), divided(soil.dilation_angle)),
         lambda seam: (seam.cohesion / factor, divided(seam.friction_angle)),
     )
     if scene.walls.friction is None:
@@ -195,25 +195,31 @@ def weakened(scene: Scene, strength_ratio: float) -> Scene:
     is here, and the interface to the walls, which does not soften, its own.
     """
 
-    def strength(soil: Soil, own: float | None) -> tuple[float, float, float]:
+    def strength(soil: Soil, own: float | None) -> tuple[float, float, float, float]:
         ratio = strength_ratio if own is None else own
         cohesion, angle = soil.residual(ratio)
-        return cohesion, angle, soil.dilation_angle * (angle / soil.friction_angle if soil.friction_angle > 0 else 0.0)
+        gradient = soil.gradient * ratio if soil.residual_cohesion is None else 0.0
+        return cohesion, gradient, angle, soil.dilation_angle * (angle / soil.friction_angle if soil.friction_angle > 0 else 0.0)
 
     return _with_strength(scene, strength, lambda seam: (seam.cohesion, seam.friction_angle))
 
 
 def _with_strength(
-    scene: Scene, strength: Callable[[Soil, float | None], tuple[float, float, float]], of_seam: Callable[[Seam], tuple[float, float]]
+    scene: Scene,
+    strength: Callable[[Soil, float | None], tuple[float, float, float, float]],
+    of_seam: Callable[[Seam], tuple[float, float]],
 ) -> Scene:
-    """A scene with other cohesion (kPa), friction and dilation angle (degree), by a function of each soil and the S_R of its layer, and of
-    each seam, which has no dilation angle.
+    """A scene with other cohesion (kPa), its growth (kPa/m), friction and dilation angle (degree), by a function of each soil and the S_R
+    of its layer, and of each seam, which has neither growth nor dilation angle.
 
     A K0 that the other strength does not hold is taken to the nearer limit.
     """
 
     def changed(soil: Soil, own: float | None = None) -> Soil:
-        new = dict(zip(("cohesion", "friction_angle", "dilation_angle"), strength(soil, own), strict=True))
+        cohesion, gradient, *angles = strength(soil, own)
+        new: dict[str, Any] = {"cohesion": cohesion} | dict(zip(("friction_angle", "dilation_angle"), angles, strict=True))
+        if soil.cohesion_growth is not None:
+            new["cohesion_growth"] = soil.cohesion_growth.model_copy(update={"gradient": gradient})
         return soil.model_copy(update=new | {"residual_cohesion": None, "residual_friction_angle": None})
 
     layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
@@ -225,18 +231,17 @@ def _with_strength(
 def _held(scene: Scene) -> Scene:
     """A scene with each K0 within the limits at the greatest vertical stress in its soil."""
 
-    def held(soil: Soil, stress: float) -> Soil:
+    particles = place_particles(scene)
+
+    def held(soil: Soil, there: Soil, stress: float) -> Soil:
         if soil.K0 is None or stress == 0.0:
             return soil
-        low, high = soil.limits_at_rest(stress)
+        low, high = there.limits_at_rest(stress)
         return soil.model_copy(update={"K0": min(max(soil.K0, low), high)})
 
-    own, *others = greatest_stress(scene, place_particles(scene))
-    layers = {
-        name: layer.model_copy(update={"soil": held(layer.soil, stress)})
-        for (name, layer), stress in zip(scene.layers.items(), others, strict=True)
-    }
-    return scene.model_copy(update={"soil": held(scene.soil, own), "layers": layers})
+    own, *others = map(held, scene.soils, soils_at_greatest_stress(scene, particles), greatest_stress(scene, particles))
+    layers = {name: layer.model_copy(update={"soil": soil}) for (name, layer), soil in zip(scene.layers.items(), others, strict=True)}
+    return scene.model_copy(update={"soil": own, "layers": layers})
 
 
 def stand(scene: Scene, rule: FailureRule, value: float) -> Trial:

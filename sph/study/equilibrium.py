@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable
 
@@ -10,12 +11,13 @@ from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import place_particles
 from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium
+from sph.stability.standing import weakened
 from sph.study.finding import Finding, finding, off_by
 from sph.study.layer_findings import FEWEST_IN_LAYER, layers_of
 
 LARGEST_DIFFERENCE = 0.05
 """Of a factor of safety of particles from Spencer's, over that, which is told."""
-CODE, DIFFERS = "limit-equilibrium", "limit-equilibrium-differs"
+CODE, DIFFERS, RESIDUAL = "limit-equilibrium", "limit-equilibrium-differs", "limit-equilibrium-residual"
 
 
 def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
@@ -72,6 +74,17 @@ def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) 
     return told
 
 
+def of_residual(scene: Scene) -> list[Finding]:
+    """A note of both methods' factors at the strength that failed soil and slipped seams keep."""
+    seams = {}
+    for name, seam in scene.seams.items():
+        cohesion, friction = seam.residual if seam.slip_at_residual is not None else seam.peak
+        kept = {"cohesion": 1e-3 * cohesion, "friction_angle": math.degrees(math.atan(friction))}
+        seams[name] = seam.model_copy(update=kept)
+    found = found_equilibrium(weakened(scene, scene.coupling.S_R).model_copy(update={"seams": seams}))
+    return [] if found is None else [finding(RESIDUAL, "limit equilibrium at the residual strength", factor_words(found))]
+
+
 def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> list[str]:
     """Why the two can differ as they do in this scene."""
     loose = any(soil.friction_angle > soil.dilation_angle for soil in scene.soils)
@@ -91,4 +104,9 @@ def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> list[s
 def weakest_words(findings: Iterable[Finding]) -> str:
     """The factors of safety of the weakest slope by limit equilibrium in notes, or nothing."""
     told = [each.measured.partition("; ")[0] for each in findings if each.code == CODE]
-    return min(told, key=lambda words: float(re.findall(r"Spencer ([\d.]+)", words)[0]), default="")
+    return min(told, key=spencers, default="")
+
+
+def spencers(words: str) -> float:
+    """Spencer's factor in the words of both methods."""
+    return float(re.findall(r"Spencer ([\d.]+)", words)[0])

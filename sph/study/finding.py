@@ -39,6 +39,7 @@ CODES: dict[str, Code] = {
     "factor-of-safety": Code(NOTE, "static factor of safety"),
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
     "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),
+    "limit-equilibrium-residual": Code(NOTE, "factor of safety by limit equilibrium at the strength that failed soil keeps"),
     "limit-equilibrium-differs": Code(NOTE, "the factor of safety by particles differs by more than 5 % from Spencer's, and why it can"),
     "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
     "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),

@@ -61,6 +61,14 @@ PLACEHOLDER = "(the soil is not replaced yet)"
 """What the title of a scene ends with that ``sph new`` has written."""
 
 
+def growth_words(soil: Soil, part: float = 1.0) -> str:
+    """How a part of the cohesion grows with depth, in words; nothing where it does not."""
+    if not soil.gradient * part or soil.cohesion_growth is None:
+        return ""
+    datum = soil.cohesion_growth.datum
+    return f" at {'the top' if datum is None else f'{datum:.10g} m'} and {soil.gradient * part:.4g} kPa more with each metre below"
+
+
 def strengths(scene: Scene) -> list[tuple[str, str]]:
     """Name and strength of the scene's own soil, every layer and every seam: at the peak and what is left, with S_R and gamma or slip."""
     found = []
@@ -72,7 +80,11 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
         if softening is not None and softening.slip_at_residual is not None:
             lost = [f"after {1e3 * softening.slip_at_residual:g} mm of slip", *(lost if rate > 0 else ())]
         told = ((soil.cohesion, soil.friction_angle), soil.residual(ratio))
-        peak, residual = (f"c = {cohesion:.4g} kPa, phi = {angle:.4g} degree" for cohesion, angle in told)
+        kept = (1.0, ratio if soil.residual_cohesion is None else 0.0)
+        peak, residual = (
+            f"c = {cohesion:.4g} kPa{growth_words(soil, part)}, phi = {angle:.4g} degree"
+            for (cohesion, angle), part in zip(told, kept, strict=True)
+        )
         written = None not in (soil.residual_cohesion, soil.residual_friction_angle)
         found.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {ratio:g}'] * (not written) + lost)})"))
     for name, seam in scene.seams.items():
@@ -314,7 +326,7 @@ def reach(scene: Scene) -> float:
     assert isinstance(geometry, (Slope, GroundLine))
     height, weakest = geometry.slope_height, np.inf
     for soil, layer in zip(scene.soils, (None, *scene.layers.values()), strict=True):
-        cohesion, angle = soil.residual(scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R)
+        cohesion, angle = soil.at_depth(height / THIN).residual(scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R)
         wet = scene.water is not None or (layer is not None and layer.r_u is not None)
         friction = np.tan(np.radians(angle)) * (DROWNED if wet else 1.0)
         weight = soil.density * scene.gravity.acceleration * height

@@ -25,6 +25,7 @@ def slip_zone(scene: Scene, soil: Soil, layer: Layer | None) -> float:
     softening = softening_of(scene.coupling, layer)
     assert softening is not None and softening.slip_at_residual is not None
     ratio = scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R
+    soil = soil.at_depth(0.5 * slope_height(scene))
     cohesion, angle = soil.residual(ratio)
     stress = 0.5 * soil.density * scene.gravity.acceleration * slope_height(scene)
     lost = soil.cohesion_si - 1e3 * cohesion + stress * (math.tan(soil.friction_angle_si) - math.tan(math.radians(angle)))

@@ -30,7 +30,7 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.equilibrium import of_equilibrium
+from sph.study.equilibrium import of_equilibrium, of_residual
 from sph.study.finding import Finding, Severity, finding, off_by
 from sph.study.findings import findings
 from sph.study.layer_findings import broken_at, layers_of
@@ -105,7 +105,7 @@ def stability(scene: Scene) -> list[Finding]:
             return finding("stability-unknown", label, f"not found: {error}")
 
     softened = _of_softening(peak, scene, lambda: _softening(scene))
-    standing = [_of_peak(peak, scene), *_of_mobilised(peak), *softened, _of_residual(_at_residual(static), scene)]
+    standing = [_of_peak(peak, scene), *_of_mobilised(peak), *softened, _of_residual(_at_residual(static), scene), *of_residual(scene)]
     coarse: list[Finding] = []
     with suppress(ValueError):  # of spacings too close to each other, which the searches tell
         coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
@@ -348,7 +348,7 @@ def study_stability(
         if peak.trial.stands:
             told += _of_mobilised(peak)
             told += _of_softening(peak, scene, lambda at=scene: _softening(standing_scene(at)))  # type: ignore[misc]
-            told.append(_of_residual(_at_residual(static), static))
+            told += [_of_residual(_at_residual(static), static), *of_residual(scene)]
             spent += one * (1 + 2 * (peak.begun and not peak.too_much))
         for each in told:
             if each not in found:

@@ -50,7 +50,7 @@ def _of_soil(name: str, path: str, soil: Soil) -> list[Finding]:
     if soil.cohesion > LARGEST_COHESION:
         off = off_by(soil.cohesion, LARGEST_COHESION)
         tell("cohesion-implausible", "the cohesion", cohesion, f"{soil.cohesion:g} kPa", "at most 1,000 kPa; 20 kPa are 20000 Pa", off)
-    if soil.friction_angle < SMALLEST_ANGLE and soil.cohesion < SMALLEST_COHESION:
+    if soil.friction_angle < SMALLEST_ANGLE and soil.cohesion < SMALLEST_COHESION and not soil.gradient:
         measured = f"{soil.cohesion:g} kPa and {angle} {soil.friction_angle:g} degree"
         wanted = f"a cohesion of {SMALLEST_COHESION:g} kPa or a friction angle of {SMALLEST_ANGLE:g} degree at least"
         off = min(off_by(soil.cohesion, SMALLEST_COHESION), off_by(soil.friction_angle, SMALLEST_ANGLE))

@@ -13,7 +13,7 @@ import yaml
 from calling import call
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-from sph.command.check import check, draw, layer_rows, rows
+from sph.command.check import check, draw, layer_rows, places_of, rows
 from sph.command.cli import REFUSED
 from sph.figures.scene import FEW
 from sph.scene.configuration import dotted, merge
@@ -208,6 +208,21 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     assert call("check", file, "--plot", tmp_path / "nowhere" / "own.png").exit_code == REFUSED
 
 
+def test_the_command_draws_the_places_of_a_study(tmp_path: Path) -> None:
+    file, study, picture = tmp_path / "own.yaml", tmp_path / "study.yaml", tmp_path / "own.png"
+    file.write_text(yaml.safe_dump(SOUND))
+    study.write_text(yaml.safe_dump({"study": "own", "metrics": {"places": {"road": "12 beyond the toe"}}}))
+    loaded = scene()
+    assert places_of(study, loaded) == {"road": "12 beyond the toe"}
+    assert "road" in {text.get_text() for text in draw(check(loaded), places_of(study, loaded)).axes[0].texts}
+    assert call("check", file, "--plot", picture, "--configfile", study).exit_code == 0 and picture.exists()
+    study.write_text(yaml.safe_dump({"metrics": {"places": {"road": "1200 beyond the toe"}}}))
+    refused = call("check", file, "--configfile", study)
+    assert refused.exit_code == REFUSED and "metrics.places.road: '1200 beyond the toe': must lie before the toe" in refused.output
+    study.write_text("study: own\n")
+    assert places_of(study, loaded) == {}
+
+
 @pytest.mark.parametrize("spacing", [1.0, 0.5])
 def test_the_drawing_shows_the_survey_and_its_layers(spacing: float) -> None:
     clay = {"clay": {"region": {"kind": "elevation", "top": 438.0}}}
@@ -260,7 +275,15 @@ def test_the_stability_of_a_slope_is_that_of_limit_analysis() -> None:
         for each in stability(scene(**STEEP, **{"soil.cohesion": 25.0, "soil.friction_angle": 20.0, "numerics.spacing": 0.5}))
     }
     quick = ["limit-equilibrium", "limit-equilibrium-differs"]  # of soil that does not dilate
-    named = ["stands-unshaken", "mobilised-strength", "fails-at-residual", "factor-of-safety", "yield-acceleration", *quick]
+    named = [
+        "stands-unshaken",
+        "mobilised-strength",
+        "fails-at-residual",
+        "limit-equilibrium-residual",
+        "factor-of-safety",
+        "yield-acceleration",
+        *quick,
+    ]
     assert list(told) == named[: len(told)] and "limit-equilibrium" in told
     # Soil that does not dilate is some per cent weaker than limit analysis says.
     assert float(told["factor-of-safety"].measured.split(" ± ")[0]) == pytest.approx(

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import math
+from itertools import combinations
 
 import numpy as np
 import pandas as pd
 import pytest
+from matplotlib.colors import to_hex, to_rgb
 
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
+from sph.experiments.trigger.design import Searched
+from sph.experiments.trigger.figures_fragility import figure_fragility
 from sph.experiments.trigger.fragility import CONFIDENCE, NO_FIT, TAILS, Lognormal, fitted, fragility, lognormality, resampled, steps
+from sph.study.dimensions import Dimension
 
 THETA, BETA = 3.0, 0.4
 MOTIONS = 400
@@ -133,3 +138,25 @@ def test_the_steps_count_open_brackets() -> None:
     low, _, share = steps(np.array([0.0, 2.0, 1.0, 4.0]), np.array([1.0, 2.5, 1.5, math.inf]))
     np.testing.assert_array_equal(low, [1.0, 2.0])
     np.testing.assert_array_equal(share, [1.5 / 4, 2.5 / 4])
+
+
+def test_places_and_lengths_have_curves_of_their_own_colours() -> None:
+    names = ("minor", "collapse", "runout: road", "runout: house", "displacement: 0.1")
+    rows = pd.concat([critical().assign(collapse_class=name) for name in names])
+    table, curves = fragility(rows, "m/s²")
+    searched = Searched((Dimension("amplitude", "m/s2", "", False), Dimension("seed", "-", "", False)), "amplitude")
+    figure = figure_fragility(rows, table, curves, searched)
+    drawn = [line for line in figure.axes[0].lines if line.get_label()[0] != "_"]
+    assert [line.get_label().split("\n")[0] for line in drawn[-3:]] == [
+        "road reached by debris",
+        "house reached by debris",
+        "a displacement of 0.1 m",
+    ]
+    looks = [(to_hex(line.get_color()), line.get_linestyle()) for line in drawn]
+    assert len({colour for colour, _ in looks}) == 5
+    assert min(abs(grey(one) - grey(other)) for (one, _), (other, _) in combinations(looks[2:], 2)) > 0.03, "in print"
+
+
+def grey(colour: str) -> float:
+    """Luma of a colour, as a printer without colours shows it (ITU-R BT.601)."""
+    return float(np.dot(to_rgb(colour), (0.299, 0.587, 0.114)))

@@ -9,7 +9,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 from synthetic import PAPER
 
-from sph.experiments.trigger.boundaries import Boundary, block_displacement, in_words, place_of, reached
+from sph.experiments.trigger.boundaries import Boundary, block_displacement, in_words, place_of, reached, who_reaches_what
 from sph.measures.metrics import UNDETERMINED, MetricSettings
 from sph.scene.schema import make_scene
 
@@ -50,9 +50,10 @@ def test_anything_else_is_refused(written: Any) -> None:
 
 
 def test_boundaries_in_words() -> None:
-    words = {"collapse": "class collapse", "minor": "class minor or worse", "runout: road": "the place road with debris"}
+    words = {"collapse": "class collapse", "minor": "class minor or worse", "runout: road": "road reached by debris"}
     words |= {"runout: 20": "a run-out of 20 m", "displacement: 0.1": "a displacement of 0.1 m"}
     assert {wanted: in_words(wanted) for wanted in words} == words
+    assert who_reaches_what("runout: road") == ("debris", "road") and who_reaches_what("minor") == ("the slope", "class minor or worse")
     assert [place_of(wanted) for wanted in words] == ["", "", "road", "", ""]
 
 

@@ -420,6 +420,38 @@ def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
         assert all(ax.get_aspect() == 1.0 for ax in sections), name
 
 
+PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the toe"}
+
+
+@pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
+def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> None:
+    run = synthetic(translation(-3.0), overrides=scene)
+    checked = check(scene_of(run))
+    toe, base = scene_of(run).geometry.toe
+    figures = {
+        "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
+        "scene": figure_scene(checked.scene, checked.particles, checked.probes, PLACES),
+    }
+    for name, figure in figures.items():
+        posts = {text.get_text(): text.xy for text in axes(figure).texts if text.get_rotation() == 90 and hasattr(text, "xy")}
+        assert posts["road"][0] == pytest.approx(toe - 12.0) and posts["house of the guard"][0] == pytest.approx(toe - 20.0), name
+        assert overprints(figure) == [], name
+    assert posts["road"][1] <= base + 1e-9 or scene, "on the ground"
+
+
+def test_titles_and_legends_name_what_each_layer_keeps() -> None:
+    overrides = {
+        "coupling": {"S_R": 0.4},
+        "layers": {"clay": {"region": {"kind": "depth", "top": 5.0}, "soil": {"residual_cohesion": 60.0}}},
+    }
+    overrides["layers"]["clay"]["soil"]["residual_friction_angle"] = 5.0
+    run = synthetic(translation(-3.0), overrides=overrides)
+    (own, clay) = (text.get_text() for text in figure_geometry(run).legends[0].get_texts())
+    assert "failed: $S_R$ = 0.4, γ" in own and "failed: $c_r$ = 60 kPa, $φ_r$ = 5°, γ" in clay and "S_R" not in clay
+    assert "$S_R$ = 0.4; $c_r$ = 60 kPa, $φ_r$ = 5° in clay, γ = 100 s⁻¹" in axes(plot_trajectory(run)).get_title(loc="left")
+    assert "$S_R$ = 0.25, γ = 100 s⁻¹" in axes(plot_trajectory(synthetic(translation(-3.0)))).get_title(loc="left")
+
+
 def test_a_long_note_takes_more_lines_and_stays_in_the_figure() -> None:
     """Runs with either solid state of failed soil, of a long name: a line each, broken where the figure is narrower."""
     runs = {

@@ -8,7 +8,9 @@ from pathlib import Path
 import pandas as pd
 
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import at_places, widths, yearly
+from sph.page.answer import at_places, at_residual, widths, yearly
+from sph.study.finding import finding
+from sph.study.preflight import Row
 from sph.study.tables import write_csv
 
 RUNS = pd.DataFrame(
@@ -55,6 +57,24 @@ def test_how_often_with_a_fit_and_by_the_brackets_alone(tmp_path: Path) -> None:
     bounds = {"collapse_class": "collapse", "frequency_least": 0.0, "frequency_most": 4.9e-4}
     write_csv(pd.DataFrame([row | fitted, row | bounds]), tmp_path / "fragility_annual.csv")
     assert yearly([str(tmp_path / "fragility_annual.csv")]) == [
-        ("How often: the place road with debris", "0.0012 times a year (0.0004 to 0.003)", "fragility over the hazard curve"),
+        ("How often: road reached by debris", "0.0012 times a year (0.0004 to 0.003)", "fragility over the hazard curve"),
         ("How often: class collapse", "0 to 0.00049 times a year", "bounds from the brackets over the hazard curve"),
     ]
+
+
+def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
+    def row(code: str, measured: str, runs: int) -> Row:
+        return Row(finding(code, "the slope", measured), runs, "a")
+
+    weak = [row("fails-at-residual", "falls", 4), row("limit-equilibrium-residual", "Bishop 0.61 (circle), Spencer 0.58 (not circular)", 4)]
+    strong = [row("stands-at-residual", "stands", 2), row("limit-equilibrium-residual", "Bishop 1.21 (circle), Spencer 1.20 (circle)", 2)]
+    ((name, words, meant),) = at_residual(weak)
+    assert (name, words) == (
+        "Factor at the residual strength",
+        "Bishop 0.61 (circle), Spencer 0.58 (not circular); by particles it stands in 0 of 4 runs",
+    )
+    assert "progressive failure" in meant
+    assert at_residual(strong)[0][1:] == ("Bishop 1.21 (circle), Spencer 1.20 (circle); by particles it stands in 2 of 2 runs", "")
+    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; by particles it stands in 2 of 6 runs"
+    assert at_residual(weak[:1])[0][1] == "by particles it stands in 0 of 4 runs", "a scene without slices"
+    assert at_residual([]) == []

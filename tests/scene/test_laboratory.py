@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,7 @@ import pytest
 import yaml
 
 from sph.scene.configuration import merge
-from sph.scene.schema import Scene, make_scene, written_scene
+from sph.scene.schema import Scene, make_scene, stored_scene, written_scene
 
 ROOT = Path(__file__).resolve().parents[2]
 GENTLE = written_scene(ROOT / "config" / "scenes" / "gentle_layered.yaml")
@@ -89,3 +90,56 @@ def test_sph_new_writes_the_speed(tmp_path: Path) -> None:
     record = ROOT / "config" / "motions"
     scene, _ = write_new(ground, record / "synthetic.csv", tmp_path / "new")
     assert yaml.safe_load(scene.read_text(encoding="utf-8"))["soil"]["shear_wave_speed"] == 250
+
+
+def test_strength_that_grows_with_depth_is_a_cohesion_and_its_growth() -> None:
+    bare = without("cohesion", "friction_angle", "dilation_angle")
+    scene = make_scene(merge(bare, {"soil": {"undrained_strength": {"at_top": 20.0, "gradient": 1.5}}}))
+    assert (scene.soil.cohesion, scene.soil.friction_angle, scene.soil.gradient) == (20.0, 0.0, 1.5)
+    assert stored_scene(json.loads(scene.stored())) == scene
+    assert stored_scene(scene.model_dump(mode="json")) == scene
+
+
+def test_a_layer_with_a_strength_of_its_own_does_not_grow_as_the_soil_does() -> None:
+    bare = without("cohesion", "friction_angle", "dilation_angle")
+    growing = {"soil": {"undrained_strength": {"at_top": 20.0, "gradient": 1.5, "datum": 3.0}}}
+    layers = {
+        name: {"region": {"kind": "elevation", "bottom": float(number), "top": number + 1.0}, "soil": soil}
+        for number, (name, soil) in enumerate(
+            {"own": {"undrained_strength": 40.0}, "as_soil": {"density": 1700.0}, "faster": {"cohesion_growth": {"gradient": 3.0}}}.items()
+        )
+    }
+    scene = make_scene(merge(bare, {**growing, "layers": layers}))
+    found = {name: (scene.layers[name].soil.cohesion, scene.layers[name].soil.gradient) for name in layers}
+    assert found == {"own": (40.0, 0.0), "as_soil": (20.0, 1.5), "faster": (20.0, 3.0)}
+    assert stored_scene(json.loads(scene.stored())) == scene
+
+
+def test_without_growth_nothing_is_stored_of_it() -> None:
+    bare = without("cohesion", "friction_angle", "dilation_angle")
+    constant = make_scene(merge(bare, {"soil": {"undrained_strength": 20.0}}))
+    level = make_scene(merge(bare, {"soil": {"undrained_strength": {"at_top": 20.0, "gradient": 0.0}}}))
+    assert level.stored() == constant.stored() and "growth" not in constant.stored() + constant.model_dump_json()
+
+
+@pytest.mark.parametrize(
+    ("strength", "words"),
+    [
+        ({"at_top": 20.0}, "soil.undrained_strength: gradient: Field required"),
+        ({"at_top": -1.0, "gradient": 1.0}, "soil.undrained_strength: at_top: Input should be greater than or equal to 0 (found -1.0)"),
+        ({"at_top": 0.0, "gradient": 0.0}, "at_top: 0 kPa with gradient: 0 kPa/m is no strength"),
+        ({"top": 20.0, "gradient": 1.0}, "soil.undrained_strength: top: there is no such key here"),
+        ("soft", "soil.undrained_strength: 'soft' must be above 0 kPa and at most 1e+06, or a section with at_top and gradient"),
+        (0, "soil.undrained_strength: 0 must be above 0 kPa"),
+    ],
+)
+def test_a_strength_that_is_none_is_refused(strength: Any, words: str) -> None:
+    with pytest.raises(ValueError) as raised:
+        make_scene(merge(without("cohesion", "friction_angle", "dilation_angle"), {"soil": {"undrained_strength": strength}}), "scene.yaml")
+    assert words in str(raised.value)
+
+
+def test_a_strength_that_grows_beside_a_growth_is_refused() -> None:
+    with pytest.raises(ValueError, match="leave out cohesion_growth"):
+        soil = {"undrained_strength": {"at_top": 20.0, "gradient": 1.0}, "cohesion_growth": {"gradient": 1.0}}
+        make_scene(merge(without("cohesion", "friction_angle", "dilation_angle"), {"soil": soil}))

@@ -169,15 +169,17 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
         ("stands-unshaken", 4, "0.3-1.0"),
         ("mobilised-strength", 4, "0.3-1.0"),
         ("fails-at-residual", 2, "0.3-1.0"),
+        ("limit-equilibrium-residual", 2, "0.3-1.0"),
         ("stands-at-residual", 2, "0.9-1.0"),
+        ("limit-equilibrium-residual", 2, "0.9-1.0"),
         ("factor-of-safety", 4, "0.3-1.0"),
         ("limit-equilibrium", 4, "0.3-1.0"),
     ]
-    assert len(said) == 6, "a slope and the strength it uses, two residual strengths, a search, limit equilibrium within its error"
+    assert len(said) == 8, "a slope and the strength it uses, two residual strengths by both, a search, limit equilibrium within its error"
     (found,) = searched
     assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(UNASKED_RATIO)
     assert all(search.upper - search.lower <= wide * search.value for search in found.searches)
-    assert rows[4].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, {found.how}")
+    assert rows[6].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, {found.how}")
 
 
 @pytest.mark.long

@@ -2,6 +2,7 @@
 # Inputs:  the runs each figure shows (config: figures, claims), study.csv; the drawing code.
 # Outputs: figures/*, PNG and PDF
 from sph.experiments.steps import run_figures
+from sph.figures import WITH_PLACES
 
 RUN_FIGURES = run_figures()
 
@@ -25,6 +26,11 @@ rule figure:
                 ],
                 "titles": PLAN.figure_titles(wildcards.figure),
                 "fidelity": PLAN.study.fidelity,
+                "places": (
+                    PLAN.study.metrics.places
+                    if wildcards.figure in WITH_PLACES
+                    else {}
+                ),
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),

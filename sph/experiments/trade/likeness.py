@@ -75,7 +75,7 @@ def unlike(scene: Scene) -> list[str]:
         *(["its face is not plane"] if np.abs(geometry.ground(x) - straight).max() > BENT * height else []),
         *(["it has layers"] if len(scene.layers) > len(rock) else []),
         *(["soil lies below its toe, and no rock"] if own and not scene.layers and toe_y > NEAR * height else []),
-        *(["its strength varies from place to place"] if scene.varying else []),
+        *(["its strength varies from place to place"] if scene.strength_varies else []),
         *(["it has water"] if scene.water is not None else []),
         *COHESION.misses(1e3 * soil.cohesion / weight if weight else np.inf),
         *FRICTION.misses(soil.friction_angle),

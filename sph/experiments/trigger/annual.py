@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from sph.experiments.trigger.boundaries import in_words
+from sph.experiments.trigger.boundaries import who_reaches_what
 from sph.experiments.trigger.fragility import CONFIDENCE, SEED, TAILS, Lognormal, brackets, fitted, resampled
 from sph.experiments.trigger.hazard import Hazard, annual_frequency
 from sph.experiments.trigger.points import CASE_COLUMN, names
@@ -91,7 +91,7 @@ def frequency_bounds(found: pd.DataFrame, hazard: Hazard) -> tuple[float, float]
 
 def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says."""
-    reach = in_words(str(row["collapse_class"]))
+    who, what = who_reaches_what(str(row["collapse_class"]))
     frequency, low, high, first, at_first, last, beyond = (
         float(str(row[name]))
         for name in ("frequency", "frequency_lower", "frequency_upper", "first", "probability_at_first", "last", "beyond_last")
@@ -99,15 +99,15 @@ def sentence(row: dict[str, object], unit: str) -> str:
     if math.isnan(frequency):
         least, most = (float(str(row[name])) for name in ("frequency_least", "frequency_most"))
         return (
-            f"The brackets determine no fit. By them alone the slope reaches {reach} between {least:.2g} and {most:.2g} times a year under "
-            f"this hazard curve."
+            f"The brackets determine no fit. By them alone {who} reaches {what} between {least:.2g} and {most:.2g} times a year under "
+            "this hazard curve."
         )
     weaker = ""
     if at_first >= RARE:
         weaker = f" Weaker shaking than {first:.3g} {unit}".rstrip() + f", at which the chance is {at_first:.2g}, is left out."
     years = f", once in {1.0 / frequency:.3g} years on average" if frequency > 0.0 else ""
     return (
-        f"Under these assumptions and this hazard curve the slope reaches {reach} {frequency:.2g} times a year ({low:.2g} to {high:.2g}, "
+        f"Under these assumptions and this hazard curve {who} reaches {what} {frequency:.2g} times a year ({low:.2g} to {high:.2g}, "
         f"{CONFIDENCE:.0%} interval of the fit){years}."
         + weaker
         + f" Stronger shaking than {last:.3g} {unit}".rstrip()

@@ -86,13 +86,19 @@ def reached(run: Mapping[Any, Any], wanted: str) -> bool | None:
 
 
 def in_words(wanted: str) -> str:
-    """A boundary as what a slope reaches."""
+    """A boundary as a legend names it."""
     if wanted in CLASSES:
         return f"class {wanted}" + ("" if wanted == COLLAPSE else " or worse")
     found = bound(wanted)
     if found.place:
-        return f"the place {found.place} with debris"
+        return f"{found.place} reached by debris"
     return f"a {'run-out' if found.quantity == RUNOUT else 'displacement'} of {found.least:g} m"
+
+
+def who_reaches_what(wanted: str) -> tuple[str, str]:
+    """Subject and object of the sentence that a slope comes to a boundary: debris reaches a place, and the slope all else."""
+    place = place_of(wanted)
+    return ("debris", place) if place else ("the slope", in_words(wanted))
 
 
 def block_displacement(wanted: str, scene: Scene, settings: MetricSettings) -> float:

@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.design import Searched
 from sph.experiments.trigger.fragility import CONFIDENCE, brackets, steps
-from sph.figures.style import GREY, LINE_STYLES, WIDTH, also_in_g, class_colours, label_panels, plain, styled, write_note
+from sph.figures.style import LINE_STYLES, WIDTH, also_in_g, class_colours, curve_colours, label_panels, plain, styled, write_note
 from sph.measures.metrics import CLASSES
 
 
@@ -24,13 +24,13 @@ def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.Data
     cases = list(dict.fromkeys(critical["case"]))
     figure = Figure(figsize=(WIDTH, 3.0 * len(cases) + 0.3), layout="constrained")
     axes = figure.subplots(len(cases), 1, sharex=True, squeeze=False)[:, 0]
-    colours = dict(zip(CLASSES, class_colours(), strict=True))
     lengths = [name for name in dict.fromkeys(fits["collapse_class"]) if name not in CLASSES]
+    colours = dict(zip((*CLASSES, *lengths), (*class_colours(), *curve_colours(max(len(lengths), 2))), strict=False))
     for ax, case in zip(axes, cases, strict=True):
         for fit in fits[fits["case"] == case].to_dict("records"):
             name = str(fit["collapse_class"])
             number = CLASSES.index(name) - 1 if name in CLASSES else lengths.index(name)
-            look = {"color": colours.get(name, GREY), "linestyle": LINE_STYLES[number % len(LINE_STYLES)]}
+            look = {"color": colours[name], "linestyle": LINE_STYLES[number % len(LINE_STYLES)]}
             curve = curves[(curves["case"] == case) & (curves["collapse_class"] == name)]
             rows = critical[(critical["case"] == case) & (critical["collapse_class"] == name)]
             if len(curve):

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
 
-from sph.experiments.trigger.boundaries import in_words
+from sph.experiments.trigger.boundaries import who_reaches_what
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
 from sph.experiments.trigger.points import CASE_COLUMN, names
 from sph.scene.units import GRAVITY
@@ -290,17 +290,17 @@ OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "und
 
 def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says, with the ``unit`` as it is printed; accelerations in g as well."""
-    reach = f"reach {in_words(str(row['collapse_class']))}"
+    who, what = who_reaches_what(str(row["collapse_class"]))
     counted = f"{row['motions']} motions, {row['never']} of which never reach it up to the highest intensity"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
     if math.isnan(median):
-        return f"The brackets of {counted}, do not determine the shaking at which the slope has a 50 % chance to {reach}."
+        return f"The brackets of {counted}, do not determine the shaking at which {who} has a 50 % chance to reach {what}."
     level = f"{median:.3g} {unit}".rstrip()
     if unit == shown_unit("m/s2"):
         low, high, unit = low / GRAVITY, high / GRAVITY, "g"
         level = f"{level} or {median / GRAVITY:.3g} g"
     span = f"{low:.3g} to {high:.3g} {unit}".rstrip()
-    return f"Under these assumptions the slope has a 50 % chance to {reach} at {level} ({span}, {CONFIDENCE:.0%} interval); {counted}."
+    return f"Under these assumptions {who} has a 50 % chance to reach {what} at {level} ({span}, {CONFIDENCE:.0%} interval); {counted}."
 
 
 def steps(lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,7 +1,8 @@
 """Coefficients of the material of each particle: one for all, those of its layer, or its own where strength varies in space.
 
-With one soil the coefficients are plain numbers of the compiled code; tables are compiled in only where a scene has layers or random
-fields.  With a random field each particle has a row of its own, made of c and phi at its initial place, which it carries along.
+With one soil the coefficients are plain numbers of the compiled code; tables are compiled in only where a scene has layers, random
+fields or strength that grows with depth.  With one of the last two each particle has a row of its own, made of c and phi at its initial
+place, which it carries along.
 
 Particles of soils of different density sit on one lattice and take the same room.  The sums over neighbours therefore count particles,
 not mass (as Hu and Adams 2006 do for fluids of different density): every particle enters them with the mass that the scene's own soil
@@ -125,7 +126,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
     density = np.array([soil.density for soil in scene.soils])
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
     rows = layer.astype(np.uint8)
-    if scene.varying:
+    if scene.strength_varies:
         ratios = [_strength_ratio(scene.coupling, its) for its in (None, *scene.layers.values())]
         table, rows = table[layer], np.arange(layer.size, dtype=np.int32)
         for row, number, (cohesion, friction_angle) in zip(table, layer, peak_strength(scene, particles).T.tolist(), strict=True):
@@ -134,7 +135,12 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
     return Layers(rows, table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
 
 
-TERM = Term("layers", "layers or uncertain random fields: tables of materials", lambda scene: bool(scene.layers or scene.varying), _make)
+TERM = Term(
+    "layers",
+    "layers, random fields or strength that grows with depth: tables of materials",
+    lambda scene: bool(scene.layers) or scene.strength_varies,
+    _make,
+)
 
 
 @slot

@@ -1,11 +1,12 @@
 """Draw a figure of one run, or of some."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from sph.experiments.steps import run_figures
 from sph.figures import save
 from sph.jobs.log import Job, job_log
+from sph.measures.places import PlaceAt
 from sph.study.planned import Planned
 
 
@@ -16,16 +17,19 @@ def draw_figure(
     scenes: Sequence[Planned],
     titles: Sequence[Sequence[str]],
     fidelity: str,
+    places: Mapping[str, PlaceAt],
 ) -> None:
     """Draw a figure of any study or of the paper's from runs of planned scenes.
 
     ``titles`` name each run: its curve or profile, or its panel and that; there are none where the figure shows one run.
+    ``places`` are marked in the figures that take them; none are given to others.
     """
     runs = [scene.read(path) for path, scene in zip(paths_to_runs, scenes, strict=True)]
     shown: Any = {} if titles else runs[0]
     for (*panel, last), run in zip(titles, runs, strict=False):
         (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
-    save(run_figures()[name](shown, fidelity=fidelity), *paths_to_pictures)
+    marked = {"places": places} if places else {}
+    save(run_figures()[name](shown, fidelity=fidelity, **marked), *paths_to_pictures)
 
 
 if __name__ == "__main__":
