@@ -59,17 +59,18 @@ def _settled(result: Result) -> tuple[float, float]:
 
 
 def measure_gravity_column(level: Level) -> dict[str, Found]:
-    """Stress over its closed form, in the inner half of the column, and the settlement of one that is a hundred times softer."""
-    (vertical, ratio, rest), (soft_vertical, soft_ratio, _) = _means(level["run"]), _means(level["soft"])
-    return {
-        "vertical_stress": Found("mean of σ_yy/(ρ g z)", "1", vertical, 1.0),
-        "horizontal_stress": Found("mean of σ_xx/σ_yy", "1", ratio, rest),
-        "soft_vertical_stress": Found("mean of σ_yy/(ρ g z), soft", "1", soft_vertical, 1.0),
-        "soft_horizontal_stress": Found("mean of σ_xx/σ_yy, soft", "1", soft_ratio, rest),
-        "soft_settlement": Found("settlement of the surface, soft", "m", *_settled(level["soft"])),
-        "worst_vertical_stress": Found("σ_yy/(ρ g z) of the worst particle", "1", _worst(result), 1.0),
+    """Stress over its closed form, in the inner half of the column, and the settlement of those that are a hundred times softer."""
+    found = {
+        "worst_vertical_stress": Found("σ_yy/(ρ g z) of the worst particle", "1", _worst(level["run"]), 1.0),
         "worst_from_geostatic": Found("σ_yy/(ρ g z) of the worst particle, from geostatic stress", "1", _worst(level["geostatic"]), 1.0),
     }
+    for run, name, said in (("run", "", ""), ("soft", "soft_", ", soft"), ("soft_periodic", "soft_periodic_", ", soft, periodic sides")):
+        vertical, ratio, rest = _means(level[run])
+        found[f"{name}vertical_stress"] = Found(f"mean of σ_yy/(ρ g z){said}", "1", vertical, 1.0)
+        found[f"{name}horizontal_stress"] = Found(f"mean of σ_xx/σ_yy{said}", "1", ratio, rest)
+        if name:
+            found[f"{name}settlement"] = Found(f"settlement of the surface{said}", "m", *_settled(level[run]))
+    return found
 
 
 @styled
