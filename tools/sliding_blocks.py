@@ -23,7 +23,7 @@ from sph.measures.metrics import measure
 from sph.scene.configuration import merge, read_scene
 from sph.scene.ground_motion import motion_of
 from sph.scene.ground_motion.measures import measure as measure_motion
-from sph.scene.motion import Record
+from sph.scene.ground_motion.record import Record
 from sph.scene.schema import make_scene
 from sph.solver.compiled.jit import solver_digest
 from sph.solver.run import run
@@ -34,18 +34,18 @@ from sph.study.baseline import baseline_metrics
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
 
-SLOPES = {
+SLOPES: dict[str, dict[str, Any]] = {
     "stiff_clay": {"numerics": {"spacing": 1.5}, "coupling": {"softening": {"width": 4.5}}},
     "slope_on_rock": {"numerics": {"spacing": 2.5}, "coupling": {"softening": {"width": 7.5}}},
     "gentle_layered": {"numerics": {"spacing": 2.0}},
 }
 """Shipped scenes, and what is changed: spacings of about ten rows over the height, and a width of three spacings."""
-PEAKS = (1.5, 3.0)
+PEAKS = (3.0, 1.5)
 """Peak accelerations over the yield acceleration to which records are scaled."""
-LOSSES = {"peak strength kept": {"coupling": {"S_R": 1.0}}, "strength lost by slip": {}}
+LOSSES: dict[str, dict[str, Any]] = {"peak strength kept": {"coupling": {"S_R": 1.0}}, "strength lost by slip": {}}
 """What of the strength failed soil keeps."""
-MOTION = {"kind": "record", "unit": "g", "baseline": {"degree": 1}, "trim": {"start_share": 0.02, "end_share": 0.98}}
-AFTER = 3.0
+MOTION = {"kind": "record", "unit": "g", "baseline": {"degree": 1}, "trim": {"start_share": 0.05, "end_share": 0.95}}
+AFTER = 2.0
 """Time after the record, s."""
 SMALL = 1.0
 """Displacement up to which slopes and blocks are compared, m."""
@@ -139,8 +139,8 @@ def tables(records: Sequence[Path], slopes: Sequence[str], made: pd.DataFrame) -
             if len(known)
             else yield_acceleration(make_scene(merge(read_scene(f"config/scenes/{slope}.yaml"), SLOPES[slope]))).value
         )
-        for loss in LOSSES:
-            for ratio in PEAKS:
+        for ratio in PEAKS:
+            for loss in LOSSES:
                 for record in records:
                     if (slope, loss, record.name, ratio) in set(made[KEY].itertuples(index=False, name=None)):
                         continue
@@ -194,8 +194,8 @@ def figure_blocks(table: pd.DataFrame) -> Figure:
                     label=f"{name}, {loss}",
                     **style,
                 )
-                share = drawn["newmark_displacement"] / drawn["displacement"]
-                right.plot(rows["arias_intensity"], share, color="black", markerfacecolor=face, **style)
+                ratio = drawn["newmark_displacement"] / drawn["displacement"]
+                right.plot(rows["arias_intensity"], ratio, color="black", markerfacecolor=face, **style)
     left.set(xlabel="rigid block (m)", ylabel="crest edge (m)", xscale="log", yscale="log", xlim=span, ylim=span)
     right.set(xlabel="Arias intensity (m/s)", ylabel="block over slope", xscale="log", yscale="log")
     figure.legend(loc="outside lower center", ncols=2, fontsize="xx-small")

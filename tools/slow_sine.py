@@ -1,6 +1,6 @@
 """The amplitude at which the slope of V24 goes, against the period of the sine: where shaking departs from a static load.
 
-``python -m tools.slow_sine`` writes ``slow_sine.csv`` of the package, a row a period, from some thirty runs of V24's scene.
+``python -m tools.slow_sine`` writes ``slow_sine.csv`` of the package, a row a period, from some forty runs of V24's scene.
 """
 
 from __future__ import annotations
@@ -26,8 +26,16 @@ from sph.study.tables import number_column, read_csv, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
 
 SCENE = "config/scenes/validation/v24_slow_sine.yaml"
-PERIODS = (8.0, 4.0, 2.0, 1.0, 0.5)
-"""Periods of the sine over the natural period of the ground below the crest."""
+OTHER = {"coupling": {"S_R": 0.3}}
+"""Soil that keeps less: without its peak strength the slope does not stand, even at rest; with the scene's half it does."""
+SHORT = {"coupling": {"softening": {"slip_at_peak": 0.01, "slip_at_residual": 0.05}}}
+"""Soil that loses its strength within less slip."""
+CASES: tuple[tuple[float, dict[str, Any]], ...] = (
+    *((period, {}) for period in (8.0, 4.0, 2.0)),
+    *((period, OTHER) for period in (8.0, 4.0, 2.0, 1.0, 0.5)),
+    (8.0, SHORT),
+)
+"""Periods of the sine over the natural period of the ground below the crest, and keys laid over the scene, of each row."""
 CYCLES = (2.0, 4.0, 5.0)
 """Cycles until full strength, until it decreases, and to the end, at every period."""
 AFTER = 3.5
@@ -39,9 +47,13 @@ WIDTH = 0.05
 SLOW_SINE: tuple[Variable, ...] = (
     number_column("period_ratio", "1", "period of the sine over the natural period 4 D / V_s of the ground below the crest"),
     number_column("period", "s", "period of the sine"),
+    number_column("S_R", "1", "share of its strength that the soil keeps"),
+    number_column("slip_at_peak", "m", "slip at which strength begins to fall"),
+    number_column("slip_at_residual", "m", "slip at which the residual strength is reached"),
     number_column("lower", "1", "largest amplitude over g at which the slope stands"),
     number_column("upper", "1", "smallest amplitude over g at which it collapses"),
-    number_column("block", "1", "amplitude over g at which a rigid block of a yield acceleration k_c g slips by slip_at_peak"),
+    number_column("block_peak", "1", "amplitude over g at which a rigid block of a yield acceleration k_c g slips by slip_at_peak"),
+    number_column("block_residual", "1", "amplitude over g at which it slips by slip_at_residual"),
     number_column("amplification", "1", "mean acceleration over the depth of a damped column on a rigid base, over that of the base"),
     number_column("displacement", "m", "largest displacement of the soil at the amplitude lower"),
 )
@@ -94,8 +106,9 @@ def damping_at(scene: Scene, frequency: float) -> float:
     return scene.damping.ratio * (low * high / frequency + frequency) / (low + high)
 
 
-def measured(scene: dict[str, Any], ratio: float) -> dict[str, float]:
-    """The row of a period."""
+def measured(scene: dict[str, Any], ratio: float, changes: dict[str, Any]) -> dict[str, float]:
+    """The row of a period over the natural one and of keys laid over the scene."""
+    scene = merge(scene, changes)
 
     def test(k: float) -> Trial:
         made = shaken(scene, ratio, k)
@@ -103,21 +116,30 @@ def measured(scene: dict[str, Any], ratio: float) -> dict[str, float]:
         moved = displacements(done, made.gravity.duration)
         area = np.count_nonzero(moved > COLLAPSE * slope_height(made)) * made.numerics.spacing**2
         trial = Trial(k, not collapsed(made, done), area, float(moved.max()), done.attrs["status"], float(done.attrs["wall_time_s"]))
-        print(f"{ratio:g} T: {trial}", flush=True)
+        print(f"{ratio:g} T, {changes}: {trial}", flush=True)
         return trial
 
     found = search(test, WALK, WALK.index(0.44), WIDTH)
     stood = [trial.largest_displacement for trial in found.trials if trial.value == found.stood]
-    at = shaken(scene, ratio, LIMIT)
-    assert isinstance(at.motion, TaperedSine) and at.coupling.softening is not None
+    return row(shaken(scene, ratio, LIMIT), ratio, found.stood, found.failed, stood[0] if stood else math.nan)
+
+
+def row(scene: Scene, ratio: float, stood: float, failed: float, displacement: float) -> dict[str, float]:
+    """The row of a scene with its sine, from the ends of its bracket (over g) and the displacement (m) at the one that stood."""
+    softening, motion = scene.coupling.softening, scene.motion
+    assert softening is not None and softening.slip_at_residual is not None and isinstance(motion, TaperedSine)
     return {
         "period_ratio": ratio,
-        "period": 1.0 / at.motion.frequency,
-        "lower": found.stood,
-        "upper": found.failed,
-        "block": block_limit(at, at.coupling.softening.slip_at_peak),
-        "amplification": mean_amplification(ratio, damping_at(at, at.motion.frequency)),
-        "displacement": stood[0] if stood else math.nan,
+        "period": 1.0 / motion.frequency,
+        "S_R": scene.coupling.S_R,
+        "slip_at_peak": softening.slip_at_peak,
+        "slip_at_residual": softening.slip_at_residual,
+        "lower": stood,
+        "upper": failed,
+        "block_peak": block_limit(scene, softening.slip_at_peak),
+        "block_residual": block_limit(scene, softening.slip_at_residual),
+        "amplification": mean_amplification(ratio, damping_at(scene, motion.frequency)),
+        "displacement": displacement,
     }
 
 
@@ -128,7 +150,7 @@ def read_slow_sine() -> pd.DataFrame:
 
 if __name__ == "__main__":
     scene = dict(read_scene(SCENE))
-    table = pd.DataFrame([measured(scene, ratio) for ratio in PERIODS])
+    table = pd.DataFrame([measured(scene, ratio, changes) for ratio, changes in CASES])
     write_csv(table[[row.name for row in SLOW_SINE]], SHIPPED["slow_sine"].path)
     note("slow_sine", solver_digest())
     print(table.to_string())
