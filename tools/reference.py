@@ -48,6 +48,7 @@ from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
 from sph.experiments.validation.measure import SHIPPED_VALIDATION, VALIDATION, read_validation
+from sph.experiments.validation.slow_sine import LIMIT
 from sph.measures.places import place_columns
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
@@ -63,6 +64,8 @@ from sph.study.verdicts import HOLDS, MISSES
 from tools import shipped
 from tools.levels import read_levels
 from tools.release import BASELINE, READ_AT, STUDY_AT, read_measured
+from tools.sliding_blocks import read_blocks, spread_rows
+from tools.slow_sine import read_slow_sine
 
 
 def key_rows(model: type[BaseModel], prefix: str = "") -> Iterator[tuple[str, str, str, str, str, str]]:
@@ -258,6 +261,23 @@ def _bracket(row: Mapping[Any, Any]) -> str:
     return f"above {row['lower']:.4g}" if math.isnan(row["upper"]) else f"{row['lower']:.4g} to {row['upper']:.4g}"
 
 
+def slow_sine_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (period over T, S_R, slips, bracket of the amplitude, over k_c, of a rigid block, amplification) of the slow sines."""
+    for row in read_slow_sine().to_dict("records"):
+        slips = f"{1e3 * row['slip_at_peak']:.0f} and {1e3 * row['slip_at_residual']:.0f} mm"
+        over = 100.0 * (0.5 * (row["lower"] + row["upper"]) / LIMIT - 1.0)
+        block = " to ".join(f"{100.0 * (row[name] / LIMIT - 1.0):+.0f}" for name in ("block_peak", "block_residual"))
+        yield (
+            f"{row['period_ratio']:g}",
+            f"{row['S_R']:g}",
+            slips,
+            f"{_bracket(row)} g",
+            f"{over:+.0f} %",
+            f"{block} %",
+            f"{row['amplification']:.2f}",
+        )
+
+
 def solid_state_lines() -> Iterator[tuple[str, ...]]:
     """Rows (solid state, gamma, S_R, A's displacement at each time) of either solid state of failed soil."""
     for row in read_measured("solid_states").to_dict("records"):
@@ -386,6 +406,11 @@ RESOLVED_CLAIM_HEAD = ("claim", "the paper says", "study, fidelity", "verdict", 
 SLIP_CASES = ("2.5 m", "5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
 SLIP_LEVEL_HEAD = ("study", "S_R", "residual strength after", *SLIP_CASES)
 SLIP_CHOICE_HEAD = ("changed", "critical amplitude, m/s²", "change")
+SLOW_SINE_HEAD = (
+    "period over T", "S_R", "slip at peak and residual strength", "amplitude at which the slope goes", "over k_c", "rigid block over k_c",
+    "amplification of a column",
+)  # fmt: skip
+BLOCK_HEAD = ("slope", "strength", "pairs", "moved further", "block over slope, geometric mean", "standard deviation of ln", "range")
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
@@ -478,6 +503,8 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "resolved_claims": lambda: Reference(RESOLVED_CLAIM_HEAD, list(resolved_claim_lines())),
     "slip_levels": lambda: Reference(SLIP_LEVEL_HEAD, list(slip_level_lines())),
     "slip_choices": lambda: Reference(SLIP_CHOICE_HEAD, list(slip_choice_lines())),
+    "slow_sine": lambda: Reference(SLOW_SINE_HEAD, list(slow_sine_lines())),
+    "sliding_blocks": lambda: Reference(BLOCK_HEAD, list(spread_rows(read_blocks()))),
     "solid_states": lambda: Reference(SOLID_STATE_HEAD, list(solid_state_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,

@@ -110,6 +110,15 @@ SHIPPED: dict[str, Shipped] = {
         "snakemake --cores 2 --configfile config/studies/paper_solid_states.yaml && python -m tools.release solid_states",
         MEASURED / "solid_states.csv",
     ),
+    "slow_sine": Shipped(
+        ("results/slow_sine",), ("config/scenes/validation/v24_slow_sine.yaml",), "python -m tools.slow_sine", MEASURED / "slow_sine.csv"
+    ),
+    "sliding_blocks": Shipped(
+        ("results/sliding_blocks",),
+        tuple(f"config/scenes/{name}.yaml" for name in ("stiff_clay", "slope_on_rock", "gentle_layered")),
+        "python -m tools.sliding_blocks FOLDER",
+        MEASURED / "sliding_blocks.csv",
+    ),
     "times": Shipped(("results/paper",), _PAPER_FILES, "python -m tools.times", MEASURED / "times.csv"),
 }
 """The tables by name."""

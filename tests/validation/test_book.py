@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from pathlib import Path
 
 import netCDF4
@@ -9,13 +11,16 @@ import pytest
 from matplotlib.figure import Figure
 from small_scenes import study_plan
 
-from sph.experiments.validation.book import Cost, Page, costs_of, save_book
+from sph.experiments.validation.book import Code, Cost, Page, code_of, costs_of, save_book
 from sph.experiments.validation.design import load_suite
 from sph.experiments.validation.measure import read_validation
 from sph.study.verdicts import MISSES
 
 ROOT = Path(__file__).resolve().parents[2]
 MEASURED = ROOT / "sph" / "experiments" / "validation" / "measured" / "validation.csv"
+
+
+CODE = Code("1.2.3", "0123456789abcdef", "2026-11-26")
 
 
 def test_a_page_a_case_with_its_misses(tmp_path: Path) -> None:
@@ -26,13 +31,16 @@ def test_a_page_a_case_with_its_misses(tmp_path: Path) -> None:
     pages = []
     for name in names:
         plan = suite.plan(name)
-        pages.append(Page(name, plan["case"], table[table["case"] == name], [Cost("1 m", 10, 2.0)], plan["runs"][0][2].build()))
+        pages.append(Page(name, plan["case"], table[table["case"] == name], [Cost("1 m", 10, 2.0)], CODE, plan["runs"][0][2].build()))
     save_book(pages, [picture] * len(pages), tmp_path / "book.md", tmp_path / "book.pdf")
     text = (tmp_path / "book.md").read_text(encoding="utf-8")
     assert [line.split(":")[0] for line in text.splitlines() if line.startswith("## ")] == [f"## {name}" for name in names]
     assert text.count(f"**{MISSES}**") == int((table[table["case"].isin(names)]["verdict"] == MISSES).sum()) > 0
+    assert text.count(f"Made by {CODE}.") == len(names) + 1, "on the first page and on each case's"
+    opening, missed = text[: text.index("## ")], table[table["case"].isin(names) & (table["verdict"] == MISSES)]
+    assert all(row in opening for row in missed["text"]) and opening.count("| V") == len(missed)
     assert text.count("1 m: 10 steps, 2 s") == len(names) and all(page.case["source"] in text for page in pages)
-    assert (tmp_path / "book.pdf").read_bytes().count(b"/Type /Page ") == len(names)
+    assert (tmp_path / "book.pdf").read_bytes().count(b"/Type /Page ") == 1 + len(names)
 
 
 def test_steps_and_seconds_are_added_up_by_resolution(tmp_path: Path) -> None:
@@ -45,3 +53,21 @@ def test_steps_and_seconds_are_added_up_by_resolution(tmp_path: Path) -> None:
             data.setncattr("wall_time_s", 1.5)
     found = costs_of(["1 m", "1 m", "2 m"], [tmp_path / f"{name}.nc" for name in ("run", "again", "search")])
     assert found == [Cost("1 m", 20, pytest.approx(3.0)), Cost("2 m", 0, 1.5)]
+
+
+def test_the_code_of_a_case_is_that_of_its_files(tmp_path: Path) -> None:
+    """More than one solver are all named, and the day is that of the last file."""
+    for name, solver in (("a", "1111"), ("b", "1111"), ("c", "2222")):
+        with netCDF4.Dataset(tmp_path / f"{name}.nc", "w") as data:
+            data.setncatts({"source": "sph 1.2.3", "solver_digest": solver})
+        os.utime(tmp_path / f"{name}.nc", (0.0, 86_400.0 * (1 + ord(name) - ord("a"))))
+    assert code_of([tmp_path / "b.nc", tmp_path / "a.nc"]) == Code("1.2.3", "1111", "1970-01-03")
+    assert code_of([tmp_path / "a.nc", tmp_path / "c.nc"]).solver == "1111 and 2222"
+
+
+def test_the_source_of_every_case_is_told() -> None:
+    """What is published has a year; what is ours has none of its own, and every case says which of its numbers are ours."""
+    suite = load_suite("config/validation.yaml", study_plan(), [ROOT])
+    for name, case in suite.cases.items():
+        assert case.reference == "own" or re.search(r"\((19|20)\d\d\)|(19|20)\d\d", case.source), name
+        assert "reference" in case.model_fields_set and "ours" in case.model_fields_set, name

@@ -21,6 +21,7 @@ SUITE = load_suite("config/validation.yaml", study_plan(), [Path(__file__).paren
 QUANTITIES = [(case, quantity) for case in SUITE.cases for quantity in SUITE.cases[case].quantities]
 MISSES = {
     ("V1", "worst_vertical_stress"): "rows of particles alternate; with ten rows by 23 %",
+    ("V1", "soft_settlement"): "soft soil beside free-slip sides, with ten rows by 23 %",
     ("V4", "period_small"): "five particles through the plate",
     ("V23", "foot_rods"): "ten particles over the height of the column: the rods near the wall move too far",
 }
@@ -70,7 +71,7 @@ def test_coarsest_level_meets_its_reference(case: str, quantity: str) -> None:
 
 @pytest.mark.long
 def test_every_case_is_measured_and_configured() -> None:
-    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 24)}
+    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 25)}
     for name in CASES:
         assert set(coarsest(name)) == set(SUITE.cases[name].quantities)
 

@@ -73,7 +73,7 @@ def test_a_search_leaves_its_trials(validated: Path) -> None:
 def test_a_book_with_a_page_a_case(validated: Path) -> None:
     text = (validated / "validation" / "book.md").read_text(encoding="utf-8")
     assert [line[3:].split(":")[0] for line in text.splitlines() if line.startswith("## ")] == ["V9", "V11", "V13"]
-    assert "steps, " in text and (validated / "validation" / "book.pdf").read_bytes().count(b"/Type /Page ") == 3
+    assert "steps, " in text and (validated / "validation" / "book.pdf").read_bytes().count(b"/Type /Page ") == 4
 
 
 def test_a_figure_a_case(validated: Path) -> None:

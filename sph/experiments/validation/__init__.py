@@ -8,6 +8,7 @@
 * ``rods``: V23 a column of rods, point by point
 * ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V16 drawdown and a chart, V17 and V18 both
   against limit analysis, V19 infinite slopes, V21 with water, V22 critical seismic coefficients
+* ``slow_sine``: V24 the dynamic counterpart of V22
 * ``wet_column``: V20 columns with water
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy

@@ -1,10 +1,11 @@
-"""The verification book: a page a reference case, as Markdown and PDF, from the results of the suite."""
+"""The verification book: what is missed, then a page a reference case, as Markdown and PDF, from the results of the suite."""
 
 from __future__ import annotations
 
 import inspect
 import textwrap
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -29,6 +30,28 @@ PAGE = (210 / 25.4, 297 / 25.4)
 HEAD = ("quantity", "computed", "reference", "error by resolution, coarse to fine", "tolerance", "verdict")
 
 
+REFERENCES = {
+    "published": "Published reference",
+    "formula": "Published formula or method, our numbers in it",
+    "own": "Our own closed form",
+}
+"""What is said of a case's ``reference``."""
+MISSED_HEAD = ("case", "quantity", "computed", "reference", "error", "tolerance")
+
+
+class Code(NamedTuple):
+    """What made the runs of a case, and when."""
+
+    version: str
+    solver: str
+    """digest of the solver"""
+    date: str
+    """day on which the last of the files was written, UTC"""
+
+    def __str__(self) -> str:
+        return f"sph {self.version}, solver {self.solver}, {self.date}"
+
+
 class Cost(NamedTuple):
     """What the runs of a case at one resolution took."""
 
@@ -47,6 +70,8 @@ class Page(NamedTuple):
     rows: pd.DataFrame
     """its rows of the suite's table"""
     costs: Sequence[Cost]
+    code: Code | None
+    """what made its runs; None for a case of functions alone"""
     scene: Scene | None
     """the scene of its first run at the coarsest resolution; None for a case of functions alone"""
 
@@ -62,6 +87,40 @@ def costs_of(levels: Sequence[str], paths: Sequence[Path | str]) -> list[Cost]:
         before = found.get(level, Cost(level, 0, 0.0))
         found[level] = Cost(level, before.steps + steps, before.seconds + seconds)
     return list(found.values())
+
+
+def code_of(paths: Sequence[Path | str]) -> Code:
+    """What made the files of some runs; more than one version or solver are named one after another."""
+    versions, solvers, written = set(), set(), []
+    for path in paths:
+        with netCDF4.Dataset(path) as data:
+            versions.add(str(getattr(data, "source", "sph unknown")).removeprefix("sph "))
+            solvers.add(str(getattr(data, "solver_digest", "not noted")))
+        written.append(Path(path).stat().st_mtime)
+    return Code(" and ".join(sorted(versions)), " and ".join(sorted(solvers)), datetime.fromtimestamp(max(written), UTC).date().isoformat())
+
+
+def missed_rows(pages: Iterable[Page]) -> list[tuple[str, ...]]:
+    """Cells under ``MISSED_HEAD`` of every quantity that is missed, the worst first."""
+    rows = [row for page in pages for row in page.rows.to_dict("records") if row["verdict"] == MISSES]
+    rows.sort(key=lambda row: -abs(row["error"]) / row["tolerance"] if row["tolerance"] else 0.0)
+    cells = [(str(row["case"]), *_cells(row)) for row in rows]
+    return [
+        (case, text, computed, reference, errors.split(", ")[-1], tolerance)
+        for case, text, computed, reference, errors, tolerance, _ in cells
+    ]
+
+
+def _opening(pages: Sequence[Page]) -> list[str]:
+    """What the first page says before its table."""
+    made = sorted({str(page.code) for page in pages if page.code is not None})
+    rows, missed = sum(len(page.rows) for page in pages), len(missed_rows(pages))
+    held = sum(not (page.rows["verdict"] == MISSES).any() for page in pages)
+    return [
+        f"{rows - missed} of {rows} quantities are within their tolerance, in {held} of {len(pages)} cases all of them.",
+        f"Made by {'; '.join(made) or 'functions alone'}.",
+        "Missed:" if missed else "Nothing is missed.",
+    ]
 
 
 def _cells(row: Mapping[Any, Any]) -> tuple[str, ...]:
@@ -85,8 +144,10 @@ def _said(page: Page) -> list[str]:
     took = "; ".join(f"{cost.level}: " + f"{cost.steps} steps, " * (cost.steps > 0) + f"{cost.seconds:.3g} s" for cost in page.costs)
     caption = " ".join((inspect.getdoc(CASES[page.name][1]) or "").split())
     return [
-        f"Reference: {page.case['source']}.",
+        f"{REFERENCES[page.case['reference']]}: {page.case['source']}.",
+        f"Ours: {page.case['ours']}.",
         f"Result by {by}. Resolutions: {page.rows['levels'].iloc[0]}.",
+        f"Made by {page.code}." if page.code is not None else "Computed by functions alone, as the book was made.",
         f"Cost on one core: {took or 'under a second'}.",
         f"Verdict: {missed} of {len(page.rows)} missed." if missed else "Verdict: holds.",
         f"Figure: {caption}",
@@ -95,7 +156,11 @@ def _said(page: Page) -> list[str]:
 
 def markdown_book(pages: Sequence[Page]) -> str:
     """The book in Markdown; pictures are those beside it, ``figures/<case>.png``."""
-    lines = ["# Verification book", ""]
+    lines = ["# Verification book", "", *(word for said in _opening(pages) for word in (said, ""))]
+    if missed := missed_rows(pages):
+        lines += [f"| {' | '.join(MISSED_HEAD)} |", "|" + " --- |" * len(MISSED_HEAD)]
+        lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in missed]
+        lines.append("")
     for page in pages:
         lines += [f"## {page.name}: {page.case['title']}", "", *(f"* {said}" for said in _said(page)), ""]
         lines += [f"![{page.name}](figures/{page.name}.png)", "", f"| {' | '.join(HEAD)} | why this tolerance |", "|" + " --- |" * 7]
@@ -105,6 +170,27 @@ def markdown_book(pages: Sequence[Page]) -> str:
             lines.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
         lines.append("")
     return "\n".join(lines)
+
+
+def draw_opening(pages: Sequence[Page]) -> Figure:
+    """The first page: how many quantities hold, by which code, and all that is missed."""
+    figure = Figure(figsize=PAGE)
+    figure.text(0.08, 0.95, "Verification book", fontsize=15, weight="bold")
+    words = "\n".join(textwrap.fill(said, 100) for said in _opening(pages))
+    figure.text(0.08, 0.92, words, fontsize=9, va="top", linespacing=1.5)
+    missed = missed_rows(pages)
+    if missed:
+        height = min(0.018 * (len(missed) + 1), 0.78)
+        ax = figure.add_axes((0.06, 0.86 - 0.016 * words.count("\n") - height, 0.88, height))
+        ax.set_axis_off()
+        table = ax.table(
+            [[cells[0], textwrap.shorten(cells[1], 75), *cells[2:]] for cells in missed],
+            colLabels=MISSED_HEAD, colWidths=[0.07, 0.49, 0.11, 0.11, 0.11, 0.11], cellLoc="left", loc="center", bbox=Bbox.unit(),
+            edges="horizontal",
+        )  # fmt: skip
+        table.auto_set_font_size(False)
+        table.set_fontsize(6.5)
+    return figure
 
 
 def draw_page(page: Page, picture: Path | str) -> Figure:
@@ -154,5 +240,6 @@ def save_book(pages: Sequence[Page], pictures: Sequence[Path | str], path_to_mar
         matplotlib.rc_context(STYLE),
         PdfPages(temporary, metadata={"Title": "Verification book", "CreationDate": None}) as book,
     ):
+        book.savefig(draw_opening(pages))
         for page, picture in zip(pages, pictures, strict=True):
             book.savefig(draw_page(page, picture))

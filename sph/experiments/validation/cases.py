@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from sph.experiments.validation import columns, conservation, elements, flows, rods, slopes, solids, wet_column
+from sph.experiments.validation import columns, conservation, elements, flows, rods, slopes, slow_sine, solids, wet_column
 from sph.experiments.validation.level import Draw, Measure
 
 CASES: dict[str, tuple[Measure, Draw]] = {
@@ -29,6 +29,7 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V21": (slopes.measure_limits, slopes.draw_limits),
     "V22": (slopes.measure_seismic, slopes.draw_seismic),
     "V23": (rods.measure_rods, rods.draw_rods),
+    "V24": (slow_sine.measure_slow_sine, slow_sine.draw_slow_sine),
 }
 PROBES = {"V2": 2, "V3": 1, "V4": 1}
 """Probes that a case measures at: the first of its scenes."""

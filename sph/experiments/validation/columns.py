@@ -38,18 +38,39 @@ def _worst(result: Result) -> float:
     return float(inner[np.argmax(np.abs(inner - 1.0))])
 
 
-def measure_gravity_column(level: Level) -> dict[str, Found]:
-    """Stress over its closed form, in the inner half of the column."""
-    result = level["run"]
+def _means(result: Result) -> tuple[float, float, float]:
+    """Means of vertical stress over rho g z and of horizontal over vertical stress in the inner half of the column, and nu / (1 - nu)."""
     depth, vertical, ratio = _ratios(result)
-    inner = (depth >= 0.25) & (depth <= 0.75)
-    rest = result.scene.soil.poisson_ratio / (1.0 - result.scene.soil.poisson_ratio)
-    return {
-        "vertical_stress": Found("mean of σ_yy/(ρ g z)", "1", float(vertical[inner].mean()), 1.0),
-        "horizontal_stress": Found("mean of σ_xx/σ_yy", "1", float(ratio[inner].mean()), rest),
-        "worst_vertical_stress": Found("σ_yy/(ρ g z) of the worst particle", "1", _worst(result), 1.0),
+    inner, poisson = (depth >= 0.25) & (depth <= 0.75), result.scene.soil.poisson_ratio
+    return float(vertical[inner].mean()), float(ratio[inner].mean()), poisson / (1.0 - poisson)
+
+
+def settlement(scene: Scene, y: np.ndarray) -> np.ndarray:
+    """Settlement (n,) at heights (n,) of an elastic column between rollers, m: rho g (H y - y^2 / 2) / M, small strains."""
+    soil, height = scene.soil, scene.geometry.height
+    modulus = soil.density * soil.p_wave_speed**2
+    return np.asarray(soil.density * GRAVITY * (height * y - 0.5 * y**2) / modulus)
+
+
+def _settled(result: Result) -> tuple[float, float]:
+    """Mean settlement of the row at the surface, m, and that of the closed form."""
+    height, mean = row_means(result, -result.frame("displacement_y"))
+    return float(mean[-1]), float(settlement(result.scene, height[-1:])[0])
+
+
+def measure_gravity_column(level: Level) -> dict[str, Found]:
+    """Stress over its closed form, in the inner half of the column, and the settlement of those that are a hundred times softer."""
+    found = {
+        "worst_vertical_stress": Found("σ_yy/(ρ g z) of the worst particle", "1", _worst(level["run"]), 1.0),
         "worst_from_geostatic": Found("σ_yy/(ρ g z) of the worst particle, from geostatic stress", "1", _worst(level["geostatic"]), 1.0),
     }
+    for run, name, said in (("run", "", ""), ("soft", "soft_", ", soft"), ("soft_periodic", "soft_periodic_", ", soft, periodic sides")):
+        vertical, ratio, rest = _means(level[run])
+        found[f"{name}vertical_stress"] = Found(f"mean of σ_yy/(ρ g z){said}", "1", vertical, 1.0)
+        found[f"{name}horizontal_stress"] = Found(f"mean of σ_xx/σ_yy{said}", "1", ratio, rest)
+        if name:
+            found[f"{name}settlement"] = Found(f"settlement of the surface{said}", "m", *_settled(level[run]))
+    return found
 
 
 @styled

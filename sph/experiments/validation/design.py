@@ -39,6 +39,11 @@ class Case(Section):
         default="simulation",
     )
     source: str = key("where the reference comes from", min_length=1)
+    reference: Literal["published", "formula", "own"] = key(
+        "what the source gives: published values, a published formula or method with our numbers in it, or a closed form of our own",
+        default="own",
+    )
+    ours: str = key("which numbers of the problem are not of the source", min_length=1, default="all")
     size: Literal["numerics.spacing", "numerics.time_step"] = key("key by which levels differ", default="numerics.spacing")
     compared: Literal["finest", "extrapolated"] = key(
         "what is compared: the finest level, or what the two finest give at spacing 0, as sph fos extrapolates", default="finest"

@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from sph.experiments.steps import Runs, Step
-from sph.experiments.validation.book import Page, costs_of, save_book
+from sph.experiments.validation.book import Page, code_of, costs_of, save_book
 from sph.experiments.validation.cases import CASES
 from sph.experiments.validation.design import EXPERIMENT, Case
 from sph.experiments.validation.level import Found, Level, Result, read_result
@@ -149,16 +149,17 @@ def join_cases(cases: Sequence[pd.DataFrame]) -> pd.DataFrame:
 
 
 def write_book(plans: Sequence[Mapping[str, Any]], table: pd.DataFrame, pictures: Sequence[str], runs: Runs) -> Callable[..., None]:
-    """The verification book: a page a reference case, as Markdown and PDF.
+    """The verification book: what is missed, then a page a reference case, as Markdown and PDF.
 
     The runs of all plans in their order, none for a case of functions alone, and a picture a plan.
     """
     paths, pages = iter(runs.paths), []
     for plan in plans:
         simulated = plan["case"]["by"] != "computation"
-        costs = costs_of([level for level, _, _ in plan["runs"]], [next(paths) for _ in plan["runs"]]) if simulated else []
+        files = [next(paths) for _ in plan["runs"]] if simulated else []
+        costs, code = costs_of([level for level, _, _ in plan["runs"]], files) if files else [], code_of(files) if files else None
         scene = plan["runs"][0][2].build() if simulated else None
-        pages.append(Page(plan["name"], plan["case"], table[table["case"] == plan["name"]], costs, scene))
+        pages.append(Page(plan["name"], plan["case"], table[table["case"] == plan["name"]], costs, code, scene))
     return functools.partial(save_book, pages, pictures)
 
 

@@ -12,7 +12,7 @@ from sph.experiments.validation.level import Found, Level, Result
 from sph.figures.style import WIDTH, curve_colours, styled
 from sph.scene.gravity import GRAVITY
 
-COMPARED = ("surface", "half", "carried", "ratio")
+COMPARED = ("surface", "half", "carried", "ratio", "soft")
 """Runs whose stress is compared with the closed form."""
 
 

@@ -1,0 +1,50 @@
+"""Ratios of sliding blocks and slopes."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tools.sliding_blocks import ROWS, compared, main, read_blocks, spread, spread_rows
+
+
+def table(*pairs: tuple[float, float]) -> pd.DataFrame:
+    """A table of rigid block (m) and slope (m)."""
+    row: dict[str, object] = {"slope": "stiff_clay", "strength": "peak strength kept", "record": "a.csv", "peak_ratio": 3.0}
+    row |= {"yield_acceleration": 1.0, "arias_intensity": 1.0, "peak_velocity": 0.1, "status": "complete"}
+    rows = [row | {"newmark_displacement": block, "displacement": slope} for block, slope in pairs]
+    return pd.DataFrame(rows)[[column.name for column in ROWS]]
+
+
+def test_mean_and_scatter_are_those_of_the_logarithms() -> None:
+    """A half and two: geometric mean 1, and standard deviation sqrt(2) ln 2."""
+    found = spread(np.array([0.5, 2.0]))
+    assert found == pytest.approx((2, 1.0, math.sqrt(2.0) * math.log(2.0), 0.5, 2.0))
+    assert spread(np.array([0.5])).pairs == 1 and math.isnan(spread(np.array([0.5])).scatter) and spread(np.array([])).pairs == 0
+
+
+def test_slopes_that_run_out_and_those_that_hardly_move_are_not_compared() -> None:
+    kept = compared(table((0.1, 0.2), (0.1, 3.0), (1e-4, 0.2), (0.1, 1e-4)))
+    assert kept["ratio"].tolist() == [0.5]
+
+
+def test_the_rows_name_what_they_leave_out() -> None:
+    (own, whole, *_) = spread_rows(table((0.1, 0.2), (0.4, 0.2), (0.1, 3.0)))
+    assert own == ("stiff_clay", "peak strength kept", "2", "1", "1.00", "0.98", "0.50 to 2.00")
+    assert whole[0] == "all" and whole[2:] == own[2:]
+
+
+def test_a_folder_without_records_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main([str(tmp_path)])
+    assert str(tmp_path) in capsys.readouterr().err
+
+
+def test_the_measured_table_holds_every_record_once() -> None:
+    measured = read_blocks()
+    assert not measured.duplicated(["slope", "strength", "record", "peak_ratio"]).any()
+    assert (measured["yield_acceleration"] > 0.0).all() and set(measured["status"]) <= {"complete", "unfailed"}
