@@ -1,9 +1,9 @@
 """Times of the README's commands: ``python -m tools.times [--tasks study tests ...] [--keep FOLDER]``.
 
-Each command is run as the README has it, in a fresh clone of this repository's last commit, with nothing installed or compiled; the study is then run
-again at other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the release
-(``sph/experiments/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept, for
-instance to adopt its results by ``python -m tools.release``.
+Each command is run as the README has it, in a fresh clone of this repository's last commit, with nothing installed or compiled; the study
+is then run again at other fidelities, with the packages installed and nothing compiled.  The times go into the table ``times`` of the
+release (``sph/experiments/measured/times.csv``), with the machine and its load at the start.  The clone is deleted unless it is to be kept,
+for instance to adopt its results by ``python -m tools.release``.
 """
 
 from __future__ import annotations
