@@ -33,6 +33,7 @@ from sph.command.options import (
     Trajectory,
     Trials,
     UnitOption,
+    aligned,
     check_apart,
     check_picture,
     check_writable,
@@ -192,9 +193,7 @@ def info(scene: SceneFile, set_: Settings = None) -> None:
         from sph.command.repeat import given_scene
 
         rows = describe(given_scene(scene, parse_settings(set_)))
-    width = max(len(label) for label, _ in rows)
-    for label, text in rows:
-        print(f"{label:<{width}}  {text}")
+    print("\n".join(aligned(rows)))
 
 
 @app.command(epilog="Examples:  sph check config/scenes/paper.yaml --plot paper.png  |  sph check slope.yaml --json")
@@ -235,9 +234,7 @@ def check(
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
         print(to_json({"rows": dict(facts), "layers": named, "findings": [each._asdict() for each in told]}, indent=1))
         return
-    width = max(len(label) for label, _ in facts)
-    for label, text in facts:
-        print(f"{label:<{width}}  {text}")
+    print("\n".join(aligned(facts)))
     show_table(LAYER_COLUMNS, layers)
     for each in told:
         print(each.line())

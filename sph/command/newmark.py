@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.command.motion import CURE, laid_over, read_treated
+from sph.command.options import aligned
 from sph.scene.ground_motion import SCENES, GroundMotion, check_record, motion_of
 from sph.scene.ground_motion.record import Record
 from sph.scene.motion import ConstantAcceleration
@@ -139,5 +140,4 @@ def lines(answer: Answer) -> list[str]:
     if answer.direction == TURNED or answer.other_displacement is not None:
         beside = "" if answer.other_displacement is None else f", the larger; {answer.other_displacement:.4g} m in the other direction"
         rows.append(("direction", ("as recorded" if answer.direction == RECORDED else "turned round") + beside))
-    width = max(len(label) for label, _ in rows)
-    return [f"{label:<{width}}  {text}" for label, text in rows]
+    return aligned(rows)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -143,12 +142,8 @@ def record(question: Question, found: Search | Extrapolated, searches: Mapping[f
                 "value": search.value,
                 "lower": search.lower,
                 "upper": search.upper,
-                "trials": [{name: _finite(value) for name, value in trial._asdict().items()} for trial in search.trials],
+                "trials": [trial._asdict() for trial in search.trials],
             }
             for spacing, search in searches.items()
         ],
     }
-
-
-def _finite(value: Any) -> Any:
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -34,7 +34,7 @@ from sph.jobs.catalogue import Catalogue
 from sph.jobs.log import read_log
 from sph.scene.configuration import merge, read_yaml, without_files
 from sph.scene.schema import Scene, make_scene, stored_scene
-from sph.scene.strict_json import finite, parse_json
+from sph.scene.strict_json import parse_json
 from sph.storage.files import beside
 from sph.study.machine import duration
 from sph.study.plan import Plan
@@ -306,9 +306,9 @@ def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
         "fidelity": plan.study.fidelity,
         "folder": plan.folder,
         "work_left": found.work,
-        "time_left": finite(found.time),
+        "time_left": found.time,
         "not_measured": found.unknown,
-        "jobs": finite(rows),
+        "jobs": rows,
     }
 
 

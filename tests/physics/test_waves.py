@@ -98,30 +98,26 @@ def speed_on_the_lattice(scene: Scene, speed: float, stations: list[float]) -> f
 CASES = [(2.3, 0.056), (1.3, 0.021)]
 
 
-@pytest.mark.parametrize(("smoothing_ratio", "tolerance"), CASES)
-def test_p_wave_speed(smoothing_ratio: float, tolerance: float) -> None:
-    # The second peak passes at 45 m, after 0.039 s; the free faces above and below reach mid-height after
-    # 55 m of travel at V_p, and the pulse reflected at the left end trails by 60 m.
-    scene = block(90.0, 110.0, smoothing_ratio)
-    times, _ = peak_times(scene, "x", 30.0, [20.0, 45.0], 0.046)
-    speed = 25.0 / (times[1] - times[0])
-    print(f"P, h = {smoothing_ratio} m: {speed:.1f} m/s, on the lattice {speed_on_the_lattice(scene, 1159.9, [20.0, 45.0]):.1f}")
-    assert scene.soil.p_wave_speed == pytest.approx(1159.9, abs=0.05)
-    assert speed == pytest.approx(1159.9, rel=tolerance)
-    assert speed == pytest.approx(speed_on_the_lattice(scene, 1159.9, [20.0, 45.0]), rel=0.005)
+# P: the second peak passes at 45 m, after 0.039 s; the free faces above and below reach mid-height after 55 m of travel at V_p, and the
+# pulse reflected at the left end trails by 60 m.  S: it passes at 38 m, after 0.0675 s; by then waves of the faces at V_p have come 78 m,
+# less than the 80 m to mid-height.
+PULSES = {
+    "p_wave_speed": ((90.0, 110.0), "x", 30.0, [20.0, 45.0], 0.046, 1159.9),
+    "s_wave_speed": ((85.0, 160.0), "y", 26.0, [18.0, 38.0], 0.075, 562.9),
+}
 
 
 @pytest.mark.parametrize(("smoothing_ratio", "tolerance"), CASES)
-def test_s_wave_speed(smoothing_ratio: float, tolerance: float) -> None:
-    # The second peak passes at 38 m, after 0.0675 s; by then waves of the faces at V_p have come 78 m,
-    # less than the 80 m to mid-height.
-    scene = block(85.0, 160.0, smoothing_ratio)
-    times, _ = peak_times(scene, "y", 26.0, [18.0, 38.0], 0.075)
-    speed = 20.0 / (times[1] - times[0])
-    print(f"S, h = {smoothing_ratio} m: {speed:.1f} m/s, on the lattice {speed_on_the_lattice(scene, 562.9, [18.0, 38.0]):.1f}")
-    assert scene.soil.s_wave_speed == pytest.approx(562.9, abs=0.05)
-    assert speed == pytest.approx(562.9, rel=tolerance)
-    assert speed == pytest.approx(speed_on_the_lattice(scene, 562.9, [18.0, 38.0]), rel=0.005)
+@pytest.mark.parametrize("name", PULSES)
+def test_wave_speed(name: str, smoothing_ratio: float, tolerance: float) -> None:
+    size, component, source, stations, duration, exact = PULSES[name]
+    scene = block(*size, smoothing_ratio)
+    times, _ = peak_times(scene, component, source, stations, duration)
+    speed, on_the_lattice = (stations[1] - stations[0]) / (times[1] - times[0]), speed_on_the_lattice(scene, exact, stations)
+    print(f"{name}, h = {smoothing_ratio} m: {speed:.1f} m/s, on the lattice {on_the_lattice:.1f}")
+    assert getattr(scene.soil, name) == pytest.approx(exact, abs=0.05)
+    assert speed == pytest.approx(exact, rel=tolerance)
+    assert speed == pytest.approx(on_the_lattice, rel=0.005)
 
 
 def test_stress_of_the_p_pulse() -> None:
