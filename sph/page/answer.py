@@ -28,6 +28,7 @@ from sph.study.dimensions import Dimension, dimension, shown_unit
 from sph.study.equilibrium import RESIDUAL, spencers, weakest_words
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
+from sph.study.runs import OF_MEAN
 from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
 from sph.study.tables import EXPECTED, read_csv
 
@@ -152,7 +153,8 @@ def _of_files(files: Sequence[str]) -> tuple[str, str]:
     found = [found_words(facts) for facts in searches if not facts["reason"]]
     reasons = list(dict.fromkeys(found_words(facts)[0] for facts in searches if facts["reason"]))
     several = any(Path(file).stem not in SLOPE_LIMITS for file in files)  # of a study of several slopes, each named
-    count = "" if not several else " of one slope" if len(found) == 1 else f" of {len(found)} slopes"
+    one = " of the mean soil" if all(OF_MEAN in Path(file).stem for file in files) else " of one slope"
+    count = "" if not several else one if len(found) == 1 else f" of {len(found)} slopes"
     words = [" to ".join(dict.fromkeys((found[0][0], found[-1][0]))) + count] if found else []
     return "; ".join(words + reasons), ", ".join(["static", *dict.fromkeys(how for _, how in found)])
 

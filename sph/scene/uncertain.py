@@ -315,6 +315,16 @@ def drawn(data: Mapping[str, Any], origin: str) -> Mapping[str, Any]:
     return merge({**data, "uncertain": {**data["uncertain"], "drawn": values}}, dotted(values))
 
 
+def at_mean(data: Mapping[str, Any], origin: str) -> Mapping[str, Any]:
+    """A scene's mapping in which nothing is uncertain: what is drawn has its mean without bounds; a scene without is itself."""
+    if not isinstance(data.get("uncertain"), Mapping):
+        return data
+    settings = validated(_Part, {"uncertain": data["uncertain"]}, origin).uncertain
+    assert settings is not None
+    means = {variable.of: variable.mean for variable in settings.variables.values()}
+    return merge({name: value for name, value in data.items() if name != "uncertain"}, dotted(means))
+
+
 def told(data: Mapping[str, Any], origin: str, refusal: str) -> list[str]:
     """A line on each value that was drawn and that the refusal of a scene names."""
     uncertain = data.get("uncertain") if isinstance(data, Mapping) else None

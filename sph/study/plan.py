@@ -22,6 +22,7 @@ from sph.study.dimensions import Dimension, dimension, title_of, value_of
 from sph.study.runs import Kind, Run, SharedRuns, laid_over
 from sph.study.sampling import read_cases
 from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study
+from sph.study.searches import YIELD
 from sph.study.tables import MOST_SLOPES, Layout
 
 PART = 500
@@ -55,7 +56,7 @@ class Plan:
 
     def over(self, grid: Mapping[str, Sequence[str]]) -> Plan:
         """The same scenes as a grid over other dimensions; ValueError where its runs would have no names by their values."""
-        kept = self.study.model_dump(include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments"})
+        kept = self.study.model_dump(include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments", "yield_acceleration"})
         study = Study(**kept, grid={name: tuple(values) for name, values in grid.items()})
         if study.numbered:
             raise ValueError(f"{self.origin}: {', '.join(grid)}: these dimensions make names of runs that are too long, or hold a folder")
@@ -80,7 +81,8 @@ class Plan:
 
     def runs_at(self, points: Mapping[str, Point]) -> SharedRuns:
         """The same of other runs, by name."""
-        return SharedRuns(points, Run(self._base, folder=self.folder), self.study.numbered, self._stands)
+        each = self.study.yield_acceleration == "each"
+        return SharedRuns(points, Run(self._base, folder=self.folder), self.study.numbered, self._stands, each)
 
     def _stands(self, point: Mapping[str, str]) -> bool:
         at = tuple(point.items())
@@ -207,8 +209,9 @@ class Plan:
 
 
 def yields(shared: SharedRuns) -> dict[str, Run]:
-    """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MOST_SLOPES`` slopes."""
-    return {run: shared.search_of(run) for run in shared.runs} if len(shared.gravities) <= MOST_SLOPES else {}
+    """The search for the yield acceleration of the slope of every run, by run; none of runs of more than ``MOST_SLOPES`` slopes, of which
+    all draws of uncertain soil are one unless each is searched."""
+    return {run: shared.search_of(run) for run in shared.runs} if len(shared.searches(YIELD)) <= MOST_SLOPES else {}
 
 
 def load_study(

@@ -5,16 +5,19 @@ first failure, if they agree in all keys but ``sph.solver.restart.BRANCH_KEYS``.
 
 A stage is named after the dimensions that act in it (``gravity_soil.cohesion-20``, ``pre_failure_soil.cohesion-20_motion.frequency-1``;
 over S_R, gamma and amplitude they are ``gravity`` and ``pre_failure_amplitude-6.0``), or, where runs are numbered, after the first run
-that needs it.  A search is named after its limit and ends as the gravity stage of its slope does.
+that needs it.  A search is named after its limit and ends as the gravity stage of its slope does.  Draws of uncertain soil share the
+search for the yield acceleration, of the mean soil, unless each is to be searched.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
 from sph.scene.configuration import dotted, merge
+from sph.scene.uncertain import at_mean
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.solver.run import Until
 from sph.study.dimensions import point_name, scene_key, value_of
@@ -37,6 +40,12 @@ class Kind(StrEnum):
 IDLE = {Kind.GRAVITY: (*BRANCH_KEYS, *FREE_KEYS, *LATER), Kind.PRE_FAILURE: BRANCH_KEYS}
 """Keys and sections without effect in a stage, as the solver compares scenes before it continues a stage."""
 UNTIL: dict[Kind, Until] = {Kind.GRAVITY: "gravity", Kind.PRE_FAILURE: "first_failure", Kind.RUN: "end", Kind.SEARCH: "end"}
+
+
+OF_MEAN = "_of_mean"
+"""Part of the name of a search that all draws of uncertain soil share."""
+DRAW = re.compile(r"uncertain\.(?!variables\.[^.]+\.mean$)")
+"""Keys that change what is drawn and not the mean soil."""
 
 
 class Run(NamedTuple):
@@ -109,7 +118,12 @@ class SharedRuns:
     """
 
     def __init__(
-        self, points: Mapping[str, Mapping[str, str]], pattern: Run, numbered: bool, stands: Callable[[Mapping[str, str]], bool]
+        self,
+        points: Mapping[str, Mapping[str, str]],
+        pattern: Run,
+        numbered: bool,
+        stands: Callable[[Mapping[str, str]], bool],
+        each_draw: bool = False,
     ) -> None:
         self._pattern, self._numbered, self._stands = pattern, numbered, stands
         self._first: dict[tuple[str, ...], str] = {}
@@ -119,10 +133,11 @@ class SharedRuns:
         self._gravity_of: dict[str, Run] = {}
         for name, point in points.items():
             self._add(name, point)
+        means: dict[tuple[tuple[str, str], ...], Run] = {}
         self._searches = {
-            (gravity.id, limit): gravity._replace(
-                id=limit + gravity.id.removeprefix(Kind.GRAVITY), kind=Kind.SEARCH, by=limit, extrapolates=True, group="search"
-            )
+            (gravity.id, limit): _search(gravity, limit)
+            if limit != YIELD or each_draw
+            else means.setdefault(_certain(gravity), _search_of_mean(gravity, limit, numbered))
             for gravity in self.gravities
             for limit in SLOPE_LIMITS
         }
@@ -168,8 +183,29 @@ class SharedRuns:
 
     def searches(self, limit: str) -> list[Run]:
         """The searches for a limit of all slopes."""
-        return [search for (_, sought), search in self._searches.items() if sought == limit]
+        return list({search.file: search for (_, sought), search in self._searches.items() if sought == limit}.values())
 
     def __iter__(self) -> Iterator[Run]:
         """Stages, runs and searches."""
-        yield from (*self.gravities, *self.pre_failures, *self.runs.values(), *self._searches.values())
+        searches = {search.file: search for search in self._searches.values()}
+        yield from (*self.gravities, *self.pre_failures, *self.runs.values(), *searches.values())
+
+
+def _search(gravity: Run, limit: str) -> Run:
+    """The search for a limit of the slope of a gravity stage."""
+    name = limit + gravity.id.removeprefix(Kind.GRAVITY)
+    return gravity._replace(id=name, kind=Kind.SEARCH, by=limit, extrapolates=True, group="search")
+
+
+def _certain(gravity: Run) -> tuple[tuple[str, str], ...]:
+    """The values of a gravity stage without those of the draw of uncertain soil; the means of its distributions are kept."""
+    return tuple((name, value) for name, value in gravity.point.items() if not DRAW.match(scene_key(name)))
+
+
+def _search_of_mean(gravity: Run, limit: str, numbered: bool) -> Run:
+    """The same with the means of what is uncertain, where the draw differs from run to run: all draws share it."""
+    own, known = _search(gravity, limit), dict(_certain(gravity))
+    if len(known) == len(gravity.point):
+        return own
+    label = gravity.id.removeprefix(Kind.GRAVITY) if numbered else f"_{point_name(known)}" if known else ""
+    return own._replace(base=at_mean(gravity.scene, gravity.id), point={}, id=f"{limit}{OF_MEAN}{label}")

@@ -89,6 +89,11 @@ class Study(Section):
         default=None,
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
+    yield_acceleration: Literal["mean", "each"] = key(
+        "of uncertain soil: mean, one search for the soil with the means of its distributions, which all draws share; each, a search for "
+        "each draw",
+        default="mean",
+    )
     page: Literal["full", "client"] = key(
         "client: the page is without paths, commands, sections that have still to be made and cost", default="full"
     )

@@ -190,6 +190,48 @@ def test_a_limit_is_searched_of_the_slope_that_its_name_ends_with() -> None:
     assert {run.by for run in chosen.jobs} == {"simulation", "yield_acceleration"}, "the factor of safety only where it is asked for"
 
 
+UNCERTAIN = {
+    "uncertain": {"seed": 1, "variables": {"c": {"of": "soil.cohesion", "kind": "lognormal", "mean": 120.0, "cov": 0.2}}},
+    "soil": {"cohesion": 120.0},
+}
+
+
+def uncertain(grid: dict[str, Any], scene: dict[str, Any] | None = None, **more: Any) -> Plan:
+    """A study of the shipped scene with an uncertain cohesion."""
+    return free(grid=grid, fidelity="own", fidelities={"own": UNCERTAIN if scene is None else scene}, **more)
+
+
+def test_draws_of_uncertain_soil_share_the_search_of_the_mean_soil() -> None:
+    shared = uncertain({"uncertain.seed": [1, 2, 3], "uncertain.variables.c.cov": [0.1, 0.3], "soil.friction_angle": [20, 25]}).shared
+    assert len(shared.gravities) == 12
+    searches = shared.searches("yield_acceleration")
+    assert [search.id for search in searches] == [f"yield_acceleration_of_mean_soil.friction_angle-{angle}" for angle in (20, 25)]
+    for search, angle in zip(searches, (20, 25), strict=True):
+        soil = search.scene["soil"]
+        assert (soil["cohesion"], soil["friction_angle"], "uncertain" in search.scene) == (120.0, angle, False)
+        assert make_scene(search.scene).uncertain is None
+    assert {search.id for search in shared if search.by == "yield_acceleration"} == {search.id for search in searches}
+    assert {shared.search_of(name).id for name in shared.runs} == {search.id for search in searches}
+    assert len(shared.searches("factor_of_safety")) == 12, "each draw has a factor of its own"
+
+
+def test_each_draw_is_searched_where_that_is_asked_for_or_there_is_one() -> None:
+    each = uncertain({"uncertain.seed": [1, 2, 3], "amplitude": [2, 6]}, yield_acceleration="each")
+    assert {search.id for search in each.searches.values()} == {f"yield_acceleration_uncertain.seed-{seed}" for seed in (1, 2, 3)}
+    one = uncertain({"amplitude": [2, 6]})
+    assert {search.id for search in one.searches.values()} == {"yield_acceleration"}
+    assert all(search.scene["uncertain"]["seed"] == 1 for search in one.searches.values())
+    means = uncertain({"uncertain.variables.c.mean": [110, 120]}, {"uncertain": UNCERTAIN["uncertain"]})
+    assert len({search.id for search in means.searches.values()}) == 2, "another mean is another slope"
+
+
+def test_many_draws_of_one_slope_have_a_yield_acceleration() -> None:
+    seeds = {"uncertain.seed": list(range(1, 41))}
+    many = uncertain(seeds)
+    assert len(many.searches) == 40 and len({search.file for search in many.searches.values()}) == 1
+    assert uncertain(seeds, yield_acceleration="each").searches == {}
+
+
 @pytest.mark.parametrize(
     "key",
     [
