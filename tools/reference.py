@@ -410,7 +410,16 @@ SLOW_SINE_HEAD = (
     "period over T", "S_R", "slip at peak and residual strength", "amplitude at which the slope goes", "over k_c", "rigid block over k_c",
     "amplification of a column",
 )  # fmt: skip
-BLOCK_HEAD = ("slope", "strength", "pairs", "moved further", "block over slope, geometric mean", "standard deviation of ln", "range")
+BLOCK_HEAD = (
+    "slope",
+    "strength",
+    "rigid block",
+    "pairs",
+    "moved further",
+    "block over slope, geometric mean",
+    "standard deviation of ln",
+    "range",
+)
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
 TIME_HEAD = ("what", "time", "conditions", "machine")
 FIDELITY_HEAD = (
