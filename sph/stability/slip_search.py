@@ -47,6 +47,8 @@ OTHERS, NEARBY = 30, 1.3
 """Further circles of the grid from which lines may begin, and their value over the least."""
 CRACKED = 0.185
 """Share of Bishop's circle in tension above which the crest has a crack, if Spencer's forces do not balance on it."""
+ENOUGH = 1.06
+"""Factor of safety over that of Bishop's circle up to which an answer without a crack is taken."""
 HUGE = 1e6
 """More than any factor of safety."""
 EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
@@ -102,8 +104,8 @@ def applies(scene: Scene) -> bool:
 def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibrium:
     """Factors of safety of a scene's slope at its peak strength, under a horizontal coefficient, and its critical coefficient.
 
-    In steep cohesive soil no forces balance by Spencer's method on the worst circle, and much of it is in tension: surfaces then end in a
-    crack.  A surface in ``critical`` does so where that of the factor of safety does.  ValueError where ``applies`` says no.
+    In steep cohesive soil much of the worst circle is in tension, and its forces do not balance by Spencer's method: the surface then ends
+    in a crack.  One in ``critical`` does so where that of the factor of safety does.  ValueError where ``applies`` says no.
     """
     if not applies(scene):
         raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
@@ -111,13 +113,13 @@ def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibriu
     circle, near = worst_circle(section, coefficient)
     balances = np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0])
     cracked = circle.tension > CRACKED and not balances
-    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, cracked, circle.value)
+    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, 0.0 if cracked else ENOUGH * circle.value, circle.value)
     critical = NONE
     if 1.0 < surface.value < np.inf:
         value, tension = spencer_coefficient(section.slices(Edges(surface.x[None], surface.y[None], surface.seam[None])))
         own = surface._replace(value=float(value[0]), tension=float(tension[0])) if tension[0] <= 2.0 * MOST_TENSION else NONE
         near = worst_circle(section, own.value, near)[1] if own.value < np.inf else near
-        critical = worst_surface(section, spencer_coefficient, near, own, surface.crack > 0.0, 1.0)
+        critical = worst_surface(section, spencer_coefficient, near, own, 0.0 if surface.crack > 0.0 else HUGE, 1.0)
     return LimitEquilibrium(circle, surface, critical)
 
 
@@ -151,17 +153,18 @@ def _grid(section: Section) -> np.ndarray:
 
 
 def worst_surface(
-    section: Section, method: Callable[[Slices], Balance], near: np.ndarray, known: Surface, cracked: bool, factor: float
+    section: Section, method: Callable[[Slices], Balance], near: np.ndarray, known: Surface, enough: float, factor: float
 ) -> Surface:
     """The surface with the least value: a known one, or one found from the worst circles, by the numbers of ``circles`` (n, 3), and along
     the guides.
 
-    If it is cracked, or none has a value otherwise, it may end in a vertical crack, as deep as soil with its strength divided by a factor
-    is in tension, or less.
+    Where none has a value up to ``enough``, which is not even asked if that is 0, it may end in a vertical crack, as deep as soil with its
+    strength divided by a factor is in tension, or less.
     """
-    best = known if cracked else min(known, _worst(section, method, near, np.zeros(1)), key=lambda each: each.value)
-    if not cracked and np.isfinite(best.value):
-        return best
+    if enough > 0.0:
+        whole = min(known, _worst(section, method, near, np.zeros(1)), key=lambda each: each.value)
+        if whole.value <= enough:
+            return whole
     return _worst(section, method, near, section.crack(float(near[0, 1]), factor) * CRACKS)
 
 

@@ -2,9 +2,9 @@
 
 ``sph.study.findings`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
 strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error, and what limit
-equilibrium says of them (``sph.study.equilibrium``), which takes seconds.  Both are
-searched at two spacings and extrapolated: at one, slopes come out too strong.  ``sph check --stability`` takes the scene's own
-spacing and twice that; the first job of a study takes coarser ones, which cost a fraction of that and leave a larger error.
+equilibrium says of them (``sph.study.equilibrium``).  Both are searched at two spacings and extrapolated: at one, slopes come out too
+strong.  ``sph check --stability`` takes the scene's own spacing and twice that; the first job of a study takes coarser ones, which cost a
+fraction of that and leave a larger error.
 """
 
 from __future__ import annotations
