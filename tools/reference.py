@@ -174,6 +174,12 @@ def case_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         )
 
 
+def code_words(table: pd.DataFrame) -> str:
+    """Which code made the runs of which cases."""
+    cases = table[table["code"] != ""].groupby("code")["case"].unique()
+    return "Runs made by " + "; ".join(f"{code}: {', '.join(names)}" for code, names in cases.items()) + "."
+
+
 def _per_cent(error: float) -> str:
     return f"{100 * error:.0f} %" if abs(error) >= 0.1 else f"{100 * error:.2g} %"
 
@@ -499,7 +505,9 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "confirm_variables": lambda: _variables(confirm_columns(_searched())),
     "cells_variables": lambda: _variables(cell_columns(_searched())),
     "shares_variables": lambda: _variables(share_columns(_searched())),
-    "validation": lambda: Reference(CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION)))),
+    "validation": lambda: Reference(
+        CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION))), code_words(read_validation(SHIPPED_VALIDATION))
+    ),
     "limits": lambda: _limits_table(read_limits()),
     "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),
     "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_extremes()))),

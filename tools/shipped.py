@@ -2,7 +2,8 @@
 
 ``measured/origins.csv`` keeps, for every table, digests of the table itself, of the solver that made its runs and of its configuration.
 A table without a row there, or changed since, is *not recorded*; one whose solver or configuration has changed is *older*: its numbers
-may still hold, but nobody has measured them again.  ``adopt`` copies a table from its results and reads the solver from the runs.
+may still hold, but nobody has measured them again.  ``adopt`` copies a table from its results and reads the solver from the runs.  The
+reference cases take hours, so that their table is adopted case by case, each with the code that made its runs; it is as old as the oldest.
 ``repeat`` spares measuring everything again after a change of the solver that changes no answer: a part of the runs and searches, made
 again, have to be the same to the last bit.
 """
@@ -11,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import re
 import shutil
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -21,7 +23,7 @@ import pandas as pd
 import yaml
 
 import sph
-from sph.experiments.validation.measure import SHIPPED_VALIDATION
+from sph.experiments.validation.measure import SHIPPED_VALIDATION, read_validation
 from sph.scene.scheme import filled
 from sph.solver.compiled.jit import solver_digest
 from sph.solver.run import run
@@ -57,6 +59,8 @@ class Shipped(NamedTuple):
     """the commands that measure it again"""
     path: Path
     """the table in the package"""
+    parts: str = ""
+    """pattern of the tables of its parts in the first folder, where it is adopted part by part"""
 
     @property
     def runs(self) -> list[Path]:
@@ -64,9 +68,9 @@ class Shipped(NamedTuple):
         return sorted(path for folder in self.folders for path in Path(folder).glob("**/runs/**/*.nc"))
 
 
-def _experiment(name: str, path: Path, *scenes: str) -> Shipped:
+def _experiment(name: str, path: Path, *scenes: str, parts: str = "") -> Shipped:
     renewal = f"snakemake --cores 2 {name} && python -m tools.shipped adopt {name}"
-    return Shipped((f"results/{name}",), (f"config/{name}.yaml", *scenes), renewal, path)
+    return Shipped((f"results/{name}",), (f"config/{name}.yaml", *scenes), renewal, path, parts)
 
 
 _PAPER = "snakemake --cores 2 && snakemake --cores 2 trigger"
@@ -76,7 +80,7 @@ SHIPPED: dict[str, Shipped] = {
     "resolution": _experiment("resolution", MEASURED / "resolution.csv", "config/scenes/slope_on_rock.yaml"),
     "limits": _experiment("limits", MEASURED / "limits.csv", "config/scenes/paper.yaml"),
     "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/paper.yaml"),
-    "validation": _experiment("validation", SHIPPED_VALIDATION, "config/scenes/validation/*.yaml"),
+    "validation": _experiment("validation", SHIPPED_VALIDATION, "config/scenes/validation/*.yaml", parts="cases/*.csv"),
     "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m tools.release", MEASURED / "claims.csv"),
     "resolved_claims": Shipped(
         ("results/paper_resolved", "results/long_box"),
@@ -158,12 +162,27 @@ def note(name: str, solver: str, origins: Path = MEASURED / "origins.csv", repea
 def adopt(name: str, origins: Path = MEASURED / "origins.csv") -> None:
     """Copy a table from its results into the package with the solver of its runs; ValueError names what is missing."""
     table = SHIPPED[name]
+    if table.parts:
+        return note(name, adopt_cases(sorted(Path(table.folders[0]).glob(table.parts)), table.path, table.renewal), origins)
     source = Path(table.folders[0]) / table.path.name
     if not source.is_file():
         raise ValueError(f"{source}: no such file; run '{table.renewal}'")
     solver = solver_of(table.runs)
     shutil.copyfile(source, table.path)
     note(name, solver, origins)
+
+
+def adopt_cases(parts: Sequence[Path], path: Path, renewal: str) -> str:
+    """Put the measured cases in the place of their rows in the table; returns the digests of all solvers that made its runs."""
+    if not parts:
+        raise ValueError(f"no case has been measured; run '{renewal}'")
+    measured = pd.concat(map(read_validation, parts), ignore_index=True)
+    kept = read_validation(path)
+    rows = pd.concat([kept[~kept["case"].isin(measured["case"])], measured], ignore_index=True)
+    order = rows["case"].str.removeprefix("V").astype(int)
+    rows = rows.loc[order.sort_values(kind="stable").index]
+    write_csv(rows, path)
+    return " and ".join(sorted({digest for code in rows["code"] for digest in re.findall(r"solver (\w+)", code)}))
 
 
 def chosen_runs(runs: Sequence[Path]) -> list[Path]:

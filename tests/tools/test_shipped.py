@@ -6,15 +6,17 @@ from pathlib import Path
 
 import netCDF4
 import numpy as np
+import pandas as pd
 import pytest
 from small_scenes import SceneBuilder
 
-from sph.experiments.validation.measure import SHIPPED_VALIDATION
+from sph.experiments.validation.measure import SHIPPED_VALIDATION, read_validation
 from sph.scene.scheme import RESOLVED
 from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
 from sph.stability.record import search_to_file
 from sph.storage.trajectory import read
+from sph.study.tables import write_csv
 from tools import shipped
 from tools.shipped import (
     CURRENT,
@@ -101,6 +103,34 @@ def test_a_table_edited_by_hand_has_no_origin(origins: Path) -> None:
     adopt("one", origins)
     (origins.parent / "one.csv").write_text("a\n2\n")
     assert states(origins)["one"] == (NOT_RECORDED, "the table has changed since its origin was noted")
+
+
+def test_measured_cases_take_the_place_of_their_rows(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two of the shipped cases measured again and one that is new, in the order of the cases; the others keep their code."""
+    monkeypatch.chdir(tmp_path)
+    before = read_validation(SHIPPED_VALIDATION)
+    path = tmp_path / "validation.csv"
+    write_csv(before[before["case"].isin(["V1", "V2", "V10"])], path)
+    again = before[before["case"] == "V2"].assign(computed=7.0, code="sph 9.9, solver abc123, 2030-01-01")
+    for name in ("V2", "V9"):
+        part = tmp_path / f"results/validation/cases/{name}.csv"
+        part.parent.mkdir(parents=True, exist_ok=True)
+        write_csv(again.assign(case=name), part)
+    monkeypatch.setitem(SHIPPED, "validation", SHIPPED["validation"]._replace(path=path))
+    adopt("validation", tmp_path / "origins.csv")
+    after = read_validation(path)
+    assert list(dict.fromkeys(after["case"])) == ["V1", "V2", "V9", "V10"]
+    assert (after[after["case"].isin(["V2", "V9"])]["computed"] == 7.0).all() and len(after[after["case"] == "V2"]) == len(again)
+    pd.testing.assert_frame_equal(after[after["case"] == "V1"], before[before["case"] == "V1"])
+    (solvers,) = read_origins(tmp_path / "origins.csv")["solver"]
+    assert "abc123" in solvers.split(" and ") and len(solvers.split(" and ")) >= 2
+    assert states(tmp_path / "origins.csv")["validation"][0] == OLDER
+
+
+def test_without_a_measured_case_there_is_nothing_to_adopt(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ValueError, match="no case has been measured; run 'snakemake"):
+        adopt("validation", tmp_path / "origins.csv")
 
 
 @pytest.fixture

@@ -51,6 +51,9 @@ VALIDATION: tuple[Variable, ...] = (
     number_column("cost", "s", "computing time of all runs of the case on one core"),
     text_column("reason", "why this tolerance"),
     text_column("source", "where the reference comes from"),
+    text_column(
+        "code", "version and digest of the solver that made the runs of the case, and the day; empty for a case of functions alone"
+    ),
 )
 """The columns."""
 
@@ -138,7 +141,8 @@ def measure_case(plan: Mapping[str, Any], runs: Runs) -> tuple[pd.DataFrame, Fig
             result = (read_result if case.by == "simulation" else read_search)(runs.paths[number])
             planned.check(result.data.attrs, runs.paths[number])
         levels[level] = {**levels.get(level, {}), run: result}
-    return pd.DataFrame(case_rows(plan["name"], case, levels, plan["sizes"])), CASES[plan["name"]][1](levels)
+    code = "" if case.by == "computation" else str(code_of(runs.paths))
+    return pd.DataFrame(case_rows(plan["name"], case, levels, plan["sizes"])).assign(code=code), CASES[plan["name"]][1](levels)
 
 
 def join_cases(cases: Sequence[pd.DataFrame]) -> pd.DataFrame:
