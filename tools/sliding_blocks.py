@@ -117,7 +117,8 @@ def column_motion(scene: Scene) -> GroundMotion:
     """Mean acceleration over the depth of the ground below the crest, an elastic column on a rigid base, in its first mode.
 
     The relative displacement y of the mode follows y'' + 2 xi w y' + w^2 y = -a with w of the natural period 4 D / V_s and the scene's
-    damping there; the mean is a + 8 / pi^2 y''.
+    damping there; the mean is a + 8 / pi^2 y''.  It stands for soil of one stiffness on a rigid base; layers and an absorbing base are left
+    out.
     """
     motion, period = motion_of(scene), natural_period(scene)
     step = min(period / 40.0, float(np.diff(motion.time).min()))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from pathlib import Path
@@ -11,7 +12,7 @@ import pytest
 from matplotlib.figure import Figure
 from small_scenes import study_plan
 
-from sph.experiments.validation.book import Code, Cost, Page, code_of, costs_of, save_book
+from sph.experiments.validation.book import Code, Cost, Page, code_of, costs_of, missed_rows, save_book
 from sph.experiments.validation.design import load_suite
 from sph.experiments.validation.measure import read_validation
 from sph.study.verdicts import MISSES
@@ -41,6 +42,15 @@ def test_a_page_a_case_with_its_misses(tmp_path: Path) -> None:
     assert all(row in opening for row in missed["text"]) and opening.count("| V") == len(missed)
     assert text.count("1 m: 10 steps, 2 s") == len(names) and all(page.case["source"] in text for page in pages)
     assert (tmp_path / "book.pdf").read_bytes().count(b"/Type /Page ") == 1 + len(names)
+
+
+def test_what_is_missed_most_comes_first() -> None:
+    """By the error over the tolerance: three times, twice; a run that diverged before both, and what holds not at all."""
+    table = read_validation(MEASURED).head(4).copy()
+    table["text"], table["verdict"] = ["twice", "holds", "thrice", "diverged"], [MISSES, "holds", MISSES, MISSES]
+    table["error"], table["tolerance"] = [0.2, 0.01, -0.3, math.nan], 0.1
+    page = Page("V1", {}, table, [], None, None)
+    assert [row[1] for row in missed_rows([page])] == ["diverged", "thrice", "twice"]
 
 
 def test_steps_and_seconds_are_added_up_by_resolution(tmp_path: Path) -> None:

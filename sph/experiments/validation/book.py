@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import math
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -101,9 +102,12 @@ def code_of(paths: Sequence[Path | str]) -> Code:
 
 
 def missed_rows(pages: Iterable[Page]) -> list[tuple[str, ...]]:
-    """Cells under ``MISSED_HEAD`` of every quantity that is missed, the worst first."""
+    """Cells under ``MISSED_HEAD`` of every quantity that is missed, the worst first, a run that diverged before all."""
     rows = [row for page in pages for row in page.rows.to_dict("records") if row["verdict"] == MISSES]
-    rows.sort(key=lambda row: -abs(row["error"]) / row["tolerance"] if row["tolerance"] else 0.0)
+    rows.sort(
+        key=lambda row: abs(row["error"]) / row["tolerance"] if row["tolerance"] and row["error"] == row["error"] else math.inf,
+        reverse=True,
+    )
     cells = [(str(row["case"]), *_cells(row)) for row in rows]
     return [
         (case, text, computed, reference, errors.split(", ")[-1], tolerance)
