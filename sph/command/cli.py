@@ -542,6 +542,39 @@ def newmark(
     print(to_json(answer._asdict(), indent=1) if as_json else "\n".join(lines(answer)))
 
 
+@app.command(epilog="Examples:  sph site slope.yaml  |  sph site slope.yaml --plasticity 30 --at 120 --out compatible.yaml")
+def site(
+    scene: Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML)")],
+    set_: Settings = None,
+    at: Annotated[float | None, typer.Option(help="x of the column, in the coordinates of the scene, m; by default the crest edge")] = None,
+    plasticity: Annotated[float, typer.Option(min=0, max=200, help="plasticity index of Darendeli's curves, %")] = 0.0,
+    ocr: Annotated[float, typer.Option(min=1, max=50, help="overconsolidation ratio of these curves")] = 1.0,
+    out: Annotated[Path | None, typer.Option(help="scene to write (YAML), with the strain-compatible stiffness and damping")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="machine-readable: strains and damping as ratios, SI units")] = False,
+) -> None:
+    """Find the stiffness and damping of each layer that fit the strains of the scene's shaking: equivalent-linear site response."""
+    with refusals("shaking a column of the scene"):
+        from sph.command.site import COLUMNS, darendeli, lines, respond, rows, write_compatible
+        from sph.scene.configuration import merge, scene_files
+        from sph.scene.schema import make_scene, written_scene
+
+        data = merge(written_scene(scene), parse_settings(set_))
+        loaded = make_scene(data, str(scene))
+        if out is not None:
+            check_writable(out, [scene, *scene_files(data)])
+        found = respond(loaded, darendeli(plasticity, ocr), at)
+        if out is not None:
+            write_compatible(out, data, loaded, found)
+    if as_json:
+        layers = [each._asdict() | {"stratum": each.stratum._asdict()} for each in found.layers]
+        print(to_json(found._asdict() | {"layers": layers}, indent=1))
+        return
+    show_table(COLUMNS, rows(loaded, found))
+    print("\n".join(lines(found)))
+    if out is not None:
+        print(f"{out}: written; look at it with sph check {out}")
+
+
 @app.command(epilog="Examples:  sph cost config/config.yaml  |  sph cost config/config.yaml --fidelity paper --cores 64 --speed 0.8")
 def cost(
     study: Annotated[

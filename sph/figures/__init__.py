@@ -52,10 +52,10 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
     PROFILES: figure_displaced,
 }
 """Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
-WITH_PLACES = (PROFILES,)
-"""Those of them that mark the places of a study, which they take by name as ``places``."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
+WITH_PLACES = (PROFILES,)
+"""Figures of runs that mark the places of a study, which they take by name as ``places``."""
 
 
 def caption(figure: Callable[..., Any]) -> str:

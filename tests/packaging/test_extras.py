@@ -14,7 +14,7 @@ from sph.scene.extras import of_extra
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-ABSENT = {"SALib": "sensitivity", "sklearn": "sensitivity", "gstools": "uncertainty", "snakemake": "workflow"}
+ABSENT = {"SALib": "sensitivity", "sklearn": "sensitivity", "gstools": "uncertainty", "pystrata": "site", "snakemake": "workflow"}
 WITHOUT = f"""
 import importlib, pkgutil, sys
 
@@ -25,12 +25,14 @@ import sph
 for module in pkgutil.walk_packages(sph.__path__, "sph."):
     importlib.import_module(module.name)
 from sph.experiments.sensitivity.surrogate import fit_surrogate
+from sph.command.site import darendeli
 from sph.scene.uncertain import RandomField
 
 field = RandomField(horizontal_length=20.0, vertical_length=2.0)
 calls = (
     lambda: fit_surrogate(np.zeros((3, 1)), np.zeros(3)),
     lambda: field.scores(1, np.zeros(1), np.zeros(1)),
+    lambda: darendeli(0.0, 1.0),
 )
 for call in calls:
     try:
@@ -43,14 +45,16 @@ for call in calls:
 def test_every_module_can_be_imported_without_them_and_their_use_names_the_extra() -> None:
     done = subprocess.run([sys.executable, "-c", WITHOUT], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    first, second = done.stdout.splitlines()
+    first, second, third = done.stdout.splitlines()
     assert 'sklearn is not installed; pip install -c constraints.txt -e ".[sensitivity]"' in first
     assert 'gstools is not installed; pip install -c constraints.txt -e ".[uncertainty]"' in second
+    assert 'pystrata is not installed; pip install -c constraints.txt -e ".[site]"' in third
 
 
 def test_the_extras_hold_what_they_are_named_for() -> None:
     assert {name.split(">")[0] for name in EXTRAS["sensitivity"]} == {"SALib", "scikit-learn"}
     assert [name.split(">")[0] for name in EXTRAS["uncertainty"]] == ["gstools"]
+    assert [name.split(">")[0] for name in EXTRAS["site"]] == ["pystrata"]
     assert EXTRAS["workflow"][1:] == ["sph-slope[sensitivity,uncertainty]"] and EXTRAS["workflow"][0].startswith("snakemake>")
     assert any("workflow" in needed for needed in EXTRAS["test"])
 
