@@ -12,8 +12,9 @@ from sph.scene.configuration import read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
+from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import cost
-from sph.study.equilibrium import equilibrium_rows
+from sph.study.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base
 from sph.study.finding import Finding
 from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.study.layer_findings import Layer, layers_of, seam_rows
@@ -30,13 +31,16 @@ class Check(NamedTuple):
     particles: Particles
     probes: dict[str, int]
     layers: list[Layer]
+    equilibrium: LimitEquilibrium | None
     findings: list[Finding]
 
 
 def check(scene: Scene) -> Check:
     """Place the particles and look at the scene; ValueError for a probe away from the soil."""
     particles = place_particles(scene)
-    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), findings(scene, particles))
+    found = found_equilibrium(scene)
+    told = sorted([*findings(scene, particles), *slip_at_base(scene, found)], key=lambda each: each.rank)
+    return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), found, told)
 
 
 def rows(found: Check) -> list[tuple[str, str]]:
@@ -55,7 +59,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
         toe, crest = (geometry.in_survey(*place) for place in (geometry.toe, geometry.crest))
         steep = f"{geometry.slope_height:.4g} m high, 1 : {(geometry.crest[0] - geometry.toe[0]) / geometry.slope_height:.2g}"
         lines.append(("slope", f"toe ({toe[0]:.10g}, {toe[1]:.10g}) m, crest ({crest[0]:.10g}, {crest[1]:.10g}) m, {steep}"))
-    lines += equilibrium_rows(scene)
+    lines += equilibrium_rows(found.equilibrium)
     for name, particle in found.probes.items():
         x, y = geometry.in_survey(float(particles.x[particle]), float(particles.y[particle]))
         lines.append((f"probe {name}", f"({x:.10g}, {y:.10g}) m"))

@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterable
 
 from sph.scene.gravity import GRAVITY
+from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import place_particles
@@ -45,9 +46,8 @@ def _where(surface: Surface) -> str:
     return words if surface.crack == 0.0 else f"{words}, with a tension crack of {surface.crack:.2g} m"
 
 
-def equilibrium_rows(scene: Scene) -> list[tuple[str, str]]:
+def equilibrium_rows(found: LimitEquilibrium | None) -> list[tuple[str, str]]:
     """Label and text for summaries; none for a scene without a slope."""
-    found = found_equilibrium(scene)
     return [] if found is None else [("factor of safety", factor_words(found)), ("yield acceleration", yield_words(found))]
 
 
@@ -58,6 +58,7 @@ def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) 
     if found is None:
         return []
     told = [finding(CODE, "limit equilibrium, without a run", f"{factor_words(found)}; yield acceleration {yield_words(found)}")]
+    told += slip_at_base(scene, found)
     for value, error in particles:
         difference = value / found.spencer.value - 1.0
         if abs(difference) > max(LARGEST_DIFFERENCE, error / found.spencer.value):
@@ -72,6 +73,23 @@ def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) 
                 )
             )
     return told
+
+
+def slip_at_base(scene: Scene, found: LimitEquilibrium | None) -> list[Finding]:
+    """The finding of a slip surface that ends at an absorbing base below which, by the scene, the same soil goes on."""
+    if found is None or not scene.walls.kinds.base.absorbs or scene.walls.bedrock is not None:
+        return []
+    surfaces = {"Bishop": found.bishop, "Spencer": found.spencer, "Spencer with the yield acceleration": found.critical}
+    reach = [method for method, surface in surfaces.items() if surface.y.size and surface.y.min() < scene.numerics.spacing]
+    if not reach:
+        return []
+    what = "a slip surface reaches an absorbing base below which the same soil goes on; such a base holds no load that comes later"
+    wanted = "a base below all slip surfaces, or the stiff ground that stops them"
+    return [finding("slip-at-base", what, f"that of {' and '.join(reach)}", wanted, f"{_base_key(scene)}, or walls.bedrock")]
+
+
+def _base_key(scene: Scene) -> str:
+    return "geometry.base" if isinstance(scene.geometry, GroundLine) else "geometry.base_depth"
 
 
 def of_residual(scene: Scene) -> list[Finding]:

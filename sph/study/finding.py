@@ -41,6 +41,7 @@ CODES: dict[str, Code] = {
     "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),
     "limit-equilibrium-residual": Code(NOTE, "factor of safety by limit equilibrium at the strength that failed soil keeps"),
     "limit-equilibrium-differs": Code(NOTE, "the factor of safety by particles differs by more than 5 % from Spencer's, and why it can"),
+    "slip-at-base": Code(WARNING, "a slip surface reaches an absorbing base below which the same soil goes on"),
     "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
     "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
     "record-drift": Code(WARNING, "the ground still moves at the end of the record"),

@@ -15,7 +15,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
 from sph.stability.slip_search import LimitEquilibrium, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
-from sph.study.equilibrium import equilibrium_rows, of_equilibrium
+from sph.study.equilibrium import equilibrium_rows, found_equilibrium, of_equilibrium, slip_at_base
 
 PUBLISHED = 0.02
 """Of the answers that the study of programs for ACADS recommends (Giam and Donald 1989)."""
@@ -223,7 +223,7 @@ def test_steep_cohesive_soil_gets_a_crack_and_says_so() -> None:
     found = limit_equilibrium(STEEP)
     assert 0.0 < found.spencer.crack <= 5.0 and found.spencer.value < found.bishop.value
     assert found.critical.crack > 0.0
-    ((_, factor), (_, yields)) = equilibrium_rows(STEEP)
+    ((_, factor), (_, yields)) = equilibrium_rows(limit_equilibrium(STEEP))
     assert "with a tension crack of" in factor and "with a tension crack of" in yields
 
 
@@ -236,11 +236,45 @@ def test_a_difference_from_the_particles_is_told_with_what_applies() -> None:
     assert "above Spencer's" in stronger.what and "tension crack" in stronger.measured and "Davis" not in stronger.measured
 
 
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, True),  # without friction circles go as deep as they may
+        ({"walls.bedrock": {"density": 2200.0, "s_wave_speed": 900.0, "p_wave_speed": 1800.0}}, False),
+        ({"walls.base": "no_slip"}, False),
+        ({"soil.friction_angle": 30.0}, False),
+        ({"layers": {"deep": {"region": {"kind": "depth", "top": 12.0}, "soil": {"cohesion": 200.0}}}}, False),
+    ],
+)
+def test_a_slip_surface_that_ends_at_soil_which_goes_on_is_told(changes: dict[str, Any], told: bool) -> None:
+    data = {
+        "name": "clay",
+        "duration": 5.0,
+        "geometry": {"shape": "slope", "slope_angle": 30.0, "slope_height": 6.0, "base_depth": 9.0, "apron_length": 30, "crest_length": 30},
+        "walls": {"base": "absorbing", "sides": "absorbing"},
+        "soil": {
+            "density": 1800.0,
+            "shear_wave_speed": 150.0,
+            "poisson_ratio": 0.4,
+            "cohesion": 25.0,
+            "friction_angle": 0.0,
+            "viscosity": 2.0,
+        },
+        "coupling": {"S_R": 0.5, "softening": {"slip_at_peak": 0.01, "slip_at_residual": 0.2, "width": 3.0}},
+        "damping": None,
+        "numerics": {"spacing": 0.5},
+    }
+    scene = make_scene(merge(data, dotted(changes)))
+    found = slip_at_base(scene, found_equilibrium(scene))
+    assert [each.code for each in found] == ["slip-at-base"] * told
+    assert all("geometry.base_depth, or walls.bedrock" in each.key for each in found)
+
+
 def test_what_is_no_slope_of_solid_soil_is_refused_and_has_no_rows() -> None:
     column = make_scene(
         {"name": "column", "scheme": "paper", "duration": 3.0, "geometry": {"shape": "block", "width": 30.0, "height": 20.0}}
     )
-    assert not applies(column) and equilibrium_rows(column) == [] and of_equilibrium(column) == []
+    assert not applies(column) and found_equilibrium(column) is None and equilibrium_rows(None) == [] and of_equilibrium(column) == []
     with pytest.raises(ValueError, match=r"column: limit equilibrium needs geometry\.shape: slope or ground_line"):
         limit_equilibrium(column)
     fluid = merge(slope(30.0, 20.0, 20.0).model_dump(), {"coupling": {"initial_state": "fluid"}})
