@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from sph.scene.laboratory import INSTEAD_OF
 from sph.scene.schema import Scene
 
 Path = tuple[str | int, ...]
@@ -134,6 +135,9 @@ def _apply(base: Mapping[str, Any], changes: list[tuple[Path, Any]]) -> dict[str
             at = at[part]
         else:
             _put(at, path[-1], value)
+            if isinstance(at, dict) and value not in (None, _Missing, _Unknown):
+                for other in INSTEAD_OF.get(path[-1], ()):  # who writes the one leaves out the other
+                    at.pop(other, None)
     return data
 
 
