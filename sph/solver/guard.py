@@ -134,7 +134,7 @@ def likely_cause(scene: Scene, ratio: float, wrong: Trouble) -> str:
     if wrong.fault == Fault.LEFT_THE_BOX:
         return words(
             "soil ran off an open end of the base, was thrown over the walls, or pushed away an absorbing wall, which holds no load that "
-            "comes after the gravity stage: widen or deepen the box (geometry), close its sides, give it a stiff base (walls.bedrock, or "
+            "comes after the gravity stage: widen the box or deepen it (geometry), close its sides, give it a stiff base (walls.bedrock, or "
             "walls.base: no_slip), or shake it less"
         )
     if scene.numerics.artificial_viscosity is None or scene.numerics.artificial_viscosity.alpha < 0.1:
