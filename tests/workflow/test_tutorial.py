@@ -21,7 +21,7 @@ def commands() -> list[list[str]]:
     section = (ROOT / "README.md").read_text(encoding="utf-8").split("## Your own slope\n")[1].split("\n## ")[0]
     lines = "\n".join(re.findall(r"```sh\n(.*?)```", section, re.DOTALL)).splitlines()
     written = [shlex.split(command, comments=True) for line in lines for command in line.split(" && ")]
-    return [command for command in written if Path(command[0]).name in MODULES]
+    return [command for command in written if command and Path(command[0]).name in MODULES]
 
 
 @pytest.mark.long
