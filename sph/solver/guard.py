@@ -134,8 +134,8 @@ def likely_cause(scene: Scene, ratio: float, wrong: Trouble) -> str:
     if wrong.fault == Fault.LEFT_THE_BOX:
         return words(
             "soil ran off an open end of the base, was thrown over the walls, or pushed away an absorbing wall, which holds no load that "
-            "comes after the gravity stage: widen the box or deepen it (geometry), close its sides, give it a stiff base (walls.bedrock, or "
-            "walls.base: no_slip), or shake it less"
+            "comes after the gravity stage: widen the box or deepen it (geometry), close its sides, give it a stiff base "
+            "(walls.bedrock, or walls.base: no_slip), or shake it less"
         )
     if scene.numerics.artificial_viscosity is None or scene.numerics.artificial_viscosity.alpha < 0.1:
         return words("little or no artificial viscosity: particles that meet fast pass between each other (numerics.artificial_viscosity)")
