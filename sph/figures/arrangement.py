@@ -165,9 +165,9 @@ def mark_places(
         ax.annotate(
             text,
             (x, crest_y if before_the_toe else 0.35 * toe_y + 0.65 * crest_y),
-            xytext=(0, 3) if before_the_toe else (-5 * side, 0),
+            xytext=(-5 * side, 3 if before_the_toe else 0),
             textcoords="offset points",
-            ha="center" if before_the_toe else "right" if side > 0 else "left",
+            ha="right" if side > 0 else "left",
             va="bottom" if before_the_toe else "center",
         )
 

@@ -43,8 +43,10 @@ def test_everything_a_user_can_write_is_carried_out_or_refused_by_name(examples:
     assert done.returncode == 0, done.stdout + done.stderr
     counts = {outcome.strip(): int(count.replace(",", "")) for count, outcome in re.findall(r"([\d,]+)  all +(.*)", done.stdout)}
     assert sum(counts.values()) > 0.96 * examples
-    # Of 300 examples 13 % are; of 40 chance leaves 4 now and then, with other keys in the schema.
-    assert counts["accepted, run"] > 0.05 * examples, "the examples are refused too often to say anything of what comes after"
+    # Some 13 % are.  Of 200 that leaves a tenth; of 40, where chance is worth 5 %, a twentieth.
+    assert counts["accepted, run"] > (0.1 if examples >= 200 else 0.05) * examples, (
+        "the examples are refused too often to say anything of what comes after"
+    )
 
 
 @pytest.mark.parametrize("name", MODELS)
