@@ -66,7 +66,8 @@ def below_layers(scene: Scene, particles: Particles) -> list[Finding]:
         "the soil's strength grows with depth below the ground line, and layers lie on it, so it is stronger than counted from its own top"
     )
     measured = f"by up to {growth.gradient * thickest:.3g} kPa, under {thickest:.3g} m of layers"
-    return [finding("grows-below-layers", what, measured, "a datum, the elevation of its own top", "datum in soil.undrained_strength or soil.cohesion_growth")]
+    wanted, key = "a datum, the elevation of its own top", "datum in soil.undrained_strength or soil.cohesion_growth"
+    return [finding("grows-below-layers", what, measured, wanted, key)]
 
 
 def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
