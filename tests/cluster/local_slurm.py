@@ -82,7 +82,7 @@ class LocalSlurm:
                     "JobAcctGatherType=jobacct_gather/none",
                     "ReturnToService=2",
                     "SlurmdParameters=config_overrides",
-                    "MinJobAge=600",
+                    "MinJobAge=86400",
                     "KillWait=5",
                     f"NodeName={host} NodeAddr=127.0.0.1 CPUs={self.cores} RealMemory={self.memory} State=UNKNOWN",
                     f"PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP",

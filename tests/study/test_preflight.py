@@ -194,7 +194,7 @@ def test_a_factor_within_its_error_of_one_is_a_warning() -> None:
 @pytest.mark.long
 def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
     """The quick limits reach down to what a search at the scene's own spacing extrapolates."""
-    slope = scene(**{"numerics.spacing": 1.0})
+    slope = scene(**{"numerics.spacing": 0.7})
     rows = {row.finding.code: row.finding.measured for row in study_stability({"one": slope}, lambda line: None)}
     for code, find in (("factor-of-safety", factor_of_safety), ("yield-acceleration", yield_acceleration)):
         value, error = (float(word) for word in re.findall(r"[\d.]+", rows[code])[:2])
