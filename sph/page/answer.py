@@ -304,7 +304,9 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in a run the debris met the box, and would have gone further.")
     if table["newmark_displacement"].notna().any():
-        notes.append("The Newmark block has the yield acceleration above.")
+        notes.append("The Newmark block has the yield acceleration above and is rigid.")
+        if table["findings"].str.contains("block-not-rigid").any():
+            notes.append("This slope is not rigid under its motion: do not take the block for an upper bound (block-not-rigid).")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 

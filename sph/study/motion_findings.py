@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 import scipy  # type: ignore[import-untyped]
 
+from sph.scene.geometry import Slope
 from sph.scene.gravity import GRAVITY
-from sph.scene.ground_motion import GroundMotion, loading_of
+from sph.scene.ground_line import GroundLine
+from sph.scene.ground_motion import GroundMotion, loading_of, motion_of
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.motion import NoMotion
+from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
+from sph.solver.particles import Particles
 from sph.stability.newmark import sliding_block
 from sph.study.finding import Finding, finding, off_by
 
@@ -33,6 +37,12 @@ LASTING, SHORTEST_LASTING = 0.5, 0.1
 POLARITY_RATIO, POLARITY = 0.5, 1.2
 """Yield over peak acceleration of a sliding block, and its displacement under the record turned round over that under the record as it
 is, from which on the direction of a record matters."""
+
+LOWEST, HIGHEST = 0.25, 20.0
+"""Frequencies between which a motion has its mean period, Hz."""
+MOST_RIGID = 0.1
+"""Natural period of the slope over the mean period of the motion up to which a sliding block may be rigid; from there to 1 it slips too
+little, beyond that more or less than the slope moves (Jibson 2011)."""
 
 
 def cut_off(scene: Scene) -> list[Finding]:
@@ -57,6 +67,41 @@ def of_motion(scene: Scene) -> list[Finding]:
     loading = loading_of(scene)
     components = {"horizontal": loading.ground, "vertical": loading.vertical}
     return cut_off(scene) + sampled(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
+
+
+def mean_period(motion: GroundMotion) -> float:
+    """Mean period of an evenly sampled motion, s: periods weighted by the squared Fourier amplitudes, which lie at most 0.05 Hz apart.
+
+    Rathje, Faraj, Russell and Bray (2004); 0 where there is no motion between ``LOWEST`` and ``HIGHEST``.
+    """
+    interval = float(motion.time[1] - motion.time[0])
+    size = max(motion.acceleration.size, math.ceil(20.0 / interval))
+    frequency, power = np.fft.rfftfreq(size, interval), np.abs(np.fft.rfft(motion.acceleration, size)) ** 2
+    there = (frequency >= LOWEST) & (frequency <= HIGHEST)
+    total = power[there].sum()
+    return float((power[there] / frequency[there]).sum() / total) if total > 0.0 else 0.0
+
+
+def natural_period(scene: Scene, particles: Particles) -> float:
+    """Four times the travel time of a shear wave from the base to the crest edge, s: 4 D / V_s of one soil, their sum over layers."""
+    soil = slice(0, particles.n_soil)
+    x, dx = particles.x[soil], scene.numerics.spacing
+    column = np.abs(x - x[np.argmin(np.abs(x - scene.geometry.crest[0]))]) < 0.5 * dx
+    speeds = np.array([each.s_wave_speed for each in scene.soils])
+    return float(4.0 * (dx / speeds[particles.layer[soil][column]]).sum())
+
+
+def not_rigid(scene: Scene, particles: Particles) -> list[Finding]:
+    """A note if the ground below the crest is too soft for a rigid block to move like the slope."""
+    if not isinstance(scene.geometry, (Slope, GroundLine)) or isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
+        return []
+    mean, period = mean_period(motion_of(scene)), natural_period(scene, particles)
+    if not mean or period <= MOST_RIGID * mean:
+        return []
+    tells = "slips too little" if period <= mean else "does not tell how far it moves"
+    what = f"the slope is not rigid under this motion, so that a rigid sliding block {tells}"
+    measured = f"a natural period of {period:.2g} s, {period / mean:.2g} of the mean period of the motion"
+    return [finding("block-not-rigid", what, measured, f"at most {MOST_RIGID:g} (Jibson 2011)")]
 
 
 def peak_accelerations(scene: Scene) -> str:

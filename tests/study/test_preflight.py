@@ -19,6 +19,7 @@ from sph.scene.ground_motion import GroundMotion
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_digest, run_to_file
+from sph.solver.particles import place_particles
 from sph.solver.run import run
 from sph.stability.extrapolation import UNASKED_RATIO, Extrapolated, extrapolated
 from sph.stability.newmark import sliding_block
@@ -30,7 +31,7 @@ from sph.storage.trajectory import Status
 from sph.study.cost import cost
 from sph.study.finding import CODES, Finding, Severity, codes
 from sph.study.findings import PLACEHOLDER, choices, findings
-from sph.study.motion_findings import POLARITY_RATIO, drifting
+from sph.study.motion_findings import POLARITY_RATIO, drifting, mean_period, natural_period
 from sph.study.preflight import (
     QUICK_TOLERANCE,
     Peak,
@@ -116,6 +117,32 @@ def test_the_direction_of_a_record_is_told_where_it_matters() -> None:
     (told,) = [each for each in findings(record_scene(one_sided)) if each.code == "record-polarity"]
     assert (told.severity, told.key) == ("note", "motion.factor=-1") and f"{turned:.2g} m" in told.measured
     assert "record-polarity" not in {each.code for each in findings(record_scene(-one_sided))}
+
+
+def test_the_natural_period_adds_up_the_layers_below_the_crest() -> None:
+    one = scene()
+    soft = {"region": {"kind": "depth", "top": 13.0}, "soil": {"youngs_modulus": one.soil.youngs_modulus / 4.0}}
+    layered = scene(layers={"soft": soft})
+    speed = one.soil.s_wave_speed
+    assert natural_period(one, place_particles(one)) == pytest.approx(4.0 * 15.0 / speed)
+    assert natural_period(layered, place_particles(layered)) == pytest.approx(4.0 * (13.0 / speed + 2.0 / (speed / 2.0)))
+
+
+def test_the_mean_period_is_that_of_a_sine_and_of_two_by_their_power() -> None:
+    time = np.arange(0.0, 40.0, 0.005)
+    assert mean_period(GroundMotion(time, np.sin(2.0 * np.pi * 2.0 * time))) == pytest.approx(0.5, rel=0.01)
+    # Amplitudes 2 at 1 Hz and 1 at 4 Hz: (4 x 1 s + 1 x 0.25 s) / 5.
+    two = 2.0 * np.sin(2.0 * np.pi * time) + np.sin(8.0 * np.pi * time)
+    assert mean_period(GroundMotion(time, two)) == pytest.approx(0.85, rel=0.01)
+    assert mean_period(GroundMotion(time, np.zeros_like(time))) == 0.0
+
+
+@pytest.mark.parametrize(("ratio", "told"), [(0.09, ""), (0.11, "slips too little"), (1.5, "does not tell how far it moves")])
+def test_a_slope_that_is_no_rigid_block_is_told(ratio: float, told: str) -> None:
+    period = natural_period(scene(), place_particles(scene()))
+    shaken = scene(**{"motion.frequency": ratio / period})
+    found = [each for each in findings(shaken) if each.code == "block-not-rigid"]
+    assert [each.severity for each in found] == ["note"] * bool(told) and all(told in each.what for each in found)
 
 
 # ---------------------------------------------------------------- codes
