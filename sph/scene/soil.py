@@ -18,8 +18,8 @@ class CohesionGrowth(Section):
 
     gradient: float = key("growth of the cohesion in a metre of depth", "kPa/m", ge=0, le=1e4)
     datum: Coordinate | None = key(
-        "elevation from which the depth counts, such as that of the ground before a cut; null: the ground line, or the upper side of "
-        "the layer where that lies below it",
+        "elevation from which the depth counts, such as that of the ground before a cut; null: the top of the soil, below "
+        "the layers that lie on it, or of its layer",
         "m",
         default=None,
     )

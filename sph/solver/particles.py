@@ -17,6 +17,7 @@ SOIL, BASE, SIDE, TOP = 0, 1, 2, 3
 QUANTITIES = ("cohesion", "friction_angle")
 """What ``peak_strength`` has, in order."""
 PARTS = 4
+HALVINGS = 40
 """Parts of a spacing in which the weight of layers is summed."""
 
 
@@ -137,7 +138,29 @@ def _depth(scene: Scene, number: int, x: np.ndarray, y: np.ndarray, ground: np.n
         top = np.full(x.shape, growth.datum)
     elif number > 0:
         top = list(scene.layers.values())[number - 1].region.upper_side(*places, top)
+    elif scene.layers:
+        columns, first, of = np.unique(places[0], return_index=True, return_inverse=True)
+        top = _below_layers(scene, columns, top[first])[of]
     return np.maximum(top - places[1], 0.0)
+
+
+def _below_layers(scene: Scene, x: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """Elevation (n,) of the top of the scene's own soil, under the layers on it, at x (n,) of the survey, below a ground (n,), m."""
+
+    def layered(y: np.ndarray) -> np.ndarray:
+        return np.any([layer.region.contains(x, y, ground) for layer in scene.layers.values()], axis=0)
+
+    step, base = scene.numerics.spacing / PARTS, scene.geometry.in_survey(0.0, 0.0)[1]
+    top, covered, y = ground.copy(), np.ones(x.shape, bool), ground - 0.5 * step
+    while covered.any() and (y > base).any():
+        covered &= layered(y)
+        top[covered], y = y[covered], y - step
+    bottom = np.where(top < ground, top - step, top)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (top + bottom)
+        inside = layered(middle)
+        top, bottom = np.where(inside, middle, top), np.where(inside, bottom, middle)
+    return bottom
 
 
 def varying_layers(scene: Scene, quantity: str) -> list[int]:

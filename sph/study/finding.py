@@ -61,7 +61,6 @@ CODES: dict[str, Code] = {
     "layer-broken": Code(ERROR, "a layer that is continuous in the scene is separate particles, or none at all"),
     "thin-layer": Code(WARNING, "few particles across a layer"),
     "thin-box": Code(WARNING, "the boundary particles do not fill the kernel's support"),
-    "grows-below-layers": Code(WARNING, "strength that grows with depth counts from the ground line, also where layers lie on the soil"),
     "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
     "no-process-zone": Code(WARNING, "failure has no length scale, so results depend on the spacing; a note in the paper's scheme"),
     "density-implausible": Code(WARNING, "a density of soil outside 1,000 to 3,000 kg/m3: often a mistaken unit"),

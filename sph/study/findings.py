@@ -25,7 +25,7 @@ from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_par
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
 from sph.study.finding import Finding, finding, off_by
-from sph.study.layer_findings import below_layers, of_layers
+from sph.study.layer_findings import of_layers
 from sph.study.loss_findings import of_loss, of_softening
 from sph.study.motion_findings import not_rigid, of_motion
 from sph.study.soil_findings import of_soils
@@ -223,7 +223,6 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         of_choices(scene)
         + of_soils(scene)
         + of_layers(scene, particles)
-        + below_layers(scene, particles)
         + [each for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True) for each in _waves(scene, name, soil)]
         + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])
         + thin_box(scene)

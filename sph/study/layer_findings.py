@@ -48,28 +48,6 @@ def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
     return found
 
 
-def below_layers(scene: Scene, particles: Particles) -> list[Finding]:
-    """The finding of the scene's own soil where its cohesion grows with depth below the ground, and layers lie on it."""
-    growth = scene.soil.cohesion_growth
-    if growth is None or not growth.gradient or growth.datum is not None or not scene.layers:
-        return []
-    inside, dx = slice(0, particles.n_soil), scene.numerics.spacing
-    column, own = np.round(particles.x[inside] / dx).astype(int), particles.layer[inside] == 0
-    column -= column.min()
-    highest = np.full((2, column.max() + 1), -np.inf)
-    np.maximum.at(highest, (own.astype(int), column), particles.y[inside])
-    covered = highest[0] - highest[1]
-    thickest = float(np.max(covered[np.isfinite(covered)], initial=0.0))
-    if thickest <= 0.0:
-        return []
-    what = (
-        "the soil's strength grows with depth below the ground line, and layers lie on it, so it is stronger than counted from its own top"
-    )
-    measured = f"by up to {growth.gradient * thickest:.3g} kPa, under {thickest:.3g} m of layers"
-    wanted, key = "a datum, the elevation of its own top", "datum in soil.undrained_strength or soil.cohesion_growth"
-    return [finding("grows-below-layers", what, measured, wanted, key)]
-
-
 def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
     """A finding for each layer that is thin, and an error instead for each that its particles do not make continuous."""
     found, cut = [], broken(scene, particles)

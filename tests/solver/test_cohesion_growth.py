@@ -78,6 +78,28 @@ def test_in_a_layer_it_counts_from_its_upper_side(region: dict[str, Any], top: f
     assert cohesion(made, 120.25, 48.25) == pytest.approx(8.0 + 2.0 * (top - 48.25), abs=SHIFT)
 
 
+@pytest.mark.parametrize(
+    ("region", "top"),
+    [
+        ({"kind": "elevation", "bottom": 52.0}, 52.0),
+        ({"kind": "elevation", "bottom": 56.0}, 55.125),  # above the ground here
+        ({"kind": "depth", "bottom": 2.3}, 55.125 - 2.3),
+        ({"kind": "polygon", "points": [[110.0, 50.0], [130.0, 50.0], [130.0, 61.0], [110.0, 61.0]]}, 50.0),
+        ({"kind": "depth", "top": 2.0, "bottom": 3.0}, 55.125),
+    ],
+    ids=["fill", "fill elsewhere", "crust", "fill by a polygon", "a band within the soil"],
+)
+def test_below_a_layer_it_counts_from_the_top_of_the_soil_itself(region: dict[str, Any], top: float) -> None:
+    made = scene(layers={"other": {"region": region, "soil": {"undrained_strength": 50.0}}})
+    assert cohesion(made, 120.25, 48.25) == pytest.approx(20.0 + 1.5 * (top - 48.25), abs=SHIFT)
+
+
+def test_below_two_layers_it_counts_from_the_lower_side_of_the_lower() -> None:
+    regions = {"fill": {"kind": "elevation", "bottom": 53.0}, "crust": {"kind": "elevation", "top": 53.0, "bottom": 51.0}}
+    made = scene(layers={name: {"region": region, "soil": {"undrained_strength": 50.0}} for name, region in regions.items()})
+    assert cohesion(made, 120.25, 48.25) == pytest.approx(20.0 + 1.5 * (51.0 - 48.25), abs=SHIFT)
+
+
 def test_a_polygon_with_a_gap_counts_from_the_side_next_above() -> None:
     points = [[110.0, 42.0], [140.0, 42.0], [140.0, 50.0], [115.0, 50.0], [115.0, 46.0], [135.0, 46.0], [135.0, 44.0], [110.0, 44.0]]
     made = scene(

@@ -8,10 +8,8 @@ import pytest
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
-from sph.solver.particles import place_particles
 from sph.study.finding import Finding
 from sph.study.findings import findings
-from sph.study.layer_findings import below_layers
 from sph.study.soil_findings import of_soils
 
 OWN: dict[str, Any] = {
@@ -88,20 +86,3 @@ def test_what_is_usual_and_what_is_residual_is_not_told(at: str, settings: dict[
 def test_only_slopes_of_ones_own_are_told() -> None:
     assert told(**{"scheme": "paper", "soil.cohesion": 20000.0}) == []
     assert told(**{"geometry": {"shape": "block", "width": 30.0, "height": 20.0}, "soil.cohesion": 20000.0}) == []
-
-
-@pytest.mark.parametrize(
-    ("region", "datum", "told"),
-    [
-        ({"kind": "elevation", "bottom": 440.0}, None, True),  # a fill of 20 m on the clay
-        ({"kind": "elevation", "bottom": 440.0}, 440.0, False),
-        ({"kind": "elevation", "top": 434.0}, None, False),  # a layer below the soil
-    ],
-)
-def test_strength_that_grows_from_the_top_of_a_fill_is_told(region: dict[str, Any], datum: float | None, told: bool) -> None:
-    """2 kPa more in each of 20 m."""
-    grown = {"soil": {"cohesion_growth": {"gradient": 2.0, "datum": datum}}, "layers": {"clay": {"region": region}}}
-    scene = make_scene(merge({**OWN, "layers": {"clay": {"soil": {"cohesion": 12.0}}}}, grown))
-    found = below_layers(scene, place_particles(scene))
-    assert [each.key for each in found] == ["datum in soil.undrained_strength or soil.cohesion_growth"] * told
-    assert all("by up to 40 kPa, under 20 m" in each.measured for each in found) and set(found) <= set(findings(scene))
