@@ -62,7 +62,7 @@ OUTLINE_GRID = 4
 
 ENERGY_LIMIT = 0.01
 """Above this ``energy_error`` the budget is open and a run's numbers are not to be trusted: the largest of the 421 runs of the shipped
-tables ``trade.csv`` and ``resolution.csv`` is 4e-4, and soil that settled by 64 % too much had 0.04."""
+tables ``trade.csv`` and ``resolution.csv`` is 4e-4, and soil that settled 64 % too much had 0.04."""
 
 
 class MetricSettings(Section):
@@ -146,7 +146,7 @@ METRICS: tuple[Variable, ...] = (
         "failed_unshaken",
         "1",
         "soil particles that failed under gravity alone, before the shaking begins, over all soil particles; where they cover more "
-        f"than {FAILED_AREA:g} H2 the status is {Status.FAILED_UNSHAKEN}, and no number of the run is the earthquake's alone",
+        f"than {FAILED_AREA:g} H2 the status is {Status.FAILED_UNSHAKEN}, and the results of the run are not due to the earthquake alone",
     ),
     _number(
         "mobilised_strength",

@@ -75,7 +75,7 @@ def answer(
     by_slices = weakest_words(findings)
     facts = [
         ("Without shaking", *unshaken(table, rows)),
-        ("Factor of safety", f"{factor} by particles; {by_slices}" if by_slices else factor, how),
+        ("Factor of safety", f"{factor} by SPH; {by_slices}" if by_slices else factor, how),
         *at_residual(rows),
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
@@ -105,12 +105,12 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
     tested = any(row.finding.code == "stands-unshaken" for row in rows)
     narrow = sum(row.runs for row in rows if row.finding.code == "factor-of-safety" and row.finding.severity == Severity.WARNING)
     if soften:
-        how = "its soil is at its strength under gravity, and loses it before the shaking"
-        return f"fails in {soften} of {runs} runs", f"{how}; at its peak strength it stands" if tested else how
+        how = "soil reaches its strength under gravity and softens before the shaking"
+        return f"fails in {soften} of {runs} runs", f"{how}; the slope stands at peak strength" if tested else how
     if narrow:
         return (
             f"not certain in {narrow} of {runs} runs",
-            "by a static test it stands, but its factor of safety is not above 1 by more than its error",
+            "it stands in a static test, but its factor of safety does not exceed 1 by more than its error",
         )
     return ("stands", "by a static test") if tested else ("not tested", "sph check --stability")
 
@@ -119,12 +119,13 @@ def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """The factors of safety at the strength that failed soil keeps, and what it means where that is below 1 and the slope stands now."""
     words = [row.finding.measured for row in rows if row.finding.code == RESIDUAL]
     falls, stands = (sum(row.runs for row in rows if row.finding.code == code) for code in ("fails-at-residual", "stands-at-residual"))
-    by_particles = f"by particles it stands in {stands} of {falls + stands} runs" if falls + stands else ""
+    by_particles = f"in SPH it stands in {stands} of {falls + stands} runs" if falls + stands else ""
     if not words and not by_particles:
         return []
     factors = sorted(map(spencers, words))
     by_slices = words[0] if len(words) == 1 else f"Spencer {factors[0]:.2f} to {factors[-1]:.2f}" if words else ""
-    meant = "soil that is brought beyond its peak flows on, whatever the factor at the peak (progressive failure)" if falls else ""
+    keeps = "once soil is shaken beyond its peak strength it keeps flowing, whatever the factor at peak strength (progressive failure)"
+    meant = keeps if falls else ""
     return [("Factor at the residual strength", "; ".join(filter(None, (by_slices, by_particles))), meant)]
 
 
@@ -189,7 +190,7 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     below = shaking[shaking < shaking[table["collapse_class"] != STABLE].min()].max()  # a run that diverged is not known to stand
     of = " in the weakest case" if len(dimensions) > 1 else ""
     if math.isnan(gone):
-        return f"not up to {in_both(shaking.max())}: no run leaves the class {STABLE}"
+        return f"no failure up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
     return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 
@@ -218,7 +219,7 @@ def drifts(files: Sequence[str], probe: str) -> list[str]:
             worst = max(of.to_dict("records"), key=lambda row: abs(row["value"] - row["second_value"]))
             both = sorted(((worst[f"{which}spacing"], worst[f"{which}value"]) for which in ("", "second_")), reverse=True)
             said = ", ".join(f"{metres(value)} m at {spacing:.3g} m" for spacing, value in both)
-            towards = "" if math.isnan(worst["extrapolated"]) else f"; on a line to spacing 0 {metres(worst['extrapolated'])} m"
+            towards = "" if math.isnan(worst["extrapolated"]) else f"; extrapolated to spacing 0: {metres(worst['extrapolated'])} m"
             count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
             found.append(f"Not converged: {what} in {len(of)} of {count} runs, most in {worst['run']}: {said}{towards}.")
         for place in places_in(rows["quantity"].unique()):
@@ -245,7 +246,7 @@ def at_places(table: pd.DataFrame) -> list[tuple[str, str, str]]:
         else:
             words, first = f"not reached in {known} runs", ""
             if known:
-                first = f"the nearest debris stops {metres(-passed.max())} m short"
+                first = f"the debris stops at least {metres(-passed.max())} m short of it"
         facts.append((f"At {place}", words, first))
     return facts
 
@@ -276,9 +277,9 @@ def widths(table: pd.DataFrame) -> list[Table]:
         rows.append((beside_g(value), str(len(runs)), *(bounded + span for span in spans)))
     head = ("shaking (m/s²)", "runs", *(f"{share:.0%} (m)" for share in SHARES))
     errors = table["expected_runout_error"].dropna()
-    error = f"the spacing adds an error of up to {errors.max():.0%}" if len(errors) else "the error of the spacing is not known"
-    note = f"Over the runs of the study, each counted alike: soils, motions and levels as they were chosen; {error}."
-    return [Table("Distance from the toe that this share of the runs does not pass", head, rows, note)]
+    error = f"the spacing adds an error of up to {errors.max():.0%}" if len(errors) else "the error due to the spacing is unknown"
+    note = f"All runs of the study count equally, with the soils, motions and levels chosen; {error}."
+    return [Table("Run-out from the toe not exceeded by this share of the runs", head, rows, note)]
 
 
 def _groups(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
@@ -302,11 +303,15 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
     notes = ["Least to most over the other dimensions of the study."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
-        notes.append(f"{AT_LEAST.strip()}: in a run the debris met the box, and would have gone further.")
+        notes.append(
+            f"{AT_LEAST.strip()}: in at least one run the debris reached the end of the box, or went over it, and would have gone further."
+        )
     if table["newmark_displacement"].notna().any():
-        notes.append("The Newmark block has the yield acceleration above and is rigid.")
+        notes.append("The Newmark block is rigid and uses the yield acceleration above.")
         if table["findings"].str.contains("block-not-rigid").any():
-            notes.append("This slope is not rigid under its motion: do not take the block for an upper bound (block-not-rigid).")
+            notes.append(
+                "In at least one run the slope is not rigid: do not take the slip of the block as an upper bound (block-not-rigid)."
+            )
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 
@@ -323,7 +328,7 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
 
     say(
         (table["status"] == Status.FAILED_UNSHAKEN).sum(),
-        "have soil that fails under gravity alone and softens before the shaking: their numbers are not the earthquake's alone.",
+        "have soil that fails under gravity alone and softens before the shaking: their results are not due to the earthquake alone.",
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no numbers.")
     say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
@@ -337,12 +342,13 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     )
     say(
         table["energy_error"].map(is_open).sum(),
-        f"have an energy budget that is open by more than {100.0 * ENERGY_LIMIT:g} %: their results are not reliable; take a smaller "
-        "time step or spacing.",
+        f"have an energy error of more than {100.0 * ENERGY_LIMIT:g} %: their results are not reliable; use a smaller time step "
+        "or spacing.",
     )
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
-        f"move {probe} by less than one particle spacing ({scene.numerics.spacing:.4g} m), of which the expected error says nothing.",
+        f"move {probe} by less than one particle spacing ({scene.numerics.spacing:.4g} m); the expected error does not apply to such a "
+        "small displacement.",
     )
     found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1

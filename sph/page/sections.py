@@ -59,18 +59,18 @@ INPUTS = dict(zip(INPUT_FIGURES, ("Section", "Motion", "Initial particles"), str
 """Names of the figures of what goes in."""
 PREFLIGHT = Section(
     "Before the runs",
-    "What was found of the scenes and of the slope's stability before anything was shaken: errors, warnings and notes.",
+    "Findings on the scenes and on the stability of the slope before any run: errors, warnings and notes.",
     "snakemake --cores 2",
     tables={"{fidelity}/preflight.csv": "Findings"},
     always=True,
 )
 FIGURES = Section(
     "Figures",
-    "What this study finds, and what went in. The note in each figure says from which scene and resolution it comes.",
+    "Results and inputs of this study. The note in each figure says from which scene and resolution it comes.",
     "snakemake --cores 2",
     figures=drawings(
         STUDY_FIGURES | RUN_FIGURES,
-        {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | {MOBILISED: "Strength used before the shaking"} | INPUTS,
+        {name: name.capitalize() for name in (*STUDY_FIGURES, PROFILES)} | {MOBILISED: "Mobilised strength before the shaking"} | INPUTS,
     ),
     always=True,
 )
@@ -106,7 +106,7 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
             "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
             "*/trigger/fragility_annual.csv": "How often a year, with the hazard of the site",
             "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
-            "*/trigger/widths.csv": "Run-out that most of the motions do not pass",
+            "*/trigger/widths.csv": "Run-out not exceeded by most of the motions",
             "*/trigger/exceedance.csv": "Share of the motions that exceed a run-out or a displacement",
         },
         figures={
@@ -116,13 +116,13 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
     ),
     Section(
         "Sensitivity",
-        "Which parameters decide the answers.",
+        "The parameters that matter most for the results.",
         "snakemake --cores 2 sensitivity",
         tables={
             "*/sensitivity/morris.csv": "Screening (Morris)",
             "*/sensitivity/tornado.csv": "One parameter at a time",
             "*/sensitivity/sobol.csv": "Shares of the variance (Sobol)",
-            "*/sensitivity/cross_validation.csv": "How well the model of the answers predicts runs that it has not seen",
+            "*/sensitivity/cross_validation.csv": "Cross-validation: predictions for runs left out of the fit",
             "*/sensitivity/confirm.csv": "Points run again at another fidelity",
         },
         figures={
@@ -134,7 +134,7 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
     ),
     Section(
         "Back-analysis",
-        "The values of the parameters that agree with what was observed.",
+        "The parameter values that reproduce the observation.",
         "snakemake --cores 2 back_analysis",
         tables={
             "*/sensitivity/back_analysis.csv": "Values and intervals, and what they say",
@@ -153,12 +153,12 @@ DOCS = {
     "Robustness": "docs/evidence/robustness.md",
     "Limits of the model": "docs/model/limits.md",
 }
-"""Pages of the documentation that say what the program is worth, whichever study it runs."""
+"""Pages of the documentation on the accuracy and the limits of the program in general."""
 SPACING = Section(
     "Spacing",
     "Every run at a second spacing: what finer or coarser particles change.",
     "snakemake --cores 2",
-    tables={SPACINGS: "Both spacings, and the value on a line to spacing 0"},
+    tables={SPACINGS: "Both spacings, and the value extrapolated to spacing 0"},
     variables=spacing_columns(),
     always=True,
 )

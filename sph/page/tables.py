@@ -119,7 +119,7 @@ def _share(value: float) -> str:
 
 def _status(row: Mapping[Any, Any]) -> str:
     met = f", debris at {row['reached_side'].replace(' ', ', ')}" if row["reached_side"] else ""
-    energy = ", energy\N{NO-BREAK SPACE}budget open" if is_open(row["energy_error"]) else ""
+    energy = ", energy\N{NO-BREAK SPACE}error too\N{NO-BREAK SPACE}large" if is_open(row["energy_error"]) else ""
     return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "") + met + energy
 
 

@@ -83,7 +83,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
         if path.endswith(".png"):
             Path(path).parent.mkdir(exist_ok=True)
             Image.linear_gradient("L").save(path)
-    weak = Finding("fails-unshaken", "error", "the slope does not stand unshaken", "fails", "to stand", "soil.cohesion")
+    weak = Finding("fails-unshaken", "error", "the slope does not stand without shaking", "fails", "to stand", "soil.cohesion")
     write_preflight(f"{FOLDER}/preflight.csv", [Row(weak, 4, next(iter(runs)))])
     stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/pre_failure_amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}

@@ -33,7 +33,7 @@ RUNS = pd.DataFrame(
 def test_what_the_debris_does_at_a_place() -> None:
     assert at_places(RUNS) == [
         ("At road", "reached in 2 of 6 runs; debris up to 2.10 m deep", "first arrival 5.5 s after the start of the run"),
-        ("At house", "not reached in 6 runs", "the nearest debris stops 10.0 m short"),
+        ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
     ]
     diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan)
     assert [fact[1:] for fact in at_places(diverged)] == [("not reached in 0 runs", "")] * 2
@@ -71,10 +71,10 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
     ((name, words, meant),) = at_residual(weak)
     assert (name, words) == (
         "Factor at the residual strength",
-        "Bishop 0.61 (circle), Spencer 0.58 (not circular); by particles it stands in 0 of 4 runs",
+        "Bishop 0.61 (circle), Spencer 0.58 (not circular); in SPH it stands in 0 of 4 runs",
     )
     assert "progressive failure" in meant
-    assert at_residual(strong)[0][1:] == ("Bishop 1.21 (circle), Spencer 1.20 (circle); by particles it stands in 2 of 2 runs", "")
-    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; by particles it stands in 2 of 6 runs"
-    assert at_residual(weak[:1])[0][1] == "by particles it stands in 0 of 4 runs", "a scene without slices"
+    assert at_residual(strong)[0][1:] == ("Bishop 1.21 (circle), Spencer 1.20 (circle); in SPH it stands in 2 of 2 runs", "")
+    assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; in SPH it stands in 2 of 6 runs"
+    assert at_residual(weak[:1])[0][1] == "in SPH it stands in 0 of 4 runs", "a scene without slices"
     assert at_residual([]) == []

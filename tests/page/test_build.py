@@ -309,7 +309,7 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     searched_file(factor, "factor_of_safety", 1.35, 0.02)
     first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), str(factor)]))).text.partition("One run")[0]
     assert (
-        "3 of 4 runs: the layer clay is thin: 2 particles across, wanted at least 4" in first
+        "3 of 4 runs: the layer clay is thin: 2 particles across, should be at least 4" in first
         and "Factor of safety 1.35 ± 0.02 static, extrapolated from spacings of 2 and 1 m" in first
     )
     # The weakest slope by slices stands beside it.
@@ -321,7 +321,7 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
     ]
     write_preflight(findings, [Row(each, 1, "one") for each in (note, *slices)])
     first = Words(build_page(study)).text.partition("One run")[0]
-    assert "Factor of safety 1.41 ± 0.10 by particles; Bishop 1.44 (circle), Spencer 1.31 (not circular) static" in first
+    assert "Factor of safety 1.41 ± 0.10 by SPH; Bishop 1.44 (circle), Spencer 1.31 (not circular) static" in first
 
 
 def searched_file(path: Path, by: str, value: float, error: float, reason: str = "") -> str:
@@ -345,7 +345,7 @@ def test_the_newmark_block_has_the_yield_acceleration_of_the_headline(study: Stu
     first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), made]))).text.partition("One run")[0]
     headline = in_both(float(table["yield_acceleration"][0]), 0.02 * GRAVITY).replace("m/s2", "m/s²")
     assert f"Yield acceleration {headline} static, extrapolated from spacings of 2 and 1 m" in first
-    assert "The Newmark block has the yield acceleration above." in first and "at most" not in first.partition("Shaking at which")[0]
+    assert "uses the yield acceleration above." in first and "at most" not in first.partition("Shaking at which")[0]
     assert "1.7 ± 0.3" not in first, "a second number"
     words, how = limit([quick], quick.code, [], "sph yield-acceleration")
     assert words.startswith("1.7 ± 0.3 m/s2") and "a quick search before the runs" in how, "where no run has one"
@@ -482,7 +482,7 @@ def test_millimetres_keep_their_digits() -> None:
 
 def test_a_page_for_a_client_has_no_commands_paths_and_empty_sections(study: StudyFiles) -> None:
     own, client = (Words(build_page(study._replace(client=client))).text for client in (False, True))
-    for words in ("snakemake --cores", "study.csv there", "sph fos", "sph run", "Not made yet", "core-hours", "claims.csv"):
+    for words in ("snakemake --cores", "study.csv there", "sph fos", "sph run", "Not computed yet", "core-hours", "claims.csv"):
         assert words in own and words not in client, (words, client[max(client.find(words) - 80, 0) :][:200])
     for words in (TITLE, "Factor of safety", "All runs", "Versions", "Figure 4"):
         assert words in client, words
