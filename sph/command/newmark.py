@@ -77,7 +77,7 @@ def slide(
                     "record-offset",
                     "the record drifts, and the displacement depends on its mean acceleration",
                     f"{found.permanent:.3g} m, and {without:.3g} m without the mean of {in_both(mean)}",
-                    f"a difference of less than {MATTERS:.0%}",
+                    f"equal to within {MATTERS:.0%}",
                     CURE,
                 )
             )

@@ -39,7 +39,7 @@ def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding
     line = isinstance(scene.geometry, GroundLine)
     keys = {FRONT: "geometry.apron_length", BACK: "geometry.crest_length", OVER: "geometry.apron_length"}
     key = "geometry.window or the line" if line else " and ".join(dict.fromkeys(keys[side] for side in sides))
-    return [finding("debris-at-wall", what, f"at {time:.3g} s", "a longer box, whose ends the debris does not reach", key)]
+    return [finding("debris-at-wall", what, f"at {time:.3g} s", "to stay inside a longer box", key)]
 
 
 def is_open(error: float) -> bool:
@@ -52,7 +52,7 @@ def energy_open(error: float) -> list[Finding]:
     if not is_open(error):
         return []
     what = "the energy budget of the run does not close, so its results are not reliable"
-    measured, wanted = f"open by {100.0 * error:.2g} % of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
+    measured, wanted = f"an error of {100.0 * error:.2g} % of the sum of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
     return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller one")]
 
 
@@ -62,7 +62,7 @@ def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:
     if not (runout > FAR * spacing and thickness < THICK * spacing):
         return []
     what = f"debris that ran {runout:.3g} m is thin, so its run-out is not reliable"
-    measured = f"{thickness / spacing:.2g} particles thick before the toe, in the mean"
+    measured = f"on average {thickness / spacing:.2g} particles thick in front of the toe"
     return [finding("thin-debris", what, measured, f"at least {THICK}, better {2 * THICK}", "numerics.spacing")]
 
 

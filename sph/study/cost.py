@@ -48,6 +48,8 @@ TRIALS_NEAR, TRIALS_STRONGER = 6, 9
 START, COMPILE = 1.5, 45.0
 """Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
 MIB = 2.0**20
+ON_REFERENCE = "on one core of the reference machine"
+"""Whose times these are, in words."""
 
 
 class Cost(NamedTuple):

@@ -17,7 +17,7 @@ from sph.study.finding import Finding, finding, off_by
 from sph.study.layer_findings import FEWEST_IN_LAYER, layers_of
 
 LARGEST_DIFFERENCE = 0.05
-"""Of a factor of safety of particles from Spencer's, over that, which is told."""
+"""Of a factor of safety by SPH from Spencer's, over that, which is told."""
 CODE, DIFFERS, RESIDUAL = "limit-equilibrium", "limit-equilibrium-differs", "limit-equilibrium-residual"
 
 
@@ -62,7 +62,7 @@ def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) 
     for value, error in particles:
         difference = value / found.spencer.value - 1.0
         if abs(difference) > max(LARGEST_DIFFERENCE, error / found.spencer.value):
-            what = f"the factor of safety by particles lies {abs(difference):.0%} {'above' if difference > 0 else 'below'} Spencer's"
+            what = f"the factor of safety by SPH lies {abs(difference):.0%} {'above' if difference > 0 else 'below'} Spencer's"
             why = "; ".join(_reasons(scene, found, difference)) or "no reason is known: look at both slip surfaces"
             told.append(
                 finding(
@@ -76,16 +76,28 @@ def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) 
 
 
 def slip_at_base(scene: Scene, found: LimitEquilibrium | None) -> list[Finding]:
-    """The finding of a slip surface that ends at an absorbing base below which, by the scene, the same soil goes on."""
+    """The finding of a slip surface that ends at an absorbing base with, by the scene, the same soil below it."""
     if found is None or not scene.walls.kinds.base.absorbs or scene.walls.bedrock is not None:
         return []
-    surfaces = {"Bishop": found.bishop, "Spencer": found.spencer, "Spencer with the yield acceleration": found.critical}
-    reach = [method for method, surface in surfaces.items() if surface.y.size and surface.y.min() < scene.numerics.spacing]
+    surfaces = {
+        "Bishop's factor of safety": found.bishop,
+        "Spencer's factor of safety": found.spencer,
+        "Spencer's yield acceleration": found.critical,
+    }
+    reach = [limit for limit, surface in surfaces.items() if surface.y.size and surface.y.min() < scene.numerics.spacing]
     if not reach:
         return []
-    what = "a slip surface reaches an absorbing base below which the same soil goes on; such a base holds no load that comes later"
-    wanted = "a base below all slip surfaces, or the stiff ground that stops them"
-    return [finding("slip-at-base", what, f"that of {' and '.join(reach)}", wanted, f"{_base_key(scene)}, or walls.bedrock")]
+    what = (
+        "a slip surface reaches an absorbing base with the same soil below it; such a base carries no static load applied after the "
+        "gravity stage"
+    )
+    measured = f"the {'surface' if len(reach) == 1 else 'surfaces'} of {_listed(reach)}"
+    wanted = "to lie above the base, or end on stiff ground"
+    return [finding("slip-at-base", what, measured, wanted, f"{_base_key(scene)}, or walls.bedrock")]
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
 
 
 def _base_key(scene: Scene) -> str:
@@ -109,12 +121,15 @@ def _reasons(scene: Scene, found: LimitEquilibrium, difference: float) -> list[s
     thin = [layer.name for layer in layers_of(scene, place_particles(scene)) if 0 < layer.thickness < FEWEST_IN_LAYER]
     bent = found.spencer.where == "line" and found.spencer.crack == 0.0 and all(soil.friction_angle == 0.0 for soil in scene.soils)
     reasons = [
-        (difference < 0 and loose, "soil that dilates less than its friction angle is weaker in the particles (Davis 1968)"),
-        (difference > 0 and found.spencer.crack > 0, "Spencer's surface ends in a tension crack, where the particles bear tension"),
+        (difference < 0 and loose, "with a dilation angle below the friction angle, SPH gives a lower strength (Davis 1968)"),
+        (difference > 0 and found.spencer.crack > 0, "Spencer's surface ends in a tension crack, where SPH soil can bear tension"),
         (difference > 0 and bool(thin), f"{', '.join(thin)}: few particles across, which makes a layer too strong"),
-        (difference > 0, "the searches with particles are on the strong side at coarse spacings"),
-        (difference > 0 and bent, "without friction a surface that is not a circle bends the body, of which slices take no account"),
-        (scene.walls.friction is not None, "soil also slides on the walls (walls.friction), of which limit equilibrium knows nothing"),
+        (difference > 0, "SPH searches overestimate the factor at coarse spacings"),
+        (
+            difference > 0 and bent,
+            "without friction, a non-circular surface forces the sliding mass to deform, which the methods of slices ignore",
+        ),
+        (scene.walls.friction is not None, "soil also slides on the walls (walls.friction), which limit equilibrium does not model"),
     ]
     return [text for applies_here, text in reasons if applies_here]
 

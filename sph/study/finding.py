@@ -40,8 +40,8 @@ CODES: dict[str, Code] = {
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
     "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),
     "limit-equilibrium-residual": Code(NOTE, "factor of safety by limit equilibrium at the strength that failed soil keeps"),
-    "limit-equilibrium-differs": Code(NOTE, "the factor of safety by particles differs by more than 5 % from Spencer's, and why it can"),
-    "slip-at-base": Code(WARNING, "a slip surface reaches an absorbing base below which the same soil goes on"),
+    "limit-equilibrium-differs": Code(NOTE, "the factor of safety by SPH differs by more than 5 % from Spencer's, and why it can"),
+    "slip-at-base": Code(WARNING, "a slip surface reaches an absorbing base with the same soil below it"),
     "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
     "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
     "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
@@ -94,14 +94,15 @@ class Finding(NamedTuple):
     severity: str  # of ``Severity``
     what: str
     measured: str
-    wanted: str = ""
+    wanted: str = ""  # what ``measured`` should be; one that begins with "to", what it should do
     key: str = ""  # to change
     subject: str = ""  # the layer, variable or component that it is of, where a scene may have several
     off_by: float = 1.0  # see ``off_by``; 1 also where it is not a matter of degree
 
     def sentence(self) -> str:
         """The finding in one sentence."""
-        wanted = f", wanted {self.wanted}" if self.wanted else ""
+        should = self.wanted.removeprefix("to ") if self.wanted.startswith("to ") else f"be {self.wanted}"
+        wanted = f", should {should}" if self.wanted else ""
         return f"{self.what}: {self.measured}{wanted}" + (f"; change {self.key}" if self.key else "")
 
     def line(self) -> str:

@@ -103,7 +103,7 @@ def choices(scene: Scene) -> list[tuple[str, str]]:
     """Name and value of what decides the answer and has a default: the stress at the start, how failure begins, what failed soil carries,
     dilation and the walls."""
     softening, walls = scene.coupling.softening, scene.walls
-    begins = "at once where the stress reaches the strength (coupling.softening: null)"
+    begins = "as soon as the stress reaches the strength (coupling.softening: null)"
     if softening is not None:
         spacings = softening.width / scene.numerics.spacing
         begins = f"after {1e3 * softening.slip_at_peak:g} mm of slip over {softening.width:g} m ({spacings:.2g} spacings)"
@@ -161,7 +161,7 @@ def of_choices(scene: Scene) -> list[Finding]:
         what = "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away"
         found.append(finding("rigid-box", what, _box(scene), wanted, "walls.base and walls.sides"))
     if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
-        wanted = "that of a shear test: 0 in loose soil, a part of the friction angle in dense soil"
+        wanted = "the angle from a shear test: 0 in loose soil, a fraction of the friction angle in dense soil"
         found.append(finding("no-dilation", "soil with friction does not dilate", "0 degree", wanted, "soil.dilation_angle"))
     return found
 
@@ -309,7 +309,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
                     "other-slope",
                     f"the ground falls further to the {other} than to the {geometry.downhill}",
                     f"{high - low:.3g} m and {height:.3g} m",
-                    "the slope that may fail",
+                    "the other way round, unless the smaller slope is the one that may fail",
                     f"geometry.downhill={other}, or a narrower geometry.window",
                     off_by=off_by(height, high - low),
                 )
@@ -374,7 +374,7 @@ def of_rows(scene: Scene, particles: Particles) -> list[Finding]:
             "rows-misfit",
             "the rows of particles make the slope too " + ("high" if error > 0 else "low"),
             f"{(1 + error) * height:.4g} m for {height:.4g} m ({error:+.1%})",
-            f"a spacing of {dividing(dx, height):.4g} m, which divides the height",
+            f"equal, as with a spacing of {dividing(dx, height):.4g} m, which divides the height",
             "numerics.spacing",
             off_by=off_by(1 + error, 1.0),
         )
@@ -433,7 +433,7 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     depth = float(geometry.ground(x[last[:1]])[0] - y[last[weakest]])
     measured = f"{in_both(peak)}, where {in_both(float(held[weakest]))} are enough at a depth of {depth:.3g} m"
     what = "level ground behind the crest, taken as a rigid column, fails in shear as well"
-    wanted = "weaker shaking, or results read as those of ground that fails as a whole"
+    wanted = "less, or the results read as those of ground that fails as a whole"
     return [finding("level-ground-fails", what, measured, wanted, "motion.amplitude")]
 
 

@@ -81,9 +81,9 @@ def broken(scene: Scene, particles: Particles) -> list[Finding]:
         found.append(
             finding(
                 "layer-broken",
-                f"{name} is not continuous in the particles" if filled.any() else f"{name} has no particle",
+                f"the particles do not resolve {name} as a continuous layer" if filled.any() else f"no particle lies in {name}",
                 f"{measured} of {dx:.3g} m" if there.any() else "it lies outside the ground, or under later layers",
-                f"a particle in every column, for which it has to be {dx:.3g} m thick at least",
+                f"in every column, which needs a thickness of at least {dx:.3g} m",
                 f"numerics.spacing, smaller, or layers.{name}.region, thicker, or write it as a seam (seams.{name}) instead",
                 subject=name,
                 off_by=off_by(min(columns, thickness / dx * crossed), crossed) if crossed else 1.0,
@@ -93,14 +93,16 @@ def broken(scene: Scene, particles: Particles) -> list[Finding]:
 
 
 def seam_rows(scene: Scene, particles: Particles) -> list[tuple[str, str]]:
-    """Name of each seam and, in words, how long it is in the soil, how many rows of particles it is made of, and its drawn thickness."""
+    """Name of each seam and, in words, how long it is in the soil, how many rows of particles it is made of, and its logged thickness."""
     side, _, _ = seam_sides(scene, particles)
     found = []
     for number, (name, seam) in enumerate(scene.seams.items(), 1):
         length, on_it = scene.length_in_soil(seam), int(np.count_nonzero(np.abs(side[: particles.n_soil]) == number))
         rows = on_it * scene.numerics.spacing / length
-        drawn = "no thickness drawn" if seam.thickness is None else f"drawn {seam.thickness:g} m thick, which is not used"
-        found.append((name, f"{length:.3g} m in the soil, {rows:.2g} rows of particles ({on_it:,}) slide along it; {drawn}"))
+        logged = (
+            "no thickness given" if seam.thickness is None else f"thickness {seam.thickness:g} m as logged (not used in the computation)"
+        )
+        found.append((name, f"{length:.3g} m in the soil, {rows:.2g} rows of particles ({on_it:,}) slide along it; {logged}"))
     return found
 
 

@@ -38,7 +38,7 @@ def of_loss(scene: Scene) -> list[Finding]:
     key, rate = max(rates.items(), key=lambda pair: pair[1])
     if not scene.coupling.softens_by_slip:
         what = "strength falls with time after failure, however little the soil moves; real soil loses it by slip"
-        wanted = "the slip at the residual strength, of a shear test"
+        wanted = "a loss by slip, with the slip at the residual strength from a shear test"
         told = finding("lost-by-time", what, f"gamma = {rate:g} 1/s", wanted, "coupling.softening.slip_at_residual")
         return [told] if scene.scheme != "paper" and rate > 0 else []
     found = []
@@ -50,7 +50,7 @@ def of_loss(scene: Scene) -> list[Finding]:
     height = slope_height(scene)
     if length < SHORTEST_ZONE * height:
         what = f"slip in {name} develops over a short zone, so the shaking at which the slope fails may depend on the spacing"
-        wanted = f"{SHORTEST_ZONE:g} heights, {SHORTEST_ZONE * height:.3g} m; else compare two spacings"
+        wanted = f"at least {SHORTEST_ZONE:g} slope heights, {SHORTEST_ZONE * height:.3g} m; otherwise compare two spacings"
         off = off_by(length, SHORTEST_ZONE * height)
         key = "coupling.softening.slip_at_residual"
         found.append(finding("progressive-failure", what, f"{length:.3g} m", wanted, key, subject=name, off_by=off))
@@ -65,8 +65,8 @@ def of_softening(scene: Scene) -> list[Finding]:
             finding(
                 "no-process-zone",
                 "soil fails as soon as its stress reaches its strength, so the shaking at which the slope fails depends on the spacing",
-                "no width",
-                "slips of a shear test and a width",
+                "no softening width",
+                "a width, with the slips from a shear test",
                 "coupling.softening",
                 NOTE if scene.scheme == "paper" else None,
             )

@@ -98,10 +98,10 @@ def not_rigid(scene: Scene, particles: Particles) -> list[Finding]:
     mean, period = mean_period(motion_of(scene)), natural_period(scene, particles)
     if not mean or period <= MOST_RIGID * mean:
         return []
-    tells = "slips too little" if period <= mean else "does not tell how far it moves"
-    what = f"the slope is not rigid under this motion, so that a rigid sliding block {tells}"
+    tells = "underestimates" if period <= mean else "does not represent"
+    what = f"the slope is not rigid under this motion: a rigid sliding block {tells} its displacement"
     measured = f"a natural period of {period:.2g} s, {period / mean:.2g} of the mean period of the motion"
-    return [finding("block-not-rigid", what, measured, f"at most {MOST_RIGID:g} (Jibson 2011)")]
+    return [finding("block-not-rigid", what, measured, f"at most {MOST_RIGID:g} for a rigid block (Jibson 2011)")]
 
 
 def peak_accelerations(scene: Scene) -> str:
@@ -193,4 +193,4 @@ def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
     if turned <= POLARITY * as_it_is:
         return []
     measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
-    return [finding("record-polarity", "the reversed record drives a sliding block further", measured, "runs of both directions", key)]
+    return [finding("record-polarity", "the reversed record drives a sliding block further", measured, "computed in both directions", key)]

@@ -170,10 +170,10 @@ def _at(spacing: float, scene: Scene) -> str:
 
 def _of_peak(peak: Peak, scene: Scene) -> Finding:
     if peak.trial.stands:
-        return finding("stands-unshaken", "the slope unshaken, at its peak strength", f"stands {_at(peak.spacing, scene)}")
+        return finding("stands-unshaken", "the slope without shaking, at peak strength", f"stands {_at(peak.spacing, scene)}")
     return finding(
         "fails-unshaken",
-        "the slope does not stand unshaken, so its failure is not due to the earthquake",
+        "the slope does not stand without shaking, so its failure is not due to the earthquake",
         f"fails at its peak strength, {peak.trial.displaced_area:.3g} m2 displaced ({peak.trial.status}) {_at(peak.spacing, scene)}",
         "to stand",
         "soil.cohesion and soil.friction_angle, or the geometry",
@@ -190,7 +190,7 @@ def _of_mobilised(peak: Peak) -> list[Finding]:
                 "mobilised-strength",
                 f"strength of {name} mobilised by gravity alone, before the shaking",
                 f"{100 * share:.0f} % of its peak strength",
-                f"less than {100 * USED_UP:.0f} %, or a known stress at the start" if near else "",
+                f"less than {100 * USED_UP:.0f} %, or computed from a known stress at the start" if near else "",
                 f"{'soil' if name == 'soil' else f'layers.{name}.soil'}.K0, or its strength" if near else "",
                 Severity.WARNING if near else None,
                 subject=name,
@@ -218,13 +218,13 @@ def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> l
     if trial.stands:
         return []
     measured = f"{trial.displaced_area:.3g} m2 displaced ({trial.status}) as it softens, {_at(peak.spacing, scene)}"
-    what = "left unshaken the slope fails as its soil softens: the result is not due to the earthquake alone"
+    what = "without shaking the slope fails as its soil softens: the result is not due to the earthquake alone"
     return [finding("fails-softened", what, measured, "to stand", key)]
 
 
 def _of_residual(trial: Trial, scene: Scene) -> Finding:
     own = "".join(f", {name} {layer.S_R:g}" for name, layer in scene.layers.items() if layer.S_R is not None)
-    what = f"the slope unshaken, at its residual strength (S_R {scene.coupling.S_R:g}{own})"
+    what = f"the slope without shaking, at residual strength (S_R {scene.coupling.S_R:g}{own})"
     if trial.stands:
         return finding("stands-at-residual", what, "stands: soil that fails comes to rest")
     return finding("fails-at-residual", what, "does not stand: soil that fails flows until the slope is flatter")
@@ -385,7 +385,7 @@ def study_stability(
             say(f"{names[0]}: {each.line()}")
             found.setdefault(each, []).extend(names)
     if unsearched:
-        how = "not searched, to save time; sph fos and sph yield-acceleration search one, also from the file of a run"
+        how = "not searched, to save time; run sph fos or sph yield-acceleration on the scene or on the file of a run"
         found[finding("stability-unknown", "factor of safety and yield acceleration of further slopes of the study", how)] = unsearched
     return [Row(each, len(names), names[0]) for each, names in found.items()]
 
@@ -415,7 +415,7 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
         kept = [name for name, layer in scenes[0].layers.items() if getattr(layer, key) is not None] if scenes else []
         if kept and len({getattr(scene.coupling, key) for scene in scenes}) > 1:
             measured = f"{', '.join(kept)} {'keeps its' if len(kept) == 1 else 'keep their'} own"
-            wanted = f"a dimension layers.{kept[0]}.{key}, or no {key} of the layer"
+            wanted = f"varied too (a dimension layers.{kept[0]}.{key}), or left out of the layer"
             found.append(
                 finding(
                     "own-strength-ratio",

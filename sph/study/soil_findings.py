@@ -36,23 +36,25 @@ def _of_soil(name: str, path: str, soil: Soil) -> list[Finding]:
     found = []
 
     def tell(code: str, what: str, key: str, measured: str, wanted: str, off: float) -> None:
-        found.append(finding(code, f"{what} of {name} is implausible", f"{key} {measured}", wanted, key, subject=name, off_by=off))
+        found.append(finding(code, what, f"{key} {measured}", wanted, key, subject=name, off_by=off))
 
     if not DENSITIES[0] <= soil.density <= DENSITIES[1]:
         wanted = "1,000 to 3,000 kg/m3"
         off = off_by(soil.density, min(DENSITIES, key=lambda bound: abs(bound - soil.density)))
-        tell("density-implausible", "the density", f"{path}.density", f"{soil.density:g} kg/m3", wanted, off)
+        tell("density-implausible", f"the density of {name} is implausible", f"{path}.density", f"{soil.density:g} kg/m3", wanted, off)
     speed = soil.s_wave_speed
     if not WAVE_SPEEDS[0] <= speed <= WAVE_SPEEDS[1]:
+        what = f"the stiffness of {name} is implausible"
         measured = f"{soil.youngs_modulus:g} kPa, V_s = {speed:.3g} m/s"
         off = off_by(speed, min(WAVE_SPEEDS, key=lambda bound: abs(bound - speed)))
-        tell("stiffness-implausible", "the stiffness", f"{path}.youngs_modulus", measured, "V_s of 30 to 3,500 m/s", off)
+        tell("stiffness-implausible", what, f"{path}.youngs_modulus", measured, "V_s = 30 to 3,500 m/s", off)
     if soil.cohesion > LARGEST_COHESION:
         off = off_by(soil.cohesion, LARGEST_COHESION)
-        tell("cohesion-implausible", "the cohesion", cohesion, f"{soil.cohesion:g} kPa", "at most 1,000 kPa; 20 kPa are 20000 Pa", off)
+        what = f"the cohesion of {name} is implausible"
+        tell("cohesion-implausible", what, cohesion, f"{soil.cohesion:g} kPa", "at most 1,000 kPa; 20 kPa are 20000 Pa", off)
     if soil.friction_angle < SMALLEST_ANGLE and soil.cohesion < SMALLEST_COHESION and not soil.gradient:
         measured = f"{soil.cohesion:g} kPa and {angle} {soil.friction_angle:g} degree"
-        wanted = f"a cohesion of {SMALLEST_COHESION:g} kPa or a friction angle of {SMALLEST_ANGLE:g} degree at least"
+        wanted = f"at least {SMALLEST_COHESION:g} kPa or at least {SMALLEST_ANGLE:g} degree"
         off = min(off_by(soil.cohesion, SMALLEST_COHESION), off_by(soil.friction_angle, SMALLEST_ANGLE))
-        tell("strength-implausible", "so low a peak strength", cohesion, measured, wanted, off)
+        tell("strength-implausible", f"the peak strength of {name} is implausibly low", cohesion, measured, wanted, off)
     return found

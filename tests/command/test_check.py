@@ -122,7 +122,7 @@ def test_whole_rows_have_to_make_the_height_of_a_slope_between_level_ground() ->
     assert misfit(1.0) == pytest.approx(0.0, abs=1e-9) and misfit(20.0 / 24) == pytest.approx(0.0, abs=1e-9)
     assert misfit(0.75) == pytest.approx(0.0125) and misfit(1.6) == pytest.approx(0.04)
     (one,) = [each for each in found(**{"numerics.spacing": 0.75}) if each.code == "rows-misfit"]
-    assert one.measured == "20.25 m for 20 m (+1.2%)" and one.wanted.startswith("a spacing of 0.7407 m")
+    assert one.measured == "20.25 m for 20 m (+1.2%)" and "a spacing of 0.7407 m" in one.wanted
     # A slope that stands on the model's base, without soil before its toe.
     bare = {"shape": "slope", "slope_height": 20.0, "base_depth": 0.0, "apron_length": 40.0, "crest_length": 40.0}
     assert misfit(1.0, geometry=bare) == pytest.approx(0.0, abs=1e-9) and misfit(1.5, geometry=bare) == pytest.approx(-0.025)
@@ -162,7 +162,7 @@ def test_the_peak_acceleration_is_shown_and_told_where_it_is_implausible(tmp_pat
     file.write_text(yaml.safe_dump(SOUND | {"motion": motion}))
     for command, *shown in (("check", "PGA "), ("info", "PGA "), ("motion", "(PGA)"), ("newmark", "peak ground acceleration")):
         result = call(command, file, *(["--ay", "1 m/s2"] if command == "newmark" else []))
-        assert all(word in result.output for word in (*shown, "m/s2 (36 g)", "warning", "is implausible", "wanted 0.01 to 2 g")), (
+        assert all(word in result.output for word in (*shown, "m/s2 (36 g)", "warning", "is implausible", "should be 0.01 to 2 g")), (
             result.output
         )
     for command in (("motion",), ("newmark", "--ay", "1m/s2")):
@@ -196,7 +196,7 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     file.write_text(yaml.safe_dump(SOUND))
     shown = call("check", file, "--set", "duration=8", "--plot", picture)
     assert shown.exit_code == 0, shown.output
-    assert "warning: the run ends before the motion does: 8 s, wanted more than 10 s" in shown.stdout
+    assert "warning: the run ends before the motion does: 8 s, should be more than 10 s" in shown.stdout
     assert picture.read_bytes().startswith(b"\x89PNG")
     assert "no warnings" in call("check", file).stdout
     data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
@@ -265,7 +265,7 @@ STEEP: dict[str, Any] = {
 def test_a_slope_that_does_not_stand_is_told_before_any_search() -> None:
     (fails,) = stability(scene(**STEEP, **{"soil.cohesion": 2.0, "numerics.spacing": 1.0}))
     assert (fails.code, fails.severity) == ("fails-unshaken", "error")
-    assert fails.what == "the slope does not stand unshaken, so its failure is not due to the earthquake"
+    assert fails.what == "the slope does not stand without shaking, so its failure is not due to the earthquake"
 
 
 @pytest.mark.long

@@ -13,7 +13,7 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
-from sph.stability.slip_search import LimitEquilibrium, applies, limit_equilibrium, worst_circle
+from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
 from sph.study.equilibrium import equilibrium_rows, found_equilibrium, of_equilibrium, slip_at_base
 
@@ -236,17 +236,7 @@ def test_a_difference_from_the_particles_is_told_with_what_applies() -> None:
     assert "above Spencer's" in stronger.what and "tension crack" in stronger.measured and "Davis" not in stronger.measured
 
 
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({}, True),  # without friction circles go as deep as they may
-        ({"walls.bedrock": {"density": 2200.0, "s_wave_speed": 900.0, "p_wave_speed": 1800.0}}, False),
-        ({"walls.base": "no_slip"}, False),
-        ({"soil.friction_angle": 30.0}, False),
-        ({"layers": {"deep": {"region": {"kind": "depth", "top": 12.0}, "soil": {"cohesion": 200.0}}}}, False),
-    ],
-)
-def test_a_slip_surface_that_ends_at_soil_which_goes_on_is_told(changes: dict[str, Any], told: bool) -> None:
+def clay(**changes: Any) -> Scene:
     data = {
         "name": "clay",
         "duration": 5.0,
@@ -264,10 +254,49 @@ def test_a_slip_surface_that_ends_at_soil_which_goes_on_is_told(changes: dict[st
         "damping": None,
         "numerics": {"spacing": 0.5},
     }
-    scene = make_scene(merge(data, dotted(changes)))
+    return make_scene(merge(data, dotted(changes)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, True),  # without friction circles go as deep as they may
+        ({"walls.bedrock": {"density": 2200.0, "s_wave_speed": 900.0, "p_wave_speed": 1800.0}}, False),
+        ({"walls.base": "no_slip"}, False),
+        ({"soil.friction_angle": 30.0}, False),
+        ({"layers": {"deep": {"region": {"kind": "depth", "top": 12.0}, "soil": {"cohesion": 200.0}}}}, False),
+    ],
+)
+def test_a_slip_surface_that_ends_at_soil_which_goes_on_is_told(changes: dict[str, Any], told: bool) -> None:
+    scene = clay(**changes)
     found = slip_at_base(scene, found_equilibrium(scene))
     assert [each.code for each in found] == ["slip-at-base"] * told
     assert all("geometry.base_depth, or walls.bedrock" in each.key for each in found)
+
+
+@pytest.mark.parametrize(
+    ("deep", "measured"),
+    [
+        (["bishop"], "the surface of Bishop's factor of safety"),
+        (["spencer"], "the surface of Spencer's factor of safety"),
+        (["critical"], "the surface of Spencer's yield acceleration"),
+        (["bishop", "spencer"], "the surfaces of Bishop's factor of safety and Spencer's factor of safety"),
+        (["spencer", "critical"], "the surfaces of Spencer's factor of safety and Spencer's yield acceleration"),
+        (
+            ["bishop", "spencer", "critical"],
+            "the surfaces of Bishop's factor of safety, Spencer's factor of safety and Spencer's yield acceleration",
+        ),
+    ],
+)
+def test_the_surfaces_that_reach_the_base_are_named_by_method_and_limit(deep: list[str], measured: str) -> None:
+    """Hand-made surfaces, at the base or 3 m above it."""
+    surfaces = {
+        name: Surface(1.5, "circle", np.array([40.0, 50.0]), np.full(2, 0.0 if name in deep else 3.0), np.zeros(1, int), 0.0, 0.0)
+        for name in LimitEquilibrium._fields
+    }
+    (found,) = slip_at_base(clay(), LimitEquilibrium(**surfaces))
+    assert found.measured == measured
+    assert f": {measured}, should lie above the base, or end on stiff ground; change geometry.base_depth" in found.sentence()
 
 
 def test_what_is_no_slope_of_solid_soil_is_refused_and_has_no_rows() -> None:

@@ -84,7 +84,7 @@ def test_layers_of_three_rows_are_continuous(region: dict[str, Any]) -> None:
 
 def test_a_layer_without_a_particle_is_told() -> None:
     (outside,) = told({"kind": "elevation", "top": 400.0})
-    assert outside.code == "layer-broken" and "has no particle" in outside.what and "outside the ground" in outside.measured
+    assert outside.code == "layer-broken" and "no particle lies in" in outside.what and "outside the ground" in outside.measured
     (between_rows,) = told(level(435.55, 0.4))
     assert between_rows.measured == "particles in 0 of the 120 columns that it crosses, 0.4 m thick at a spacing of 1 m"
 
@@ -114,7 +114,7 @@ def test_a_seam_is_there_without_a_gap_at_any_spacing(spacing: float) -> None:
     assert upright.min() > 4.0 and upright.max() < 6.5
     assert set(np.sign(side)) == {-1, 0, 1}
     ((name, told),) = seam_rows(one, particles)
-    assert name == "clay" and "5." in told and "drawn 0.4 m thick, which is not used" in told
+    assert name == "clay" and "5." in told and "thickness 0.4 m as logged" in told
     assert "layer-broken" not in {each.code for each in findings(one)}
 
 

@@ -298,7 +298,7 @@ def test_the_command_measures_a_record_and_what_a_scene_makes_of_it(records: Pat
     assert shown.exit_code == 0 and "Arias" in shown.stdout and (records / "m.png").stat().st_size > 10_000
     assert motion_of(load_scene(scene)).peak == pytest.approx(np.abs(BURST).max())
     assert set(shown.stderr.splitlines()) <= {"sph: reading the motion and measuring it ..."}, "nothing to warn of"
-    assert "wanted more than 2.995 s" in motion(scene, "--set", "duration=2.5").stderr, "a record that the scene cuts off"
+    assert "should be more than 2.995 s" in motion(scene, "--set", "duration=2.5").stderr, "a record that the scene cuts off"
 
 
 def test_what_the_command_refuses(records: Path) -> None:
