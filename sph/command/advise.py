@@ -14,6 +14,7 @@ from sph.experiments.trade.advice import Advice, Resolution, percent
 from sph.experiments.trade.design import is_mean
 from sph.experiments.trade.table import WORDS, summary
 from sph.scene.configuration import flat
+from sph.study.cost import ON_REFERENCE
 
 MEAN = "mean of a run on each lattice: make numerics.lattice_shift a dimension of the study, and the rest its fidelity"
 
@@ -38,10 +39,11 @@ def for_scene(
 ) -> tuple[list[str], bool]:
     """Lines of text on the spacings of a scene's slope, with their computing times (s), and whether one is within an error."""
     fitting = [each for each in found if each.agrees and max(each.errors[name] for name in quantities) <= error]
-    lines = ["rows over the height  spacing (m)  displacement  run-out  time on one core (s)"]
+    head = f"time {ON_REFERENCE} (s)"
+    lines = [f"rows over the height  spacing (m)  displacement  run-out  {head}"]
     lines += [
         f"{each.rows:20.3g}  {each.spacing:11.4g}  {percent(each.errors['displacement']):>12}  {percent(each.errors['runout']):>7}"
-        f"  {seconds[each.spacing]:20.3g}"
+        f"  {seconds[each.spacing]:{len(head)}.3g}"
         for each in found
     ]
     asked = f"{' and '.join(WORDS[name] for name in quantities)} within {percent(error)}"

@@ -13,7 +13,7 @@ from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
-from sph.study.cost import cost
+from sph.study.cost import ON_REFERENCE, cost
 from sph.study.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base
 from sph.study.finding import Finding
 from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
@@ -75,7 +75,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
         ("motion", shaking),
         ("PGA", peak_accelerations(scene)),
         ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),
-        ("computing time", f"{expected.seconds:,.3g} s on one core, if the soil fails"),
+        ("computing time", f"{expected.seconds:,.3g} s {ON_REFERENCE}, if the soil fails"),
         ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),
     ]
 

@@ -2,7 +2,7 @@
 
 Exit codes: 0 done; 2 refused, with one message that names the cause and the remedy: the scene, the command line, a file that cannot be
 read or written (earlier files are as they were), or nothing measured is as good as asked; 3 the run was stopped by its guard (status
-``diverged``), and the run so far was written; 4 a result is not what is planned now (``explain``).  A static test that diverges after
+``diverged``), and the run so far was written; 4 a result is out of date or altered (``explain``).  A static test that diverges after
 the slope has failed counts as failed: 0.  Anything else is a fault of the program, with a traceback (1), or of its surroundings: 1
 without one where nobody reads what is printed (``| head``), 130 interrupted, 137 killed; ``sph run`` then continues from its checkpoint.
 """
@@ -70,7 +70,7 @@ def _version(asked: bool) -> None:
 
 @app.callback()
 def common(
-    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and end")] = False,
+    version: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="print the version and exit")] = False,
 ) -> None:
     """Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics."""
 
@@ -207,7 +207,7 @@ def check(
     static: Annotated[
         bool,
         typer.Option(
-            "--stability", help="also whether the slope stands unshaken, its factor of safety and yield acceleration; takes minutes"
+            "--stability", help="also whether the slope stands without shaking, its factor of safety and yield acceleration; takes minutes"
         ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and findings")] = False,
@@ -345,7 +345,7 @@ def status(
         typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity> of any study here; by default the configured one"),
     ] = None,
     configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
-    watching: Annotated[bool, typer.Option("--watch", help="look again every 2 s until all simulations are done")] = False,
+    watching: Annotated[bool, typer.Option("--watch", help="refresh every 2 s until all simulations are done")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, a row for each job")] = False,
 ) -> None:
     """Follow a running study from a second terminal: jobs done, running, failed and waiting, and the time left; it only reads files."""
@@ -377,7 +377,7 @@ def explain(
     configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable")] = False,
 ) -> None:
-    """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 if one is not what is planned now."""
+    """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 if one is out of date or altered."""
     from sph.command.explain import explain, lines, record
 
     with refusals("reading the runs and measuring them again"):
@@ -464,7 +464,7 @@ def yield_acceleration(
 )
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
-    scene: Annotated[Path | None, typer.Argument(metavar="[SCENE]", help="scene of your own slope, of whose spacings it speaks")] = None,
+    scene: Annotated[Path | None, typer.Argument(metavar="[SCENE]", help="scene of your own slope, whose spacings to rate")] = None,
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
     of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
     scheme: Annotated[str, typer.Option(help="scheme of the scenes: paper, or resolved for your own slopes")] = "paper",
@@ -472,9 +472,9 @@ def advise(
         Path | None, typer.Option(help="trade.csv or resolution.csv to answer from; by default the one measured for this release")
     ] = None,
 ) -> None:
-    """Name the cheapest setting that was measured to be within an error; if there is none, the most accurate, with exit code 2.
+    """Name the cheapest measured setting within a given error, or the most accurate one (exit code 2) if there is none.
 
-    Of a scene: the errors of several spacings on its slope, in rows of particles over the height, and the coarsest within the error.
+    With a scene: the errors of several spacings on its slope, in rows of particles over the height, and the coarsest within the error.
     """
     with refusals("reading the table"):
         from sph.command.advise import for_scene, lines
@@ -552,7 +552,7 @@ def site(
     out: Annotated[Path | None, typer.Option(help="scene to write (YAML), with the strain-compatible stiffness and damping")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: strains and damping as ratios, SI units")] = False,
 ) -> None:
-    """Find the stiffness and damping of each layer that fit the strains of the scene's shaking: equivalent-linear site response."""
+    """Find the strain-compatible stiffness and damping of each layer (equivalent-linear site response)."""
     with refusals("shaking a column of the scene"):
         from sph.command.site import COLUMNS, darendeli, lines, respond, rows, write_compatible
         from sph.scene.configuration import merge, scene_files
@@ -579,17 +579,17 @@ def site(
 def cost(
     study: Annotated[
         Path,
-        typer.Argument(metavar="STUDY", help="configuration of a study (YAML); one that names no scene is laid over config/config.yaml"),
+        typer.Argument(metavar="STUDY", help="configuration of a study (YAML); one without a scene overrides keys of config/config.yaml"),
     ],
     fidelity: Annotated[str | None, typer.Option(help="one of the study's fidelities; by default the one that it names")] = None,
     cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; by default all of this machine")] = None,
     speed: Annotated[
-        float | None, typer.Option(help="speed of a core over that of the reference machine; by default measured here, or on finished runs")
+        float | None, typer.Option(help="speed of a core relative to the reference machine; by default measured here, or on finished runs")
     ] = None,
-    start: Annotated[float, typer.Option(min=0, max=3600, help="time that each job needs to start, s; some 10 on a cluster")] = 1.5,
+    start: Annotated[float, typer.Option(min=0, max=3600, help="start-up time of each job, s; about 10 on a cluster")] = 1.5,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
-    """Predict the cost of a study: core-hours, wall time, memory and disk, in total and for the runs that are left."""
+    """Predict the cost of a study: core-hours, wall time, memory and disk, in total and for the remaining runs."""
     with refusals("building the scenes of the study and measuring the speed of a core"):
         from sph.command.cost import lines, record, study_cost
         from sph.command.status import located
@@ -625,7 +625,7 @@ def motion(
     ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
-    """Measure a ground motion, a record as it is or processed, or that of a scene: peaks, Arias intensity, durations, spectrum."""
+    """Measure a ground motion (a record, raw or processed, or the motion of a scene): peaks, Arias intensity, durations, spectrum."""
     with refusals("reading the motion and measuring it"):
         from sph.command.motion import measures, read_shaking, rows
 

@@ -244,7 +244,7 @@ def _row(table: Table, row: Mapping[str, str], known: Callable[[str], tuple[Orig
     try:
         found = [known(file) for file in table.files(row)]
     except KeyError:
-        found = [(Origin("-", "", [], "", "", "", ["no such run is planned now"]), None)]
+        found = [(Origin("-", "", [], "", "", "", ["the present configuration has no such run"]), None)]
     runs = [run for _, run in found if run is not None]
     again = table.values(runs) if len(runs) == len(found) else {}
     numbers = []
@@ -285,8 +285,8 @@ def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
     agreeing = sum(not row.differs for row in rows)
     what = "the run agrees" if agreeing and not rows[0].point else "agrees" if len(rows) == 1 else f"{agreeing} of {len(rows)} rows agree"
     if agreeing < len(rows) == 1:
-        return [*text, "does not agree with what is planned now; repeat the snakemake command, which remakes what it knows is outdated; "
-                "delete a file to have it remade in any case"]  # fmt: skip
+        return [*text, "does not agree with the present configuration, files or solver; repeat the snakemake command, which remakes the "
+                "files it knows to be outdated, or delete a file to force it"]  # fmt: skip
     return [*text, f"{what} with the configuration, the files on disk and the installed solver"]
 
 

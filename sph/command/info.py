@@ -9,7 +9,7 @@ from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
-from sph.study.cost import cost, needs
+from sph.study.cost import ON_REFERENCE, cost, needs
 from sph.study.findings import choices, findings, strengths, uncertain_rows, water_rows
 from sph.study.layer_findings import seam_rows
 from sph.study.motion_findings import peak_accelerations
@@ -71,8 +71,8 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     rows += [(found.severity, f"{found.sentence()} [{found.code}]") for found in findings(scene, particles)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
-        ("estimated cost", f"{expected.seconds:.3g} s on one core ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),
+        ("estimated cost", f"{expected.seconds:.3g} s {ON_REFERENCE} ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),
         ("memory and disk", f"{expected.memory:.0f} MiB while it runs, {expected.disk:.1f} MiB for its trajectory"),
-        ("asks of a cluster", f"{asked.mem_mb} MB, {asked.runtime} min"),
+        ("cluster request", f"{asked.mem_mb} MB, {asked.runtime} min"),
     ]
     return rows

@@ -175,7 +175,7 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
     packing = Packing()
     place = packing.text(configuration, "study")
     if laid_over:
-        packing.text(Path(DEFAULT), "what the study is laid over")
+        packing.text(Path(DEFAULT), "configuration whose keys the study overrides")
     scene = packing.name_of(plan.study.scene, Role.SCENE, "scene", f"{configuration}: scene")
     if results:
         packing.add_results(plan, os.path.normpath(scene))

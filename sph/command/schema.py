@@ -20,7 +20,7 @@ MODELS: dict[str, type[BaseModel]] = {
 
 
 def json_schema(name: str) -> dict[str, Any]:
-    """The schema of a file; that of a study asks for no key, since a study may be laid over another."""
+    """The schema of a file; that of a study asks for no key, since a study may override keys of another."""
     schema = {"$schema": "https://json-schema.org/draft/2020-12/schema"} | MODELS[name].model_json_schema()
     if name == "study":
         schema.pop("required", None)

@@ -121,7 +121,7 @@ def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
     worst = max(found, key=lambda each: each.strain)
     if not worst.strain < LARGEST_STRAIN:
         where, most = ("soil", *scene.layers)[worst.stratum.number], f"{100 * worst.strain:.2g} %"
-        words = f"beyond {100 * LARGEST_STRAIN:g} % equivalent-linear analysis says nothing: the soil fails, which a run shows"
+        words = f"beyond {100 * LARGEST_STRAIN:g} % equivalent-linear analysis is not valid: the soil fails, so run the scene"
         raise ValueError(f"{scene.name}: {where} is strained by {most}, and {words}")
     if not max(each.max_error for each in parts) < TOLERANCE:
         raise ValueError(f"{scene.name}: modulus and damping do not settle in {ROUNDS} rounds; the shaking is too strong for the method")

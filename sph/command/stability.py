@@ -62,7 +62,7 @@ def answer(
     """
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
     if single and spacings is not None:
-        raise ValueError("--single: takes the scene's own spacing, --spacings two others; give one of them")
+        raise ValueError("--single: uses the scene's own spacing, --spacings uses two others; give one of them")
     told = findings(scene)
     if not single:
         told += broken_at(scene, two_spacings(scene, used, spacings))

@@ -289,8 +289,8 @@ def sentence(states: Sequence[State]) -> str:
     basis = f"by {_number(measured, 'benchmark')}" if measured else "by what the running jobs say"
     at_least = f"; {_number(found.unknown, 'job')} of unknown time not counted" if found.unknown else ""
     if math.isnan(found.time):
-        return f"nothing is running; {duration(found.work)} of computing are left, {basis}{at_least}"
-    return f"time left: about {duration(found.time)} with the {running} now at work, {basis}{at_least}; tables and figures take some more"
+        return f"nothing is running; {duration(found.work)} of computing remain, {basis}{at_least}"
+    return f"time left: about {duration(found.time)} with the {running} running now, {basis}{at_least}; tables and figures need more time"
 
 
 def _number(count: int, what: str) -> str:

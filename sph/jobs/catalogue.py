@@ -127,7 +127,7 @@ class Catalogue:
 
 def _among(rows: Mapping[str, Run], file: str) -> Run:
     if file not in rows:
-        raise ValueError(f"{file}: no such run is planned now")
+        raise ValueError(f"{file}: the present configuration has no such run")
     return rows[file]
 
 

@@ -5,4 +5,4 @@ REFUSED = 2
 DIVERGED = 3
 """Stopped by the guard of the run."""
 DIFFERS = 4
-"""A result is not what is planned now."""
+"""A result is out of date or altered."""

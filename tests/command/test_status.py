@@ -200,8 +200,7 @@ def test_words_for_what_is_left(study: Folder) -> None:
     assert sentence(study.states()) == "time left: unknown until the first job is done"
     study.finish("gravity", 6.0)
     assert (
-        sentence(study.states())
-        == "nothing is running; 1 min 36 s of computing are left, by 1 benchmark; 3 jobs of unknown time not counted"
+        sentence(study.states()) == "nothing is running; 1 min 36 s of computing remain, by 1 benchmark; 3 jobs of unknown time not counted"
     )
     for name in study.jobs:
         study.finish(name, 1.0)

@@ -105,7 +105,9 @@ class TestResolution:
             "numerics": {"spacing": 1.26},
             "coupling": {"softening": {"slip_at_residual": 0.025}},
         }
-        assert expected_sentence(load_scene(SLOPE_ON_ROCK, settings)).endswith("the coarsest that was is 1.25 m on a slope of this height")
+        assert expected_sentence(load_scene(SLOPE_ON_ROCK, settings)).endswith(
+            "the coarsest spacing measured is 1.25 m on a slope of this height"
+        )
 
     def test_another_scheme_or_failure_at_once_has_no_expectation(self) -> None:
         for other in (

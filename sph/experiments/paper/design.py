@@ -34,7 +34,7 @@ class PaperFigures(FigureCases):
 class AnyStudy(Study):
     """The configuration of the workflow: a study's, with the keys of the paper's.
 
-    One over other dimensions has no use for these, but need not take them out of the configuration that it is laid over.
+    One over other dimensions has no use for these, but need not remove them from the configuration that it overrides.
     """
 
     figures: PaperFigures = key(

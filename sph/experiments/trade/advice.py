@@ -171,7 +171,7 @@ def expected_sentence(scene: Scene) -> str:
     if scene.scheme == "resolved" and isinstance(scene.geometry, SLOPES):
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:
-            return f"not measured at this spacing: the coarsest that was is {coarsest:.3g} m on a slope of this height"
+            return f"not measured at this spacing: the coarsest spacing measured is {coarsest:.3g} m on a slope of this height"
     return "not measured: no variant of the cost-accuracy study has these numerics"
 
 
