@@ -190,7 +190,7 @@ def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     below = shaking[shaking < shaking[table["collapse_class"] != STABLE].min()].max()  # a run that diverged is not known to stand
     of = " in the weakest case" if len(dimensions) > 1 else ""
     if math.isnan(gone):
-        return f"no failure up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
+        return f"no failure found up to {in_both(shaking.max())}: no run goes beyond the class {STABLE}"
     return f"at most {in_both(gone)}{of}" if math.isnan(below) else f"between {in_both(below)} and {in_both(gone)}{of}"
 
 

@@ -99,7 +99,7 @@ def not_rigid(scene: Scene, particles: Particles) -> list[Finding]:
     if not mean or period <= MOST_RIGID * mean:
         return []
     tells = "underestimates" if period <= mean else "does not represent"
-    what = f"the slope is not rigid under this motion: a rigid sliding block {tells} its displacement"
+    what = f"the slope is not rigid under this motion, so a rigid sliding block {tells} its displacement"
     measured = f"a natural period of {period:.2g} s, {period / mean:.2g} of the mean period of the motion"
     return [finding("block-not-rigid", what, measured, f"at most {MOST_RIGID:g} for a rigid block (Jibson 2011)")]
 

@@ -207,7 +207,7 @@ def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> l
     Without soil that fails at the peak strength none softens, and the test at that strength is the answer.
     """
     softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
-    what = "soil is at its strength under gravity alone and softens before the shaking: the result is not due to an earthquake"
+    what = "soil is at its strength under gravity alone and softens before the shaking, so the result is not due to an earthquake"
     key = f"coupling.softening{'' if scene.coupling.softening is None else '.slip_at_peak'}, or soil.cohesion and soil.friction_angle"
     if not softens or not peak.begun:
         return []
@@ -218,7 +218,7 @@ def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> l
     if trial.stands:
         return []
     measured = f"{trial.displaced_area:.3g} m2 displaced ({trial.status}) as it softens, {_at(peak.spacing, scene)}"
-    what = "without shaking the slope fails as its soil softens: the result is not due to the earthquake alone"
+    what = "without shaking the slope fails as its soil softens, so the result is not due to the earthquake alone"
     return [finding("fails-softened", what, measured, "to stand", key)]
 
 

@@ -382,7 +382,7 @@ def test_whether_it_stands_is_said_once() -> None:
     stands, fails = (Row(Finding(code, "note", "", ""), 2, "one") for code in ("stands-unshaken", "fails-unshaken"))
     table = pd.DataFrame({"status": ["complete", "failed_unshaken"], "failed_unshaken": [1e-4, 0.2]})
     assert unshaken(table, [fails])[0] == "does not stand in 2 of 2 runs"
-    assert unshaken(table, [stands])[0] == "fails in 1 of 2 runs" and "at its peak strength it stands" in unshaken(table, [stands])[1]
+    assert unshaken(table, [stands])[0] == "fails in 1 of 2 runs" and "stands at peak strength" in unshaken(table, [stands])[1]
     assert unshaken(table[:1], [stands])[0] == "stands", "a particle at yield is no slope that fails"
     assert unshaken(table[:1], [])[0] == "not tested"
     narrow = Row(Finding("factor-of-safety", "warning", "", "1.05 ± 0.10, quick"), 1, "one")
@@ -394,20 +394,20 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     rows = [("5", "1", "stable"), ("5", "2", "minor"), ("50", "1", "stable"), ("50", "2", "stable")]
     table = pd.DataFrame(rows, columns=["soil.cohesion", "amplitude", "collapse_class"]).assign(status="complete")
     assert going(table, [cohesion, shaking]) == "between 1 m/s2 (0.102 g) and 2 m/s2 (0.204 g) in the weakest case"
-    assert going(table.iloc[2:], [cohesion, shaking]).startswith("not up to 2 m/s2 (0.204 g)")
+    assert going(table.iloc[2:], [cohesion, shaking]).startswith("no failure found up to 2 m/s2 (0.204 g)")
     assert going(table.iloc[1:2], [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)")
     diverged = table.assign(collapse_class=["stable", "minor", UNDETERMINED, "stable"])
     assert going(diverged, [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)"), "a run that diverged is not known to stand"
     assert going(table.drop(columns="amplitude"), [cohesion]) == "one shaking only"
     weak = table.assign(status=["failed_unshaken", "failed_unshaken", "complete", "complete"])
-    assert going(weak, [cohesion, shaking]).startswith("not up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
+    assert going(weak, [cohesion, shaking]).startswith("no failure found up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
-    many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back")
+    many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="")
     shown = levels(many, [shaking], "A")
-    assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")]
-    met = levels(many.assign(reached_side="front back", runout=9.0), [shaking], "A")
-    assert met.rows[0][2:4] == ("≥ 2.00", "≥ 9.00") and "would have gone further" in met.note
+    assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")] and "upper bound" not in shown.note
+    met = levels(many.assign(reached_side="front back", runout=9.0, findings="thin-box block-not-rigid"), [shaking], "A")
+    assert met.rows[0][2:4] == ("≥ 2.00", "≥ 9.00") and "would have gone further" in met.note and "upper bound" in met.note
 
 
 def test_a_search_says_at_which_intensity_the_slope_goes(tmp_path: Path) -> None:
