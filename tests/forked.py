@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any
 
 SERVER, FORK = multiprocessing.get_context("forkserver"), multiprocessing.get_context("fork")
-SERVER.set_forkserver_preload(["snakemake.cli", "sph.jobs.catalogue", "sph.figures", "sph.page", "sph.solver.run", "sph.stability.record", "compiling"])
+PRELOADED = ("snakemake.cli", "sph.jobs.catalogue", "sph.figures", "sph.page", "sph.solver.run", "sph.stability.record", "compiling")
 """What the Snakefile and the scripts import; a module that is not there any more costs time and nothing else."""
+SERVER.set_forkserver_preload([*PRELOADED])
 
 
 def _main(arguments: list[str], folder: Path, environment: dict[str, str], said: tuple[str, str]) -> None:

@@ -47,7 +47,7 @@ class StudyCost(NamedTuple):
     runs: int
     jobs: int
     jobs_left: int
-    particles: int  # of the largest scene
+    particles: int  # of the longest run
     steps: int  # of the longest run
     run: float  # s, the longest run from its gravity stage to its end
     shared: float  # s on one core, of the stages that runs share: gravity, and the shaking up to the first failure
@@ -86,7 +86,7 @@ def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, s
         runs,
         len(states),
         len(waits),
-        max(part.particles for _, part in found),
+        longest.particles,
         longest.steps,
         longest.seconds / known.value,
         sum(part.seconds for state, part in found if state.job.run.kind not in (Kind.RUN, Kind.SEARCH)) / known.value,

@@ -69,6 +69,9 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     assert one["wall"] == one["left"] and one["left"] / 2 <= two["wall"] < one["wall"]
     assert one["memory"] < two["memory"] <= 2 * one["memory"] and two["computing"] == one["computing"]
     fine = predicted(config, "--speed", 1, "--cores", 1, "--fidelity", "fine")
+    scenes = located(None, config).plan.at("fine")
+    of_a_run = cost(scenes.built(**next(iter(scenes.study.runs.values())))).particles
+    assert fine["particles"] == of_a_run, "not of the search, which has finer particles"
     assert fine["folder"].endswith("small/fine") and fine["run"] > 2 * one["run"] and fine["disk"] > 2 * one["disk"]
     slow = predicted(config, "--speed", 0.5, "--cores", 1)
     assert slow["run"] == 2 * one["run"] and slow["computing"] > one["computing"]
