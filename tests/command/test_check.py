@@ -202,6 +202,7 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
     assert [(one["code"], one["severity"], one["key"]) for one in data["findings"]] == [
         ("motion-cut-off", "warning", "duration, above 10 s"),
+        ("block-not-rigid", "note", ""),
         ("no-process-zone", "note", "coupling.softening"),
     ]
     assert call("check", file, "--set", "geometry.base=445").exit_code == REFUSED
