@@ -19,7 +19,7 @@ from sph.scene.ground_motion import read_record
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
-from sph.study.findings import PLACEHOLDER
+from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
 COARSE_ROWS, ROWS, FINE_ROWS = 15, 20, 30
@@ -30,9 +30,6 @@ DEPTH = 0.4
 """Soil below the lowest ground, over the slope's height."""
 START, AFTER = 3.0, 5.0
 """Beginning of the record, after the gravity stage, and what is simulated after its end, s."""
-SPEED = 250.0
-"""Speed of shear waves in the soil that stands in the scene until it is replaced, m/s."""
-DENSITY, POISSON = 1900.0, 0.3
 LONGEST_TITLE = 100
 """Most characters of the ground file's name in the title."""
 
@@ -51,15 +48,17 @@ geometry:
   file: {ground}
   base: {base:g} # m, elevation of the model's base; deeper than any slip surface
   downhill: {downhill}
-# Waves leave through base and sides, and the motion is that of the bedrock's outcrop; put the sides on level ground beyond the debris.
-# base: no_slip, sides: free_slip is a rigid box, which reflects them
-walls: {{base: absorbing, sides: absorbing}}
+# Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is that of an outcrop of what lies below
+# the base. bedrock: null means that the lowest soil goes on below; for a motion of rock describe the rock, in kg/m3 and m/s:
+#   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
+# base: no_slip, sides: free_slip is a rigid box, which reflects the waves
+walls: {{base: absorbing, sides: absorbing, bedrock: null}} #         REPLACE null where there is rock below
 soil:
   density: {density:g} # kg/m3                                         REPLACE
-  shear_wave_speed: {speed:g} # m/s; or youngs_modulus in kPa          REPLACE
-  poisson_ratio: {poisson:g} #                                           REPLACE
-  cohesion: 20.0 # kPa, at the peak                                REPLACE
-  friction_angle: 30.0 # degree, at the peak                       REPLACE
+  shear_wave_speed: {s_wave_speed:g} # m/s; or youngs_modulus in kPa          REPLACE
+  poisson_ratio: {poisson_ratio:g} #                                           REPLACE
+  cohesion: {cohesion:.1f} # kPa, at the peak                                REPLACE
+  friction_angle: {friction_angle:.1f} # degree, at the peak                       REPLACE
   dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay
   viscosity: 2.0 # Pa s, of debris beyond its yield stress; matters little
   # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure is
@@ -70,7 +69,9 @@ coupling:
   # From the same test, m: displacement at the end of the peak and where the residual strength is reached (docs/model/softening.md)  REPLACE
   # width: of the soil that yields before a slip surface forms, at least three spacings
   softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}}
-damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} # at the slope's own frequency, V_s / 4H, and five times that
+# Ratio at two frequencies: the ground's own, V_s / 4H with the height H of the crest above the base ("column frequency" of sph info), and
+# five times that; it also brakes blocks that have not failed
+damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} #           REPLACE after the soil
 motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
   spacing: {spacing:g} # m, {rows} whole rows over the height of the slope; {finer:g} to see what finer ones change
@@ -83,8 +84,10 @@ scene: {scene}
 fidelity: own
 second_fidelity: coarse # every run again with coarser particles, for 0.4 of the time: the page then says what they change; null: no
 grid:
-  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that
-  S_R: ["0.3", "0.5", "0.7"] # of soil and layers without an S_R of their own; that of a layer is layers.NAME.S_R
+  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that; put your design peak among them, as "0.4g"
+  # Of soil and layers without an S_R of their own; that of a layer is layers.NAME.S_R. Soil with both residual_cohesion and
+  # residual_friction_angle does not feel S_R: vary those keys instead
+  S_R: ["0.3", "0.5", "0.7"]
 fidelities:
   coarse: {{numerics: {{spacing: {coarse:g}}}}} # for a first look, and to compare with
   own: {{}} # the scene as it is
@@ -109,9 +112,9 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
     line, downhill = _ground(ground)
     motion = read_record(record, component=component)
     height = line.slope_height
-    spacing, frequency = height / ROWS, _digits(SPEED / (4.0 * height), 2)
+    spacing, frequency = height / ROWS, _digits(PLACEHOLDER_SOIL["s_wave_speed"] / (4.0 * line.height), 3)
     name = _name(folder.resolve())
-    facts: dict[str, Any] = {
+    facts: dict[str, Any] = PLACEHOLDER_SOIL | {
         "scene_schema": _schema_line("scene", folder),
         "study_schema": _schema_line("study", folder),
         "name": quoted(name),
@@ -125,10 +128,7 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
         "base": line.base,
         "downhill": downhill,
-        "density": DENSITY,
-        "poisson": POISSON,
-        "rest": POISSON / (1.0 - POISSON),
-        "speed": SPEED,
+        "rest": PLACEHOLDER_SOIL["poisson_ratio"] / (1.0 - PLACEHOLDER_SOIL["poisson_ratio"]),
         "width": _digits(WIDTH * height, 2),
         "low": frequency,
         "high": 5.0 * frequency,

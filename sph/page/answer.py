@@ -80,7 +80,7 @@ def answer(
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
         *answer_spacing(found(SPACINGS)),
-        *at_places(table),
+        *at_places(table, scene.numerics.spacing),
         *yearly(found(ANNUAL)),
     ]
     return Answer(
@@ -201,7 +201,7 @@ def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:
         rows = read_spacing(file)
         runs = [set(of["verdict"]) == {CONVERGED} for _, of in rows.groupby("run")]
         at = " and ".join(f"{rows[name].iloc[0]:.3g} m" for name in ("spacing", "second_spacing"))
-        facts.append(("Spacing", f"converged in {sum(runs)} of {len(runs)} runs", f"all runs with particles of {at}"))
+        facts.append(("Spacing", f"{CONVERGED} in {sum(runs)} of {len(runs)} runs", f"all runs with particles of {at}"))
     return facts
 
 
@@ -234,8 +234,9 @@ def drifts(files: Sequence[str], probe: str) -> list[str]:
     return found
 
 
-def at_places(table: pd.DataFrame) -> list[tuple[str, str, str]]:
-    """What the debris does at each place: in how many runs it is reached, how deep it lies there and when it arrives."""
+def at_places(table: pd.DataFrame, spacing: float) -> list[tuple[str, str, str]]:
+    """What the debris does at each place: in how many runs it is reached, how deep it lies there and when it arrives; where it is reached
+    in none, by how much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it."""
     facts = []
     for place in places_in(table.columns):
         passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
@@ -247,6 +248,8 @@ def at_places(table: pd.DataFrame) -> list[tuple[str, str, str]]:
             words, first = f"not reached in {known} runs", ""
             if known:
                 first = f"the debris stops at least {metres(-passed.max())} m short of it"
+                if depth.max() > 0.5 * spacing:
+                    words += f"; the ground there rises by up to {metres(depth.max())} m"
         facts.append((f"At {place}", words, first))
     return facts
 

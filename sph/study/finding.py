@@ -70,7 +70,9 @@ CODES: dict[str, Code] = {
     "soil-not-replaced": Code(WARNING, "the soil is still that of `sph new`"),
     "rigid-box": Code(WARNING, "a rigid box reflects waves: the slope is shaken harder than on a site where they radiate away"),
     "no-dilation": Code(NOTE, "soil with friction does not dilate: a dilation angle of 0"),
-    "own-strength-ratio": Code(WARNING, "the study varies an S_R or γ that does not reach layers with one of their own"),
+    "own-strength-ratio": Code(
+        WARNING, "the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that no soil feels"
+    ),
     "short-process-zone": Code(WARNING, "the width over which slip is averaged is narrower than three spacings"),
     "lost-by-time": Code(NOTE, "strength falls with time after failure, however little the soil moves; a warning beside a loss by slip"),
     "progressive-failure": Code(

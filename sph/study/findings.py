@@ -59,6 +59,8 @@ SHARE_OF_LIMIT = 0.8
 
 PLACEHOLDER = "(the soil is not replaced yet)"
 """What the title of a scene ends with that ``sph new`` has written."""
+PLACEHOLDER_SOIL = {"density": 1900.0, "s_wave_speed": 250.0, "poisson_ratio": 0.3, "cohesion": 20.0, "friction_angle": 30.0}
+"""The soil that it writes, to be replaced, in the units of the scene's keys."""
 
 
 def growth_words(soil: Soil, part: float = 1.0) -> str:
@@ -153,9 +155,12 @@ def of_choices(scene: Scene) -> list[Finding]:
     if scene.scheme == "paper":
         return []
     found = []
-    if scene.title.endswith(PLACEHOLDER):
+    same = all(math.isclose(getattr(scene.soil, name), value, rel_tol=1e-6) for name, value in PLACEHOLDER_SOIL.items())
+    if same or scene.title.endswith(PLACEHOLDER):
         wanted = "your soil and a title of your own"
-        found.append(finding("soil-not-replaced", "the soil is still that of sph new", scene.title, wanted, "soil, title"))
+        values = ", ".join(f"{name} {value:g}" for name, value in PLACEHOLDER_SOIL.items())
+        measured = values if same else scene.title
+        found.append(finding("soil-not-replaced", "the soil is still that of sph new", measured, wanted, "soil, title"))
     if _is_rigid(scene) and highest_frequency(scene):
         wanted = "absorbing, where waves radiate away"
         what = "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away"

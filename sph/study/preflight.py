@@ -409,7 +409,8 @@ def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
 
 
 def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
-    """A warning where the scenes differ in an S_R or gamma that does not reach layers with one of their own."""
+    """A warning where the scenes differ in an S_R or gamma that does not reach layers with one of their own, and where they differ in an
+    S_R that no soil feels, since residual strengths are written of all that it reaches."""
     found = []
     for key in ("S_R", "gamma"):
         kept = [name for name, layer in scenes[0].layers.items() if getattr(layer, key) is not None] if scenes else []
@@ -425,6 +426,11 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
                     f"layers.{kept[0]}.{key}",
                 )
             )
+    soils = [soil for scene in scenes for soil in (scene.soil, *(layer.soil for layer in scene.layers.values() if layer.S_R is None))]
+    if len({scene.coupling.S_R for scene in scenes}) > 1 and all(soil.residual(0.0) == soil.residual(1.0) for soil in soils):
+        what = "the study varies S_R, which no soil feels: runs that differ in it alone are the same"
+        measured, wanted = "residual strengths are written", "a dimension soil.residual_friction_angle, or no residual strengths"
+        found.append(finding("own-strength-ratio", what, measured, wanted, "soil.residual_cohesion and soil.residual_friction_angle"))
     return found
 
 

@@ -46,11 +46,25 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
     scene, study = write_new(GROUND, RECORD, tmp_path)
     keys = yaml.safe_load(scene.read_text(encoding="utf-8"))
-    assert keys["walls"] == {"base": "absorbing", "sides": "absorbing"} and keys["soil"]["dilation_angle"] == 0.0
+    assert keys["walls"] == {"base": "absorbing", "sides": "absorbing", "bedrock": None} and keys["soil"]["dilation_angle"] == 0.0
     assert set(keys["coupling"]["softening"]) == {"slip_at_peak", "slip_at_residual", "width"}
     for line in ("walls:", "dilation_angle:", "softening:"):
         at = next(number for number, text in enumerate(scene.read_text(encoding="utf-8").splitlines()) if text.strip().startswith(line))
         assert "#" in "".join(scene.read_text(encoding="utf-8").splitlines()[at - 1 : at + 1]), f"{line} has a comment"
+
+
+def test_the_damping_fits_the_column_that_sph_info_names(tmp_path: Path) -> None:
+    written = load_scene(write_new(GROUND, RECORD, tmp_path)[0])
+    told = CliRunner().invoke(app, ["info", str(tmp_path / "scene.yaml")]).output
+    assert written.damping is not None and f"V_s / 4H = {written.damping.frequencies[0]:.2f} Hz" in told
+    assert written.damping.frequencies[1] == pytest.approx(5.0 * written.damping.frequencies[0])
+
+
+def test_rock_below_is_described_as_the_comment_says(tmp_path: Path) -> None:
+    path, _ = write_new(GROUND, RECORD, tmp_path)
+    (rock,) = (line.strip("# ") for line in path.read_text(encoding="utf-8").splitlines() if "s_wave_speed: 800" in line)
+    bedrock = load_scene(path, {"walls": yaml.safe_load(rock)}).walls.bedrock
+    assert bedrock is not None and (bedrock.density, bedrock.s_wave_speed, bedrock.p_wave_speed) == (2300.0, 800.0, 1500.0)
 
 
 def test_editors_find_the_schemas(tmp_path: Path) -> None:

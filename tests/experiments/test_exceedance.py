@@ -96,6 +96,7 @@ def test_widths_are_those_that_enough_runs_do_not_pass(tmp_path: Path) -> None:
     weak, strong = table.to_dict("records")
     assert (weak["intensity"], weak["width_50"], weak["width_84"], weak["width_95"], weak["widest"]) == (1.0, 0.0, 2.0, 2.0, 2.0)
     assert (strong["width_50"], strong["width_84"], strong["widest"], strong["diverged"]) == (4.0, math.inf, 8.0, 1)
+    assert (weak["still_moving"], strong["still_moving"]) == (1, 0), "the second motion; at 9 m/s2 it is the one that diverged"
 
 
 @pytest.mark.parametrize(("share", "width"), [(0.5, 10.0), (0.84, 17.0), (0.95, 19.0), (1.0, 20.0)])

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pandas as pd
+import pytest
 
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import at_places, at_residual, widths, yearly
@@ -31,12 +32,19 @@ RUNS = pd.DataFrame(
 
 
 def test_what_the_debris_does_at_a_place() -> None:
-    assert at_places(RUNS) == [
+    assert at_places(RUNS, 1.0) == [
         ("At road", "reached in 2 of 6 runs; debris up to 2.10 m deep", "first arrival 5.5 s after the start of the run"),
         ("At house", "not reached in 6 runs", "the debris stops at least 10.0 m short of it"),
     ]
     diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan)
-    assert [fact[1:] for fact in at_places(diverged)] == [("not reached in 0 runs", "")] * 2
+    assert [fact[1:] for fact in at_places(diverged, 1.0)] == [("not reached in 0 runs", "")] * 2
+
+
+@pytest.mark.parametrize(("depth", "words"), [(0.5, ""), (0.75, "; the ground there rises by up to 0.750 m")])
+def test_ground_that_rises_where_no_debris_comes(depth: float, words: str) -> None:
+    """The rows of particles may lie half a spacing above the ground line."""
+    _, (_, told, _) = at_places(RUNS.assign(house_depth=[0.0, 0.1, depth, 0.0, 0.0, math.nan]), 1.0)
+    assert told == f"not reached in 6 runs{words}"
 
 
 def test_how_wide_by_the_amplitude() -> None:

@@ -30,7 +30,7 @@ from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.cost import cost
 from sph.study.finding import CODES, Finding, Severity, codes
-from sph.study.findings import PLACEHOLDER, choices, findings
+from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
 from sph.study.motion_findings import POLARITY_RATIO, drifting, mean_period, natural_period
 from sph.study.preflight import (
     QUICK_TOLERANCE,
@@ -264,6 +264,32 @@ def test_a_dimension_that_does_not_reach_a_layer_is_told() -> None:
     (row,) = [row for row in study_findings(scenes) if row.finding.code == "own-strength-ratio"]
     assert (row.runs, row.finding.severity, row.finding.key) == (2, "warning", "layers.clay.S_R")
     assert "own-strength-ratio" not in {row.finding.code for row in study_findings({"one": scenes["0.3"]})}
+
+
+RESIDUAL = {"residual_cohesion": 0.0, "residual_friction_angle": 10.0}
+
+
+@pytest.mark.parametrize(
+    ("soil", "clay", "told"),
+    [
+        (RESIDUAL, {}, True),  # the clay inherits them
+        ({"residual_cohesion": 0.0}, {}, False),  # S_R still divides the friction angle
+        ({}, RESIDUAL, False),  # the soil above the clay feels it
+    ],
+)
+def test_a_strength_ratio_that_no_soil_feels_is_told(soil: dict[str, float], clay: dict[str, float], told: bool) -> None:
+    layers = {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 6.0}, "soil": clay}}
+    scenes = {str(ratio): scene(**{"coupling.S_R": ratio}, soil=soil, layers=layers) for ratio in (0.3, 0.5)}
+    rows = [row for row in study_findings(scenes) if row.finding.code == "own-strength-ratio"]
+    assert [(row.runs, row.finding.measured) for row in rows] == [(2, "residual strengths are written")] * told
+
+
+def test_the_soil_of_sph_new_is_told_under_any_title() -> None:
+    values = PLACEHOLDER_SOIL | {"shear_wave_speed": PLACEHOLDER_SOIL["s_wave_speed"], "viscosity": 2.0}
+    keys = {name: value for name, value in SLOPE.items() if name != "scheme"} | {"damping": None, "title": "Mine"}
+    keys["soil"] = {name: value for name, value in values.items() if name != "s_wave_speed"}
+    told = [{each.code for each in findings(make_scene(merge(keys, {"soil": changed})))} for changed in ({}, {"cohesion": 21.0})]
+    assert ["soil-not-replaced" in codes for codes in told] == [True, False]
 
 
 def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:

@@ -15,9 +15,9 @@ from sph.storage.trajectory import Variable
 from sph.study.tables import number_column, read_csv, read_table, text_column
 
 RELATIVE = 0.1
-"""Change of a value between the two spacings, over that at the finer, up to which it is converged."""
-CONVERGED, NOT_CONVERGED, UNKNOWN = "converged", "not converged", "undetermined"
-"""Verdicts; undetermined: a run diverged."""
+"""Change of a value between the two spacings, over that at the finer, up to which they agree."""
+CONVERGED, NOT_CONVERGED, UNKNOWN = f"agrees within {100.0 * RELATIVE:g} %", "not converged", "undetermined"
+"""Verdicts; undetermined: a run diverged.  Two close spacings may agree and both be wrong by more."""
 LENGTHS = ("displacement_magnitude", "runout")
 
 

@@ -92,6 +92,7 @@ def width_columns(units: str) -> tuple[Variable, ...]:
         number_column("intensity", units, "intensity of the shaking, one at which all values of the search were run"),
         count_column("motions", "runs at this intensity, one of every motion or other value"),
         count_column("diverged", "diverged ones, which count as if they went on without end"),
+        count_column("still_moving", "others that are still moving at their end: their run-out may become larger"),
         *(
             number_column(width_name(share), "m", f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many diverged")
             for share in SHARES
@@ -107,8 +108,9 @@ def widths(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
         values = len(line[at].drop_duplicates())
         for intensity, runs in sorted(line.groupby(line[searched.intensity_name].astype(float))):
             runouts = runs["runout"].to_numpy(float)
-            diverged = int((runs["collapse_class"] == UNDETERMINED).sum())
-            if len(runs) == values and np.isnan(runouts).sum() == diverged:
-                widest = float(np.nanmax(runouts)) if diverged < len(runs) else math.nan
-                rows.append((case, intensity, len(runs), diverged, *(width_within(runouts, share) for share in SHARES), widest))
+            diverged = runs["collapse_class"] == UNDETERMINED
+            if len(runs) == values and np.isnan(runouts).sum() == diverged.sum():
+                widest = float(np.nanmax(runouts)) if not diverged.all() else math.nan
+                counts = (len(runs), int(diverged.sum()), int((~diverged & (runs["still_moving"] > 0)).sum()))
+                rows.append((case, intensity, *counts, *(width_within(runouts, share) for share in SHARES), widest))
     return pd.DataFrame(rows, columns=names(width_columns("1")))
