@@ -100,7 +100,8 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     pd.testing.assert_frame_equal(read_spacing(file), table)
     assert answer_spacing([str(file)]) == [("Spacing", "agrees within 10 % in 1 of 2 runs", "all runs with particles of 1.27 m and 1.9 m")]
     assert drifts([str(file)], "B") == [
-        "Not converged: displacement of B in 1 of 2 runs, most in weak: 9.90 m at 1.9 m, 15.3 m at 1.27 m; extrapolated to spacing 0: 26.2 m."
+        "Not converged: displacement of B in 1 of 2 runs, most in weak: 9.90 m at 1.9 m, 15.3 m at 1.27 m; "
+        "extrapolated to spacing 0: 26.2 m."
     ]
     past = [("weak", "road_passed", *compared(run(9.0, 10.0), run(9.0, 7.5), "road_passed", (1.27, 1.9), 0.05))]
     write_csv(pd.DataFrame(past, columns=table.columns), file)
