@@ -65,7 +65,7 @@ from sph.study.verdicts import HOLDS, MISSES
 from tools import shipped
 from tools.levels import read_levels
 from tools.release import BASELINE, READ_AT, STUDY_AT, read_measured
-from tools.sliding_blocks import read_blocks, spread_rows
+from tools.sliding_blocks import cause_rows, read_blocks, spread_rows
 from tools.slow_sine import read_slow_sine
 
 
@@ -437,6 +437,15 @@ BLOCK_HEAD = (
     "block over slope, geometric mean",
     "standard deviation of ln",
     "range",
+    "overload, median",
+)
+CAUSE_HEAD = (
+    "slope",
+    "Arias intensity, m/s",
+    "overload",
+    "block under the column over slope",
+    "correlation with overload",
+    "with Arias intensity",
 )
 SOLID_STATE_HEAD = ("solid state of failed soil", "γ, 1/s", "S_R", *(f"A at {time:g} s" for time in READ_AT))
 TIME_HEAD = ("what", "time", "conditions", "machine")
@@ -534,6 +543,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "slip_choices": lambda: Reference(SLIP_CHOICE_HEAD, list(slip_choice_lines())),
     "slow_sine": lambda: Reference(SLOW_SINE_HEAD, list(slow_sine_lines())),
     "sliding_blocks": lambda: Reference(BLOCK_HEAD, list(spread_rows(read_blocks()))),
+    "block_causes": lambda: Reference(CAUSE_HEAD, list(cause_rows(read_blocks()))),
     "solid_states": lambda: Reference(SOLID_STATE_HEAD, list(solid_state_lines())),
     "times": lambda: Reference(TIME_HEAD, list(time_lines())),
     "fidelities": _fidelities_table,

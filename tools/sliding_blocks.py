@@ -35,6 +35,7 @@ from sph.stability.safety import yield_acceleration
 from sph.storage.files import whole
 from sph.storage.trajectory import Variable
 from sph.study.baseline import baseline_metrics
+from sph.study.findings import level_ground
 from sph.study.motion_findings import natural_period
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
@@ -74,6 +75,7 @@ ROWS: tuple[Variable, ...] = (
     number_column("peak_velocity", "m s-1", "peak velocity of the motion"),
     number_column("newmark_displacement", "m", "slip of the rigid block"),
     number_column("column_displacement", "m", "slip of the block under the mean acceleration of the ground below the crest"),
+    number_column("overload", "1", "peak mean acceleration of that ground, elastic, over that at which level ground fails in shear"),
     number_column("displacement", "m", "permanent displacement of the crest edge"),
     text_column("status", "status of the run"),
 )
@@ -150,6 +152,7 @@ def measured(slope: str, loss: str, record: Path, ratio: float, limit: float) ->
     """The row of a run."""
     scene = make_scene(scene_under(slope, loss, record, ratio * limit))
     motion, column = motion_of(scene), column_motion(scene)
+    carried, _ = level_ground(scene, place_particles(scene))
     shaking = measure_motion(motion.acceleration, float(motion.time[1] - motion.time[0]))
     found = measure(run(scene).trajectory)
     return {
@@ -162,6 +165,7 @@ def measured(slope: str, loss: str, record: Path, ratio: float, limit: float) ->
         "peak_velocity": shaking.peak_velocity,
         "newmark_displacement": baseline_metrics(scene, limit)["newmark_displacement"],
         "column_displacement": sliding_block(column.time, column.acceleration, limit).permanent,
+        "overload": float(np.abs(column.acceleration).max()) / carried,
         "displacement": found["displacement_magnitude"],
         "status": found["status"],
     }
@@ -183,14 +187,25 @@ def tables(records: Sequence[Path], slopes: Sequence[str], made: pd.DataFrame) -
 
 
 def spread_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (slope, strength, block, pairs, pairs beyond ``SMALL``, geometric mean, scatter, range) of block over slope."""
+    """Rows (slope, strength, block, pairs, pairs beyond ``SMALL``, geometric mean, scatter, range) of block over slope, and the median
+    overload of level ground by the elastic column."""
     for (loss, slope), rows in table.groupby(["strength", "slope"], sort=False):
         for block, said in BLOCKS.items():
             found, beyond = spread(compared(rows, block)["ratio"].to_numpy()), int((rows["displacement"] > SMALL).sum())
             numbers = ["", "", ""]
             if found.pairs:
                 numbers = [f"{found.mean:.2f}", f"{found.scatter:.2f}", f"{found.least:.2f} to {found.largest:.2f}"]
-            yield str(slope), str(loss), said, str(found.pairs), str(beyond), *numbers
+            overload = f"{rows['overload'].median():.1f}" if block == "column_displacement" else ""
+            yield str(slope), str(loss), said, str(found.pairs), str(beyond), *numbers, overload
+
+
+def cause_rows(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (slope, Arias intensity, overload, block under the column over slope, correlations of the logarithm of that ratio with those of
+    the overload and of the Arias intensity) of the slopes that keep their peak strength."""
+    for slope, rows in compared(table[table["strength"] == next(iter(LOSSES))], "column_displacement").groupby("slope", sort=False):
+        ranges = (f"{rows[name].min():.2g} to {rows[name].max():.2g}" for name in ("arias_intensity", "overload", "ratio"))
+        ratio, *causes = (np.log(rows[name].to_numpy(float)) for name in ("ratio", "overload", "arias_intensity"))
+        yield str(slope), *ranges, *(f"{np.corrcoef(ratio, cause)[0, 1]:.2f}" for cause in causes)
 
 
 def read_blocks(path: Path = MEASURED / "sliding_blocks.csv") -> pd.DataFrame:

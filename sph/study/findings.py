@@ -418,13 +418,11 @@ def of_variation(scene: Scene) -> list[Finding]:
     return found
 
 
-def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
-    """A finding if the shaking shears off the column of level ground at the wall behind the crest: where its mass m above a depth (kg/m2)
-    takes up no more than (c + m g tan phi) / m.  The column moves as one: waves that are short beside its height shear it less, and
-    amplification more.  Ground with water is left out."""
-    geometry = scene.geometry
-    if not isinstance(geometry, (Slope, GroundLine)) or scene.water is not None:
-        return []
+def level_ground(scene: Scene, particles: Particles) -> tuple[float, float]:
+    """Least acceleration (m/s2) that shears off the column of dry level ground at the wall behind the crest, and at which depth (m).
+
+    The mass m above a depth (kg/m2) takes up no more than (c + m g tan phi) / m.
+    """
     x, y, dx = particles.x[: particles.n_soil], particles.y[: particles.n_soil], scene.numerics.spacing
     last = np.flatnonzero(x > x.max() - 0.5 * dx)
     last = last[np.argsort(-y[last])]
@@ -432,11 +430,19 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     above = np.cumsum(mass) - 0.5 * mass
     cohesion, angle = peak_strength(scene, particles)[:, last]
     held = (cohesion + above * scene.gravity.acceleration * np.tan(angle)) / above
-    weakest, peak = int(np.argmin(held)), float(np.abs(loading_of(scene).ground).max())
-    if peak < held[weakest]:
+    weakest = int(np.argmin(held))
+    return float(held[weakest]), float(scene.geometry.ground(x[last[:1]])[0] - y[last[weakest]])
+
+
+def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
+    """A finding if the shaking shears off level ground behind the crest, whose column moves as one: waves that are short beside its height
+    shear it less, and amplification more.  Ground with water is left out."""
+    if not isinstance(scene.geometry, (Slope, GroundLine)) or scene.water is not None:
         return []
-    depth = float(geometry.ground(x[last[:1]])[0] - y[last[weakest]])
-    measured = f"{in_both(peak)}, where {in_both(float(held[weakest]))} are enough at a depth of {depth:.3g} m"
+    (enough, depth), peak = level_ground(scene, particles), float(np.abs(loading_of(scene).ground).max())
+    if peak < enough:
+        return []
+    measured = f"{in_both(peak)}, where {in_both(enough)} are enough at a depth of {depth:.3g} m"
     what = "level ground behind the crest, taken as a rigid column, fails in shear as well"
     wanted = "less, or the results read as those of ground that fails as a whole"
     return [finding("level-ground-fails", what, measured, wanted, "motion.amplitude")]

@@ -19,7 +19,10 @@ def table(*pairs: tuple[float, float]) -> pd.DataFrame:
     """A table of rigid block (m) and slope (m)."""
     row: dict[str, object] = {"slope": "stiff_clay", "strength": "peak strength kept", "record": "a.csv", "peak_ratio": 3.0}
     row |= {"yield_acceleration": 1.0, "arias_intensity": 1.0, "peak_velocity": 0.1, "status": "complete"}
-    rows = [row | {"newmark_displacement": block, "column_displacement": 2.0 * block, "displacement": slope} for block, slope in pairs]
+    rows = [
+        row | {"newmark_displacement": block, "column_displacement": 2.0 * block, "overload": 1.5, "displacement": slope}
+        for block, slope in pairs
+    ]
     return pd.DataFrame(rows)[[column.name for column in ROWS]]
 
 
@@ -37,8 +40,8 @@ def test_slopes_that_run_out_and_those_that_hardly_move_are_not_compared() -> No
 
 def test_the_rows_name_what_they_leave_out() -> None:
     base, column = spread_rows(table((0.1, 0.2), (0.4, 0.2), (0.1, 3.0)))
-    assert base == ("stiff_clay", "peak strength kept", "under the motion of the base", "2", "1", "1.00", "0.98", "0.50 to 2.00")
-    assert column[3:] == ("2", "1", "2.00", "0.98", "1.00 to 4.00")
+    assert base == ("stiff_clay", "peak strength kept", "under the motion of the base", "2", "1", "1.00", "0.98", "0.50 to 2.00", "")
+    assert column[3:] == ("2", "1", "2.00", "0.98", "1.00 to 4.00", "1.5")
 
 
 def test_the_column_has_the_mean_acceleration_of_its_first_mode() -> None:
