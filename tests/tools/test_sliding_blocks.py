@@ -11,7 +11,7 @@ import pytest
 
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
-from tools.sliding_blocks import ROWS, column_motion, compared, main, read_blocks, scene_of, spread, spread_rows
+from tools.sliding_blocks import ROWS, cause_rows, column_motion, compared, main, read_blocks, scene_of, spread, spread_rows
 from tools.slow_sine import damping_at, natural_period
 
 
@@ -42,6 +42,13 @@ def test_the_rows_name_what_they_leave_out() -> None:
     base, column = spread_rows(table((0.1, 0.2), (0.4, 0.2), (0.1, 3.0)))
     assert base == ("stiff_clay", "peak strength kept", "under the motion of the base", "2", "1", "1.00", "0.98", "0.50 to 2.00", "")
     assert column[3:] == ("2", "1", "2.00", "0.98", "1.00 to 4.00", "1.5")
+
+
+def test_causes_are_correlated_by_their_logarithms() -> None:
+    """A ratio that is the square of the overload, and falls as the Arias intensity grows."""
+    made = table((0.1, 0.2), (0.2, 0.2), (0.4, 0.2)).assign(overload=[1.0, math.sqrt(2.0), 2.0], arias_intensity=[4.0, 2.0, 1.0])
+    (row,) = cause_rows(made)
+    assert row == ("stiff_clay", "1 to 4", "1 to 2", "1 to 4", "1.00", "-1.00")
 
 
 def test_the_column_has_the_mean_acceleration_of_its_first_mode() -> None:
