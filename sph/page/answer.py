@@ -306,15 +306,10 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
     notes = ["Least to most over the other dimensions of the study."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
-        notes.append(
-            f"{AT_LEAST.strip()}: in at least one run the debris reached the end of the box, or went over it, and would have gone further."
-        )
+        notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
     if table["newmark_displacement"].notna().any():
-        notes.append("The Newmark block is rigid and uses the yield acceleration above.")
-        if table["findings"].str.contains("block-not-rigid").any():
-            notes.append(
-                "In at least one run the slope is not rigid: do not take the slip of the block as an upper bound (block-not-rigid)."
-            )
+        rigid = "; some runs are not rigid: its slip is no upper bound" if table["findings"].str.contains("block-not-rigid").any() else ""
+        notes.append(f"The Newmark block is rigid and uses the yield acceleration above{rigid}.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
 
