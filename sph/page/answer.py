@@ -345,8 +345,7 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     )
     say(
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
-        f"move {probe} by less than one particle spacing ({scene.numerics.spacing:.4g} m); the expected error does not apply to such a "
-        "small displacement.",
+        f"move {probe} by less than a spacing ({scene.numerics.spacing:.4g} m): the expected error does not apply.",
     )
     found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
