@@ -291,7 +291,7 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
         )
         assert f"{amplitude} ({float(amplitude) / GRAVITY:.3g} g) {classes} {moved}" in first
     assert "0.100" in first and "0.400" in first and "1 of 4 runs diverged" in first and "Expected error" in first
-    assert "2 of 4 runs move A by less than one particle spacing (2.5 m)" in first, "those at 4 m/s2, by 2.43 and by 0 m"
+    assert "2 of 4 runs move A by less than a spacing (2.5 m)" in first, "those at 4 m/s2, by 2.43 and by 0 m"
 
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
