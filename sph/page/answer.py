@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -24,7 +24,7 @@ from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.after_run import is_bounded, is_open
-from sph.study.dimensions import Dimension, dimension, shown_unit
+from sph.study.dimensions import CASE, Dimension, dimension, shown_unit, title_of
 from sph.study.equilibrium import RESIDUAL, spencers, weakest_words
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
@@ -86,9 +86,15 @@ def answer(
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         [levels(table, dimensions, probe), *widths(table)],
-        drifts(found(SPACINGS), probe),
+        drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows))),
     )
+
+
+def _points(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> dict[str, str]:
+    """The runs of a grid in words, by name; a case of a list keeps its name."""
+    points = table.to_dict("records") if CASE not in table else []
+    return {str(run): title_of(dimensions, point) for run, point in zip(table.index, points, strict=False)}  # type: ignore[arg-type]
 
 
 def _raised(words: str) -> str:
@@ -205,12 +211,13 @@ def answer_spacing(files: Sequence[str]) -> list[tuple[str, str, str]]:
     return facts
 
 
-def drifts(files: Sequence[str], probe: str) -> list[str]:
+def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[str]:
     """The largest change of displacement and run-out by a second spacing, where that is not converged, and the runs in which it decides
-    whether the debris reaches a place."""
+    whether the debris reaches a place; ``points`` are the words for runs, others keep their names."""
     found = []
     for file in files:
         rows = read_spacing(file)
+        rows["run"] = [points.get(run, run) for run in rows["run"]]
         drifting = rows[rows["verdict"] == NOT_CONVERGED]
         for quantity, what in (("displacement_magnitude", f"displacement of {probe}"), ("runout", "run-out")):
             of = drifting[drifting["quantity"] == quantity]
@@ -221,14 +228,14 @@ def drifts(files: Sequence[str], probe: str) -> list[str]:
             said = ", ".join(f"{metres(value)} m at {spacing:.3g} m" for spacing, value in both)
             towards = "" if math.isnan(worst["extrapolated"]) else f"; extrapolated to spacing 0: {metres(worst['extrapolated'])} m"
             count = rows.loc[rows["quantity"] == quantity, "run"].nunique()
-            found.append(f"Not converged: {what} in {len(of)} of {count} runs, most in {worst['run']}: {said}{towards}.")
+            found.append(f"Not converged: {what} in {len(of)} of {count} runs, most at {worst['run']}: {said}{towards}.")
         for place in places_in(rows["quantity"].unique()):
             past = rows[rows["quantity"] == column_of(place, PASSED)]
             known = [(run, values) for run, *values in past[["run", "value", "second_value", "extrapolated"]].itertuples(index=False)]
             open_runs = [run for run, values in known if len({value >= 0.0 for value in values if not math.isnan(value)}) > 1]
             if open_runs:
                 found.append(
-                    f"Not converged: whether debris reaches {place} depends on the spacing in {', '.join(open_runs[:3])}"
+                    f"Not converged: whether debris reaches {place} depends on the spacing at {'; '.join(open_runs[:3])}"
                     f"{f' and {len(open_runs) - 3} more runs' if len(open_runs) > 3 else ''}."
                 )
     return found
@@ -303,7 +310,7 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
         if runs["reached_side"].map(is_bounded).any():
             spans[:2] = [AT_LEAST + span for span in spans[:2]]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
-    head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
+    head = ("shaking (m/s²)", "class", f"{probe} moves (m)", "run-out (m)", "Newmark (m)")
     notes = ["Least to most over the other dimensions of the study."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")

@@ -99,16 +99,18 @@ def test_the_first_screen_says_what_is_not_converged(tmp_path: Path) -> None:
     write_csv(table, file)
     pd.testing.assert_frame_equal(read_spacing(file), table)
     assert answer_spacing([str(file)]) == [("Spacing", "agrees within 10 % in 1 of 2 runs", "all runs with particles of 1.27 m and 1.9 m")]
-    assert drifts([str(file)], "B") == [
-        "Not converged: displacement of B in 1 of 2 runs, most in weak: 9.90 m at 1.9 m, 15.3 m at 1.27 m; "
+    assert drifts([str(file)], "B", {}) == [
+        "Not converged: displacement of B in 1 of 2 runs, most at weak: 9.90 m at 1.9 m, 15.3 m at 1.27 m; "
         "extrapolated to spacing 0: 26.2 m."
     ]
     past = [("weak", "road_passed", *compared(run(9.0, 10.0), run(9.0, 7.5), "road_passed", (1.27, 1.9), 0.05))]
     write_csv(pd.DataFrame(past, columns=table.columns), file)
-    assert drifts([str(file)], "A") == ["Not converged: whether debris reaches road depends on the spacing in weak."]
+    assert drifts([str(file)], "A", {"weak": "S_R 0.1"}) == [
+        "Not converged: whether debris reaches road depends on the spacing at S_R 0.1."
+    ]
     short = run(9.0, 4.0), run(2.0, 3.0, "damaged")  # of two classes, and both short of the road
     past = [(name, "road_passed", *compared(own, second, "road_passed", (1.27, 1.9), 0.05)) for name, own, second in (
         ("short", *short), ("diverged", run(9.0, 4.0), run(math.nan, math.nan, UNDETERMINED)))]  # fmt: skip
     write_csv(pd.DataFrame(past, columns=table.columns), file)
-    assert drifts([str(file)], "A") == [], "the spacing does not decide whether the road is reached"
-    assert answer_spacing([]) == drifts([], "A") == []
+    assert drifts([str(file)], "A", {}) == [], "the spacing does not decide whether the road is reached"
+    assert answer_spacing([]) == drifts([], "A", {}) == []
