@@ -270,7 +270,8 @@ def yearly(files: Sequence[str]) -> list[tuple[str, str, str]]:
             ends = ("frequency_lower", "frequency_upper") if fitted else ("frequency_least", "frequency_most")
             span = f"{row[ends[0]]:.2g} to {row[ends[1]]:.2g}"
             words = f"{row['frequency']:.2g} times a year ({span})" if fitted else f"{span} times a year"
-            how = "fragility over the hazard curve" if fitted else "bounds from the brackets over the hazard curve"
+            beyond = f"; shaking beyond the curve adds at most {row['beyond_last']:.2g}"
+            how = f"fragility over the hazard curve{beyond}" if fitted else "bounds from the brackets over the hazard curve"
             found.append((f"How often: {in_words(row['collapse_class'])}", words, how))
     return found
 

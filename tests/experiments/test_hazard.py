@@ -97,9 +97,9 @@ def test_without_a_fit_there_is_no_frequency() -> None:
     never = critical(3).assign(outcome=NEVER, lower=5.0, upper=math.nan)
     (row,) = annual_table(never, SITE, 1.0, 5.0, "m/s²").to_dict("records")
     assert math.isnan(row["frequency"]) and row["frequency_least"] == 0.0
-    assert row["frequency_most"] == pytest.approx(5e-4 - 1e-5), "all of them just above 5"
+    assert row["frequency_most"] == pytest.approx(5e-4), "all of them just above 5"
     assert row["sentence"] == (
-        "The brackets determine no fit. By them alone the slope reaches class damaged or worse between 0 and 0.00049 times a year under "
+        "The brackets determine no fit. By them alone the slope reaches class damaged or worse between 0 and 0.0005 times a year under "
         "this hazard curve."
     )
 
@@ -111,10 +111,18 @@ def test_brackets_alone_bound_the_frequency() -> None:
     )
     at = {0.2: SITE.at(0.2), 2.0: 8e-3, 5.0: 5e-4}
     least, most = frequency_bounds(found, SITE)
-    assert least == pytest.approx((at[2.0] + at[5.0] - 2 * 1e-5) / 4)
-    assert most == pytest.approx((at[0.2] + at[2.0] + at[5.0] + at[0.2] - 4 * 1e-5) / 4)
+    assert least == pytest.approx((at[2.0] + at[5.0]) / 4)
+    assert most == pytest.approx((at[0.2] + at[2.0] + at[5.0] + at[0.2]) / 4)
     (row,) = annual_table(critical(), SITE, 1.0, 5.0, "m/s²").to_dict("records")
-    assert row["frequency_least"] < row["frequency"] < row["frequency_most"], "narrow brackets lie about the fit"
+    assert row["frequency_least"] < row["frequency"] + row["beyond_last"] < row["frequency_most"], "narrow brackets lie about the fit"
+
+
+def test_a_search_beyond_the_hazard_curve_leaves_its_last_frequency_possible() -> None:
+    """The curve ends at 10; a motion that does not reach it at 12 may do so at more, at most as often as 10 is exceeded."""
+    never = critical(2).assign(outcome=NEVER, lower=12.0, upper=math.nan)
+    assert frequency_bounds(never, SITE) == (0.0, pytest.approx(1e-5))
+    later = critical(2).assign(outcome=BRACKETED, lower=11.0, upper=12.0)
+    assert frequency_bounds(later, SITE) == (0.0, pytest.approx(1e-5))
 
 
 def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:

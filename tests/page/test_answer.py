@@ -61,11 +61,15 @@ def test_how_wide_by_the_amplitude() -> None:
 def test_how_often_with_a_fit_and_by_the_brackets_alone(tmp_path: Path) -> None:
     columns = annual_columns("1")
     row = {column.name: "" if column.dtype == "str" else math.nan for column in columns}
-    fitted = {"collapse_class": "runout: road", "frequency": 1.24e-3, "frequency_lower": 4e-4, "frequency_upper": 3e-3}
+    fitted = {"collapse_class": "runout: road", "frequency": 1.24e-3, "frequency_lower": 4e-4, "frequency_upper": 3e-3, "beyond_last": 1e-4}
     bounds = {"collapse_class": "collapse", "frequency_least": 0.0, "frequency_most": 4.9e-4}
     write_csv(pd.DataFrame([row | fitted, row | bounds]), tmp_path / "fragility_annual.csv")
     assert yearly([str(tmp_path / "fragility_annual.csv")]) == [
-        ("How often: road reached by debris", "0.0012 times a year (0.0004 to 0.003)", "fragility over the hazard curve"),
+        (
+            "How often: road reached by debris",
+            "0.0012 times a year (0.0004 to 0.003)",
+            "fragility over the hazard curve; shaking beyond the curve adds at most 0.0001",
+        ),
         ("How often: class collapse", "0 to 0.00049 times a year", "bounds from the brackets over the hazard curve"),
     ]
 

@@ -36,13 +36,14 @@ def annual_columns(units: str) -> tuple[Variable, ...]:
         number_column(
             "frequency_least",
             PER_YEAR,
-            "the same without a fit, from the brackets alone: no motion reaches it below the upper end of its bracket, those without one "
-            "never",
+            "without a fit, from the brackets alone, by all shaking above the first intensity of the hazard curve: no motion reaches it "
+            "below the upper end of its bracket, those without one never",
         ),
         number_column(
             "frequency_most",
             PER_YEAR,
-            "every motion reaches it above the lower end of its bracket, those reached at the lowest or all diverged always",
+            "every motion reaches it above the lower end of its bracket, those reached at the lowest or all diverged always; beyond the "
+            "last intensity of the curve by its frequency there",
         ),
         number_column(
             "share_searched", "1", "part of the frequency from intensities between the lowest and the highest that were searched"
@@ -81,12 +82,14 @@ def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest:
 
 
 def frequency_bounds(found: pd.DataFrame, hazard: Hazard) -> tuple[float, float]:
-    """Least and most annual frequency (1/year) within the hazard curve that the brackets of equally likely motions leave possible.
+    """Least and most annual frequency (1/year) that the brackets of equally likely motions leave possible.
 
-    ``found``: rows of the table of critical intensities.  A motion whose critical intensity is x reaches it H(x) times a year.
+    ``found``: rows of the table of critical intensities.  A motion whose critical intensity is x reaches it H(x) times a year; beyond the
+    last intensity of the curve that is between 0 and its frequency there.  Shaking weaker than the first is left out.
     """
     lower, upper = found["lower"].fillna(0.0).to_numpy(float), found["upper"].fillna(math.inf).to_numpy(float)
-    return hazard.mean_within(upper), hazard.mean_within(lower)
+    known = upper <= hazard.intensity[-1]
+    return float(np.mean(known * hazard.exceeded(upper))), float(np.mean(hazard.exceeded(lower)))
 
 
 def sentence(row: dict[str, object], unit: str) -> str:

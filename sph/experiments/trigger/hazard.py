@@ -31,10 +31,9 @@ class Hazard(NamedTuple):
         """The frequency at an intensity between the first and the last, 1/year."""
         return float(np.exp(np.interp(math.log(intensity), np.log(self.intensity), np.log(self.frequency))))
 
-    def mean_within(self, intensities: np.ndarray) -> float:
-        """Mean annual frequency with which intensities (n,) are exceeded by shaking within the curve, 1/year; 0 beyond its last."""
-        first, last = self.intensity[0], self.intensity[-1]
-        return max(float(np.mean([self.at(min(max(x, first), last)) for x in intensities]) - self.frequency[-1]), 0.0)
+    def exceeded(self, intensities: np.ndarray) -> np.ndarray:
+        """The frequencies (n,) at intensities (n,), 1/year; beyond an end of the curve that of the end."""
+        return np.array([self.at(x) for x in np.clip(intensities, self.intensity[0], self.intensity[-1])])
 
     def between(self, lowest: float, highest: float) -> Hazard:
         """The part of the curve between two intensities, of which some lies in its range."""
