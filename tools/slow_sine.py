@@ -17,11 +17,13 @@ from sph.scene.gravity import GRAVITY
 from sph.scene.motion import TaperedSine
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest
+from sph.solver.particles import place_particles
 from sph.solver.run import run
 from sph.stability.newmark import sliding_block
 from sph.stability.search import Trial, search
 from sph.stability.standing import displacements, slope_height
 from sph.storage.trajectory import Variable
+from sph.study.motion_findings import natural_period
 from sph.study.tables import number_column, read_csv, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
 
@@ -52,17 +54,10 @@ SLOW_SINE: tuple[Variable, ...] = (
 """Columns of the table."""
 
 
-def natural_period(scene: Scene) -> float:
-    """T = 4 D / V_s, s, of the ground below the crest: D from the base to the crest."""
-    soil = scene.soil
-    modulus = 1e3 * soil.youngs_modulus / (2.0 * (1.0 + soil.poisson_ratio))
-    return 4.0 * scene.geometry.crest[1] / math.sqrt(modulus / soil.density)
-
-
 def shaken(scene: dict[str, Any], ratio: float, k: float) -> Scene:
     """The scene under a sine of a period over the natural one, of an amplitude k g, with ``CYCLES``."""
     built = make_scene(scene)
-    period, start = ratio * natural_period(built), built.gravity.duration
+    period, start = ratio * natural_period(built, place_particles(built)), built.gravity.duration
     rise, fall, end = (start + cycles * period for cycles in CYCLES)
     motion = {"kind": "tapered_sine", "amplitude": k * GRAVITY, "frequency": 1.0 / period, "start": start}
     motion |= {"ramp": rise - start, "decay_start": fall, "end": end}

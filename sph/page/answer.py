@@ -316,7 +316,8 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
     if table["newmark_displacement"].notna().any():
-        rigid = "; some runs are not rigid: its slip is no upper bound" if table["findings"].str.contains("block-not-rigid").any() else ""
+        soft = table["findings"].str.contains("block-not-rigid").any()
+        rigid = "; where the slope is not rigid, its slip is no upper bound" if soft else ""
         notes.append(f"The Newmark block is rigid and uses the yield acceleration above{rigid}.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
