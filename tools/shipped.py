@@ -5,7 +5,8 @@ A table without a row there, or changed since, is *not recorded*; one whose solv
 may still hold, but nobody has measured them again.  ``adopt`` copies a table from its results and reads the solver from the runs.  The
 reference cases take hours, so that their table is adopted case by case, each with the code that made its runs; it is as old as the oldest.
 ``repeat`` spares measuring everything again after a change of the solver that changes no answer: a part of the runs and searches, made
-again, have to be the same to the last bit.
+again, have to be the same to the last bit.  Where the runs of the table are gone, some can be made anew in a clone at its commit: with
+``--all`` each of those is repeated.
 """
 
 from __future__ import annotations
@@ -208,8 +209,9 @@ def _comes_again(path: Path) -> bool:
     return before.equals(run(scene, enforce_limit=False).trajectory)
 
 
-def repeat(name: str, origins: Path = MEASURED / "origins.csv") -> None:
-    """Note a table whose runs were made by an earlier solver as of this one, once this one has repeated a part of them to the last bit.
+def repeat(name: str, origins: Path = MEASURED / "origins.csv", every: bool = False) -> None:
+    """Note a table whose runs were made by an earlier solver as of this one, once this one has repeated a part of them, or ``every`` one
+    that lies in its folders, to the last bit.
 
     ValueError for a table that is older for another reason, for results that are not those of the table, and where a run differs.
     """
@@ -218,12 +220,13 @@ def repeat(name: str, origins: Path = MEASURED / "origins.csv") -> None:
     earlier = solver_of(table.runs)
     if state != OLDER or why != f"solver {earlier}, now {solver_digest()}":
         raise ValueError(f"{name} is {state}: {why}; repeat only what a new solver alone has made older, adopted from these runs")
-    chosen = chosen_runs(table.runs)
+    chosen = table.runs if every else chosen_runs(table.runs)
     for path in chosen:
         if not _comes_again(path):
             raise ValueError(f"{path}: made again, its numbers differ from those of solver {earlier}; run '{table.renewal}'")
         print(f"{path}: the same", flush=True)
-    note(name, solver_digest(), origins, f"{len(chosen)} of {len(table.runs)} runs of {earlier}")
+    of_all = "" if every else f" of {len(table.runs)}"
+    note(name, solver_digest(), origins, f"{len(chosen)}{of_all} runs of {earlier}")
 
 
 def states(origins: Path = MEASURED / "origins.csv") -> dict[str, tuple[str, str]]:
@@ -256,17 +259,17 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m tools.shipped", description=main.__doc__)
     commands = parser.add_subparsers(dest="command")
     copied = [name for name, table in SHIPPED.items() if "tools.shipped adopt" in table.renewal]
-    for command, tables, told in (
-        (adopt, copied, "copy a table from its results into the package"),
-        (repeat, list(SHIPPED), "make a part of a table's runs again after a change of the solver that changes no answer"),
-    ):
-        known = commands.add_parser(command.__name__, help=told)
-        known.add_argument("table", choices=tables)
-        known.set_defaults(function=command)
+    copies = commands.add_parser("adopt", help="copy a table from its results into the package")
+    copies.set_defaults(function=lambda given: adopt(given.table))
+    repeats = commands.add_parser("repeat", help="make a part of a table's runs again after a change of the solver that changes no answer")
+    repeats.add_argument("--all", action="store_true", help="each run in its folders, which may be a part of the table's")
+    repeats.set_defaults(function=lambda given: repeat(given.table, every=given.all))
+    copies.add_argument("table", choices=copied)
+    repeats.add_argument("table", choices=list(SHIPPED))
     chosen = parser.parse_args(arguments)
     if chosen.command:
         try:
-            chosen.function(chosen.table)
+            chosen.function(chosen)
         except ValueError as error:
             parser.error(str(error))
     for name, (state, why) in states().items():

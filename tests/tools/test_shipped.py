@@ -154,6 +154,16 @@ def test_a_solver_that_repeats_the_runs_makes_it_current(origins: Path, older: P
         repeat("one", origins)
 
 
+def test_each_run_of_a_part_made_anew_is_repeated(origins: Path, older: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs of one kind, of which one would do; the row says how many there were."""
+    for name in "bc":
+        (older.parent / f"{name}.nc").write_bytes(older.read_bytes())
+    seen: list[str] = []
+    monkeypatch.setattr(shipped, "_comes_again", lambda path: not seen.append(path.stem))
+    repeat("one", origins, every=True)
+    assert seen == ["a", "b", "c"] and read_origins(origins)["repeated"].tolist() == ["3 runs of earlier"]
+
+
 def test_a_solver_of_other_answers_does_not(origins: Path, older: Path) -> None:
     with netCDF4.Dataset(older, "a") as data:
         data["kinetic_energy"][-1] = np.nextafter(data["kinetic_energy"][-1], np.inf)
