@@ -2,7 +2,8 @@
 
 A column of level ground at one place is shaken at its base.  Modulus and damping of each layer fall and rise with the shear strain by the
 curves of Darendeli (2001), until they fit 0.65 times the largest strain (Schnabel, Lysmer and Seed 1972), by the library pystrata.  A base
-that absorbs waves has the motion as its outcrop motion, any other is rigid and has the motion itself.
+that absorbs waves has the motion as its outcrop motion: that of ``walls.bedrock``, or of the lowest soil where there is none.  Any other
+base is rigid and has the motion itself.
 """
 
 from __future__ import annotations
@@ -27,6 +28,8 @@ from sph.solver.particles import layer_index
 
 LARGEST_STRAIN = 0.05
 """Shear strain beyond which the method says nothing."""
+STRAINS = np.geomspace(1e-6, LARGEST_STRAIN, 200)
+"""Shear strains of a curve, linear in their logarithms between them; the library's 20 end at 3.2 % and miss the damping by up to 2 %."""
 TOLERANCE, ROUNDS = 0.01, 40
 """Relative change of modulus and damping at which the iteration ends, and its most rounds."""
 PARTS = 2000
@@ -96,7 +99,7 @@ def darendeli(plasticity: float, overconsolidation: float) -> SoilOf:
     library = of_extra("pystrata.site", "site")
 
     def soil(stratum: Stratum) -> Any:
-        given = {"plas_index": plasticity, "ocr": overconsolidation, "stress_mean": stratum.stress}
+        given = {"plas_index": plasticity, "ocr": overconsolidation, "stress_mean": stratum.stress, "strains": STRAINS}
         return library.DarendeliSoilType(stratum.weight, **given)
 
     return soil
@@ -143,7 +146,9 @@ def _calculated(
     for stratum in strata:
         count, soil = _divisions(stratum), soil_of(stratum)
         layers += [site.Layer(soil, (stratum.bottom - stratum.top) / count, stratum.speed) for _ in range(count)]
-    profile = site.Profile([*layers, site.Layer(site.SoilType("below", strata[-1].weight, None, 0.0), 0.0, strata[-1].speed)])
+    rock = scene.walls.bedrock
+    weight, speed = (strata[-1].weight, strata[-1].speed) if rock is None else (1e-3 * rock.density * GRAVITY, rock.s_wave_speed)
+    profile = site.Profile([*layers, site.Layer(site.SoilType("below", weight, None, 0.0), 0.0, speed)])
     profile.update_layers()
     calculator = getattr(propagation, name)(**({"tolerance": tolerance, "max_iterations": rounds} if rounds else {}))
     calculator(motion, profile, profile.location("outcrop" if scene.walls.kinds.base.absorbs else "within", index=-1))

@@ -11,7 +11,7 @@ import yaml
 from calling import call
 
 from sph.command.cli import REFUSED
-from sph.command.site import LARGEST_STRAIN, Stratum, column, compatible, darendeli, respond
+from sph.command.site import LARGEST_STRAIN, STRAINS, Stratum, column, compatible, darendeli, respond
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.units import GRAVITY
@@ -57,6 +57,31 @@ def test_two_linear_layers_amplify_as_in_closed_form() -> None:
     assert [each.damping for each in found.layers] == pytest.approx([0.02, 0.02]) and {each.reduction for each in found.layers} == {1.0}
 
 
+@pytest.mark.parametrize("rock", [None, {"density": 2400.0, "s_wave_speed": 1500.0, "p_wave_speed": 3000.0}])
+def test_bedrock_below_an_absorbing_base_gives_waves_back_as_in_closed_form(rock: dict[str, float] | None) -> None:
+    """Under 20 m of soil of 2 % damping |u(top) / u(outcrop)| = 1 / |cos kh + i alpha sin kh| (Kramer 1996, Sec. 7.2.1), alpha the
+    impedance of the soil over that of the rock; without rock the soil goes on, and but for its damping alpha is 1."""
+    soil = {"region": {"bottom": 60.0}, "soil": {"density": 2000.0, "shear_wave_speed": 250.0}}
+    made = scene(layers={"clay": soil}, walls={"base": "absorbing", "layers": 4, "bedrock": rock})
+    shaken = made.motion.acceleration(np.arange(1.0, 5.0, 5e-3))
+    shaken = np.pad(shaken, (0, 2**14 - shaken.size))
+    speed = 250.0 * np.sqrt(1.0 + 2j * 0.02)
+    kh = 2.0 * np.pi * np.fft.rfftfreq(shaken.size, 5e-3) * 20.0 / speed
+    alpha = 2000.0 * speed / (2400.0 * 1500.0 if rock else 2000.0 * 250.0)
+    surface = np.fft.irfft(np.fft.rfft(shaken) / (np.cos(kh) + 1j * alpha * np.sin(kh)))
+    found = respond(made, linear, 200.0)
+    assert found.peak == pytest.approx(np.abs(surface).max(), rel=CLOSED)
+    assert (found.peak > 2.5) if rock else (found.peak < 1.1), "a rock gives back what soil that goes on lets out"
+
+
+def test_curves_fall_up_to_the_largest_strain() -> None:
+    """Darendeli (2001): G / Gmax = 1 / (1 + (strain / 0.0352 %)^0.919) at one atmosphere without plasticity; 0.01041 at 5 %."""
+    soil = darendeli(0.0, 1.0)(Stratum(0, 0.0, 1.0, 200.0, 18.0, 101.325))
+    strains = np.array([1e-4, 2e-4, 1e-3, 2e-3, 0.01, 0.02, 0.0316, 0.04, LARGEST_STRAIN])
+    np.testing.assert_allclose(soil.mod_reduc(strains), 1.0 / (1.0 + (strains / 3.52e-4) ** 0.919), rtol=1e-3)
+    assert soil.mod_reduc(LARGEST_STRAIN) == pytest.approx(0.01041, rel=1e-3)
+
+
 def test_the_column_has_the_layers_of_its_place() -> None:
     assert [(each.number, round(each.top, 1), round(each.bottom, 1)) for each in column(scene())] == [(1, 0.0, 8.0), (0, 8.0, 20.0)]
     assert [(each.number, round(each.bottom, 1)) for each in column(scene(), 110.0)] == [(1, 8.0), (0, 10.0)], "before the toe"
@@ -69,7 +94,7 @@ def test_moduli_are_those_of_the_library_called_by_hand(base: str) -> None:
     made = scene(layers={"clay": {"region": {"bottom": 60.0}}}, walls={"base": base, "layers": 4})
     found = respond(made, darendeli(20.0, 2.0), 200.0)
     (clay,) = found.layers
-    soil = site.DarendeliSoilType(1.6 * GRAVITY, plas_index=20.0, ocr=2.0, stress_mean=clay.stratum.stress)
+    soil = site.DarendeliSoilType(1.6 * GRAVITY, plas_index=20.0, ocr=2.0, stress_mean=clay.stratum.stress, strains=STRAINS)
     count = 34  # 20 m in fifths of a wave of 25 Hz at 75 m/s, 0.6 m
     layers = [site.Layer(soil, 20.0 / count, 150.0) for _ in range(count)]
     profile = site.Profile([*layers, site.Layer(site.SoilType("", 1.6 * GRAVITY, None, 0.0), 0.0, 150.0)])

@@ -134,6 +134,36 @@ def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:
     assert read_hazard(tmp_path / "arias.csv", "m/s").intensity.tolist() == [0.5, 2.0]
 
 
+def test_a_velocity_in_cm_s_is_read_in_m_s(tmp_path: Path) -> None:
+    """Maps of PGV are in cm/s."""
+    for name, size in (
+        ("PGV (cm/s)", 0.01),
+        ("PGV (m/s)", 1.0),
+        ("peak velocity", 1.0),
+        ("pgv_cm_s", 0.01),
+        ("Arias intensity [m/s]", 1.0),
+    ):
+        (tmp_path / "site.csv").write_text(f"{name},annual frequency (1/year)\n5,0.02\n150,0.0001\n")
+        np.testing.assert_allclose(read_hazard(tmp_path / "site.csv", "m/s").intensity, [5.0 * size, 150.0 * size], err_msg=name)
+    for name in ("PGV (mm/s)", "PGA (g)", "PGV (in/s)"):
+        (tmp_path / "site.csv").write_text(f"{name},annual frequency\n5,0.02\n150,0.0001\n")
+        with pytest.raises(ValueError, match="it must be m/s or cm/s"):
+            read_hazard(tmp_path / "site.csv", "m/s")
+
+
+@pytest.mark.parametrize(
+    "name", ["probability in 50 years", "PoE", "P(50yr)", "exceedance in 50 yr", "probability of exceedance", "rate (%)"]
+)
+def test_what_is_no_annual_frequency_is_refused(tmp_path: Path, name: str) -> None:
+    """10 % in 50 years are -ln(0.9) / 50 = 0.0021 a year, not 0.1."""
+    (tmp_path / "site.csv").write_text(f"amplitude (g),{name}\n0.1,0.3\n0.4,0.02\n")
+    with pytest.raises(ValueError, match="must be of an annual frequency"):
+        read_hazard(tmp_path / "site.csv", "m/s2")
+    for good in ("annual probability of exceedance", "rate", "frequency (1/yr)", "AFE", "lambda (1/a)", "H2"):
+        (tmp_path / "site.csv").write_text(f"amplitude (g),{good}\n0.1,0.3\n0.4,0.02\n")
+        assert read_hazard(tmp_path / "site.csv", "m/s2").frequency.tolist() == [0.3, 0.02]
+
+
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [

@@ -8,6 +8,7 @@ Seismological Society of America 58 (5), 1583-1606; McGuire 2004, Seismic Hazard
 from __future__ import annotations
 
 import math
+import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +18,13 @@ import scipy  # type: ignore[import-untyped]
 from sph.scene.cells import cells, names
 from sph.scene.configuration import one_line, read_text
 from sph.scene.ground_motion.units import unit_of_column
+from sph.scene.units import LENGTH, Units, unit_of
+
+SPEEDS = Units({"ms": 1.0, "mps": 1.0, "cms": 0.01, "cmps": 0.01}, rf"{LENGTH}p?s|{LENGTH}p?ss|g|gals?", "m/s or cm/s")
+"""Units of a peak velocity and of an Arias intensity."""
+NO_ANNUAL = re.compile(r"period|%|percent|(?:[2-9]|\d\d)[\s_-]*(?:y|yrs?|years?|a)(?![a-z])", re.I)
+"""Names of a return period, and of what is meant for more than a year."""
+PROBABILITY, OF_A_YEAR = re.compile(r"prob|(?<![a-z])poe(?![a-z])", re.I), re.compile(r"annual|year|yr|/a(?![a-z])", re.I)
 
 
 class Hazard(NamedTuple):
@@ -46,7 +54,8 @@ class Hazard(NamedTuple):
 def read_hazard(path: Path | str, unit: str) -> Hazard:
     """The curve in a file whose first line has names: intensities, and the annual frequency with which each is exceeded.
 
-    ``unit`` of the intensity; where it is m/s2, the name of the first column says its unit of acceleration in brackets, such as g.
+    ``unit`` of the intensity; where it is m/s2, the name of the first column says its unit of acceleration in brackets, such as g, and
+    where it is m/s it may say cm/s.
     Raises ValueError with file, line and what is wanted.
     """
     try:
@@ -56,7 +65,12 @@ def read_hazard(path: Path | str, unit: str) -> Hazard:
     head = names(lines[0], lines[1]) if len(lines) > 1 else []
     if len(head) != 2 or not all(name[:1].isalpha() for name in head):
         raise ValueError(f"{path}: the first line must name two columns, as 'intensity,annual frequency', and rows must follow it")
-    size = _size(path, head[0]) if unit == "m/s2" else 1.0
+    size = _size(path, head[0], unit)
+    if NO_ANNUAL.search(head[1]) or PROBABILITY.search(head[1]) and not OF_A_YEAR.search(head[1]):
+        raise ValueError(
+            f"{path}: the name of the second column, {head[1]!r}, must be of an annual frequency: -ln(1 - p) / t of a probability p in t "
+            "years, 1 / T of a return period T"
+        )
     rows = list[tuple[float, float]]()
     for line in lines[1:]:
         try:
@@ -73,14 +87,15 @@ def read_hazard(path: Path | str, unit: str) -> Hazard:
     return Hazard(*np.array(rows).T)
 
 
-def _size(path: Path | str, name: str) -> float:
+def _size(path: Path | str, name: str, unit: str) -> float:
+    """The unit that a name says, in that of the intensity."""
     try:
-        size = unit_of_column(name)
+        size = unit_of_column(name) if unit == "m/s2" else unit_of(name, SPEEDS) if unit == "m/s" else 1.0
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
-    if size is None:
+    if size is None and unit == "m/s2":
         raise ValueError(f"{path}: the name of the first column, {name!r}, must say the unit, as 'amplitude (g)' or 'amplitude (m/s2)'")
-    return size
+    return 1.0 if size is None else size
 
 
 def annual_frequency(fits: np.ndarray, hazard: Hazard) -> np.ndarray:
