@@ -181,9 +181,7 @@ class Section(NamedTuple):
         layer = _layer_at(scene, x.ravel(), y.ravel()) if scene.layers else np.zeros(n, int)
         bases = Particles(at, y.ravel(), np.full(n, SOIL, np.int8), np.zeros(n), layer, n, n, n, n, n)
         cohesion, angle = peak_strength(scene, bases)
-        water = 0.0 if scene.water is None else scene.water.r_u or 0.0
-        ratios = np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
-        cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), ratios[layer]))
+        cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), _ratios(scene)[layer]))
         for number, own in enumerate(scene.seams.values(), 1):
             cohesion, friction = (np.where(seam == number, *pair) for pair in zip(own.peak, (cohesion, friction), strict=True))
         return cohesion, friction, ratio
@@ -192,6 +190,12 @@ class Section(NamedTuple):
 def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
     """Places (n,) of particles, over whose lattice the shape may be shifted, from those of the shape, m."""
     return x - scene.numerics.lattice_shift * scene.numerics.spacing
+
+
+def _ratios(scene: Scene) -> np.ndarray:
+    """r_u of the scene's own soil and of its layers."""
+    water = 0.0 if scene.water is None else scene.water.r_u or 0.0
+    return np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
 
 
 def _layer_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
@@ -337,14 +341,17 @@ def guides(section: Section) -> list[Guide]:
     if not scene.layers:
         return found
     column = np.unique([*(np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS, *section.x])
-    edges, layers = _strata(section, column)
+    (edges, layers), ratios = _strata(section, column), _ratios(scene)
     thick = np.diff(edges, axis=1)
     for number, (name, soil) in enumerate(zip(("", *scene.layers), scene.soils, strict=True)):
         there = (layers == number) & (thick > NEAR * section.height)
         crossed = np.flatnonzero(there.any(axis=1))
-        others = [other for other in scene.soils if other is not soil]
         # A soil whose strength grows may be stronger deep down than any that it is compared with here.
-        weak = any(each.gradient > 0.0 or soil.cohesion < each.cohesion or soil.friction_angle < each.friction_angle for each in others)
+        weak = ratios[number] > ratios.min() or any(
+            other.gradient > 0.0 or soil.cohesion < other.cohesion or soil.friction_angle < other.friction_angle
+            for other in scene.soils
+            if other is not soil
+        )
         if not weak or crossed.size < 2 or np.median((there * thick).sum(axis=1)[crossed]) > THIN * section.height:
             continue
         longest = max(np.split(crossed, np.flatnonzero(np.diff(crossed) > 1) + 1), key=len)

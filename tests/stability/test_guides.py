@@ -102,6 +102,16 @@ def test_a_band_is_the_same_whichever_soil_of_the_scene_it_is() -> None:
     assert limit_equilibrium(own).spencer.where == "along the scene's own soil"
 
 
+def test_a_thin_layer_that_only_its_water_weakens_is_a_plane_too() -> None:
+    """r_u = 0.6 in a seam-like band; in the soil above, of the same strength, none."""
+    (x1, y1), (x2, y2) = up(30.0, -1.0), up(30.0, 30.0)
+    corners = [[x1, y1], [x2, y2], [x2, y2 + 0.1], [x1, y1 + 0.1]]
+    layer = {"band": {"region": {"kind": "polygon", "points": corners}, "soil": soil(20.0, 25.0), "r_u": 0.6}}
+    scene = rock(60.0, 70.0, own=soil(20.0, 25.0), layers=layer, water={"pressure": "by_place", "r_u": 0.0})
+    found = limit_equilibrium(scene)
+    assert found.spencer.value < (1.0 + EXACT) * plane(60.0, 30.0, 20.0, 25.0, 0.6) < 0.9 * found.bishop.value
+
+
 @pytest.mark.parametrize("spacing", [0.25, 2.0])
 def test_the_strength_at_the_base_is_that_of_the_layer_there_without_a_particle_in_it(spacing: float) -> None:
     layer = {"band": {"region": {"kind": "elevation", "top": -4.7}, "soil": soil(3.0, 10.0)}}
