@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -201,26 +202,28 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
 
     height, reach, end = section.height, REACH * section.height, section.way[-1]
     limits = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
-    low_x, high_x = np.clip(limits, guide.x[0], guide.x[-1])
-    place = np.linspace(low_x, high_x, PLACES)
+    low_x, high_x = guide.x[[0, -1]]  # which may come out of the ground far behind the crest
+    first, last = np.clip(limits, low_x, high_x)
+    place = np.unique([low_x, *np.linspace(first, last, PLACES), high_x])
     join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
     join, leave = join[leave > join], leave[leave > join]
     if not join.size:
         return NONE
     depth = [section.ground(x) - np.interp(x, guide.x, guide.y) for x in (join, leave)]
-    starts = []
-    for out in EXITS:
-        for back in ENTRIES:
-            left, right = (np.interp(x, section.x, section.way) for x in (join - depth[0] / out, leave + depth[1] / back))
-            starts.append(np.column_stack([left, right, np.full(join.size, 0.5 * cracks[-1]), join, leave, np.zeros((join.size, 2))]))
-    grid = np.concatenate(starts)
+    tried = []
+    for out, back, crack in product(EXITS, ENTRIES, np.unique([0.0, 0.5 * cracks[-1]])):
+        left, right = (np.interp(x, section.x, section.way) for x in (join - depth[0] / out, leave + depth[1] / back))
+        tried.append(np.column_stack([left, right, np.full(join.size, crack), join, leave, np.zeros((join.size, 2))]))
+    grid = np.concatenate(tried)
     found = values(grid)
     if not found.min() < PROMISING * best + 0.1:
         return NONE
     scale = np.array([height, height, height, height, height, 1.0, 1.0])
     low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
-    ends = descend(values, _best(found, grid), scale, low, high)
-    return _surface(section, guide.name, along(section, guide, ends, parts), method)[0]
+    starts = _best(found, grid)
+    ends = descend(values, starts, scale, low, high)
+    # With the starts, since more slices may show that an end touches what lies beside a thin layer.
+    return _surface(section, guide.name, along(section, guide, np.vstack([ends, starts]), parts), method)[0]
 
 
 def _turns_up(edges: Edges, parts: int) -> np.ndarray:

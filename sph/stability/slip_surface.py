@@ -15,8 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.gravity import FAILED_AREA
+from sph.scene.layers import DepthRegion, ElevationRegion
+from sph.scene.places import ABOVE, RIGHT
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL, Particles, layer_index, peak_strength
+from sph.solver.particles import SOIL, Particles, peak_strength
 from sph.stability.limit_equilibrium import Slices
 from sph.stability.standing import slope_height
 
@@ -28,6 +30,8 @@ NEAR = 1e-6
 """Part of H that is nothing."""
 THIN = 0.25
 """Part of H up to which a layer is thin, so that surfaces along it are tried."""
+INSIDE = 0.02
+"""Part of the thickness of a layer by which a surface along its lower side lies above that."""
 STEEPEST = np.tan(np.radians([-60.0, 88.0]))
 """Gradients between which bases lie."""
 
@@ -78,7 +82,7 @@ class Section(NamedTuple):
             top = np.interp(column, x, y)
             part = (np.arange(PARTS) + 0.5) / PARTS
             place = np.repeat(column, PARTS), (top[:, None] * part).ravel()
-            layers = layer_index(scene, _particle(scene, place[0]), place[1]).reshape(COLUMNS, PARTS)
+            layers = _layer_at(scene, *place).reshape(COLUMNS, PARTS)
         if len({soil.density for soil in scene.soils}) > 1:
             density = np.array([soil.density - scene.soil.density for soil in scene.soils])[layers] * top[:, None] / PARTS
             moment = density * top[:, None] * part
@@ -99,7 +103,7 @@ class Section(NamedTuple):
         x, y = self.place(np.array([[[way]]]))
         y = y - NEAR * self.height
         cohesion, friction, _ = self._strength(x, y, np.zeros((1, 1), int))
-        layer = int(layer_index(self.scene, _particle(self.scene, x[0, 0]), y[0, 0])[0])
+        layer = int(_layer_at(self.scene, x[0, 0], y[0, 0])[0])
         weight = self.scene.soils[layer].density * self.scene.gravity.acceleration
         tangent = friction[0, 0] / factor
         return min(float(2.0 * cohesion[0, 0] / factor * (tangent + np.hypot(1.0, tangent)) / weight), 0.5 * self.height)
@@ -114,7 +118,7 @@ class Section(NamedTuple):
         ground = self.ground(edges.x[:, 1:-1])
         within = (edges.y >= -tolerance).all(axis=1) & (edges.y[:, 1:-1] <= ground + tolerance).all(axis=1)
         width, rise = np.diff(edges.x, axis=1), np.diff(edges.y, axis=1)
-        forwards = (width >= 0.0) & (rise >= STEEPEST[0] * width - tolerance) & (rise <= STEEPEST[1] * width + tolerance)
+        forwards = (width >= -tolerance) & (rise >= STEEPEST[0] * width - tolerance) & (rise <= STEEPEST[1] * width + tolerance)
         depth = self.ground(edges.x[:, :-1] + 0.5 * width) - edges.y[:, :-1] - 0.5 * rise
         area = (depth * width).sum(axis=1)
         found: np.ndarray = within & forwards.all(axis=1) & (area >= FAILED_AREA * self.height**2)
@@ -174,12 +178,10 @@ class Section(NamedTuple):
     def _strength(self, x: np.ndarray, y: np.ndarray, seam: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Means of peak cohesion (Pa), tan(phi) and r_u over places (surfaces, slices, places) on bases along seams (surfaces, slices)."""
         scene, at, n = self.scene, _particle(self.scene, x.ravel()), x.size
-        layer = layer_index(scene, at, y.ravel()) if scene.layers else np.zeros(n, int)
+        layer = _layer_at(scene, x.ravel(), y.ravel()) if scene.layers else np.zeros(n, int)
         bases = Particles(at, y.ravel(), np.full(n, SOIL, np.int8), np.zeros(n), layer, n, n, n, n, n)
         cohesion, angle = peak_strength(scene, bases)
-        water = 0.0 if scene.water is None else scene.water.r_u or 0.0
-        ratios = np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
-        cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), ratios[layer]))
+        cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), _ratios(scene)[layer]))
         for number, own in enumerate(scene.seams.values(), 1):
             cohesion, friction = (np.where(seam == number, *pair) for pair in zip(own.peak, (cohesion, friction), strict=True))
         return cohesion, friction, ratio
@@ -188,6 +190,46 @@ class Section(NamedTuple):
 def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
     """Places (n,) of particles, over whose lattice the shape may be shifted, from those of the shape, m."""
     return x - scene.numerics.lattice_shift * scene.numerics.spacing
+
+
+def _ratios(scene: Scene) -> np.ndarray:
+    """r_u of the scene's own soil and of its layers."""
+    water = 0.0 if scene.water is None else scene.water.r_u or 0.0
+    return np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
+
+
+def _layer_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Layer (n,) at places (n,) in the box, m; as that of particles, but also where none lies, within half a spacing of base and sides."""
+    spacing, geometry = scene.numerics.spacing, scene.geometry
+    x, y = x + RIGHT * spacing, y + ABOVE * spacing
+    ground = geometry.ground(x)
+    places = geometry.in_survey(x, np.minimum(y, np.maximum(ground - ABOVE * spacing, 0.0)))
+    index = np.zeros(x.shape, int)
+    for number, layer in enumerate(scene.layers.values(), 1):
+        index[layer.region.contains(*places, geometry.in_survey(x, ground)[1])] = number
+    return index
+
+
+def _strata(section: Section, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Heights (n, k + 1) of the sides of all layers in columns at places x (n,), from the base to the ground, m; the layer (n, k) between
+    each two."""
+    geometry, ground = section.scene.geometry, section.ground(x)
+    away, datum = geometry.in_survey(x, np.zeros(x.shape))
+    sides = [0.0 * ground, ground]
+    for region in (layer.region for layer in section.scene.layers.values()):
+        if isinstance(region, DepthRegion):
+            sides += [ground - depth for depth in (region.top, region.bottom) if depth is not None]
+        elif isinstance(region, ElevationRegion):
+            sides += [height - datum for height in (region.bottom, region.top) if height is not None]
+        else:
+            for (x1, y1), (x2, y2) in zip(region.outline, np.roll(region.outline, -1, axis=0), strict=True):
+                if x1 != x2:
+                    there = (min(x1, x2) <= away) & (away <= max(x1, x2))
+                    sides.append(np.where(there, y1 + (away - x1) / (x2 - x1) * (y2 - y1) - datum, 0.0))
+    edges = np.sort(np.clip(sides, 0.0, ground).T, axis=1)
+    edges = edges[:, max(edges.shape[1] - 1 - int((edges > 0.0).sum(axis=1).max()), 0) :]
+    middle = 0.5 * (edges[:, :-1] + edges[:, 1:])
+    return edges, _layer_at(section.scene, np.repeat(x, middle.shape[1]), middle.ravel()).reshape(middle.shape)
 
 
 def _way_to(place: tuple[float, float], x: np.ndarray, y: np.ndarray, way: np.ndarray) -> float:
@@ -289,25 +331,36 @@ def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
 
 
 def guides(section: Section) -> list[Guide]:
-    """The seams, and the lower sides of thin layers that are weaker than the scene's own soil, as far as each lies in the soil."""
+    """The seams, and the lower sides of thin layers that are weaker than other soil, as far as each lies in the soil."""
     scene, found = section.scene, list[Guide]()
     for number, (name, seam) in enumerate(scene.seams.items(), 1):
         x, y = scene.geometry.in_box(*np.array(seam.points).T)
         x, y = (x, y) if x[-1] > x[0] else (x[::-1], y[::-1])
-        if (np.diff(x) > 0.0).all():
-            found += _within(section, f"along the seam {name}", number, x, y)
-    column = (np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS
-    top = section.ground(column)
-    for number, (name, layer) in enumerate(scene.layers.items(), 1):
-        there = section.layers == number
+        for run in np.split(np.arange(x.size), np.flatnonzero(np.diff(x) <= 0.0) + 1):  # without parts that are vertical or turn back
+            found += _within(section, f"along the seam {name}", number, x[run], y[run]) if run.size > 1 else []
+    if not scene.layers:
+        return found
+    column = np.unique([*(np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS, *section.x])
+    (edges, layers), ratios = _strata(section, column), _ratios(scene)
+    thick = np.diff(edges, axis=1)
+    for number, (name, soil) in enumerate(zip(("", *scene.layers), scene.soils, strict=True)):
+        there = (layers == number) & (thick > NEAR * section.height)
         crossed = np.flatnonzero(there.any(axis=1))
-        grows = scene.soil.gradient > 0.0  # so that a layer deep down may be weaker than the soil about it
-        strong = not grows and layer.soil.cohesion >= scene.soil.cohesion and layer.soil.friction_angle >= scene.soil.friction_angle
-        if strong or crossed.size < 2 or np.median(there.mean(axis=1)[crossed] * top[crossed]) > THIN * section.height:
+        # A soil whose strength grows may be stronger deep down than any that it is compared with here.
+        weak = ratios[number] > ratios.min() or any(
+            other.gradient > 0.0 or soil.cohesion < other.cohesion or soil.friction_angle < other.friction_angle
+            for other in scene.soils
+            if other is not soil
+        )
+        if not weak or crossed.size < 2 or np.median((there * thick).sum(axis=1)[crossed]) > THIN * section.height:
             continue
         longest = max(np.split(crossed, np.flatnonzero(np.diff(crossed) > 1) + 1), key=len)
-        lowest = top * (there.argmax(axis=1) + 0.5) / PARTS
-        found += _within(section, f"along the layer {name}", 0, column[longest], lowest[longest])
+        at = longest, there.argmax(axis=1)[longest]
+        x, y = column[longest], edges[at] + INSIDE * thick[at]
+        # A column further, since the layer may come out of the ground there.
+        steps = [(x[k] - x[near], y[k] - y[near]) for k, near in ((0, 1), (-1, -2))]
+        x, y = (np.concatenate([[side[0] + steps[0][k]], side, [side[-1] + steps[1][k]]]) for k, side in enumerate((x, y)))
+        found += _within(section, f"along the layer {name}" if name else "along the scene's own soil", 0, x, y)
     return found
 
 
