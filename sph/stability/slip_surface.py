@@ -295,9 +295,14 @@ class Guide(NamedTuple):
     """A line in the soil along which a surface may run, from left to right."""
 
     name: str
-    seam: int  # its number from 1 on; 0 for the lower side of a layer
-    x: np.ndarray  # m
+    seam: np.ndarray  # (n - 1,) number from 1 on of the seam between each two places; 0 for the lower side of a layer
+    x: np.ndarray  # (n,) m
     y: np.ndarray  # m
+
+    def seam_at(self, x: np.ndarray) -> np.ndarray:
+        """Number of the seam at places x, m."""
+        found: np.ndarray = self.seam[np.clip(np.searchsorted(self.x, x, side="right") - 1, 0, self.seam.size - 1)]
+        return found
 
 
 def along(section: Section, guide: Guide, given: np.ndarray, parts: int) -> Edges:
@@ -318,9 +323,10 @@ def along(section: Section, guide: Guide, given: np.ndarray, parts: int) -> Edge
         return _divided(np.column_stack([x1, 0.5 * (x1 + x2), x2]), parts), _divided(np.column_stack([y1, middle, y2]), parts)
 
     first, last = wedge(left, low, join, at_join, given[:, 5]), wedge(leave, at_leave, right, high, given[:, 6])
+    on_it = guide.seam_at(0.5 * (x[:, :-1] + x[:, 1:]))
+    beside = np.zeros_like(on_it)
     x, y = (np.column_stack([a[:, :-1], b, c[:, 1:]]) for a, b, c in zip(first, (x, y), last, strict=True))
-    on_it = np.repeat([0, guide.seam, 0], 2 * parts)
-    return Edges(x, y, np.broadcast_to(on_it, (len(x), on_it.size)))
+    return Edges(x, y, np.column_stack([beside, on_it, beside]))
 
 
 def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
@@ -333,11 +339,10 @@ def _divided(corners: np.ndarray, parts: int) -> np.ndarray:
 def guides(section: Section) -> list[Guide]:
     """The seams, and the lower sides of thin layers that are weaker than other soil, as far as each lies in the soil."""
     scene, found = section.scene, list[Guide]()
-    for number, (name, seam) in enumerate(scene.seams.items(), 1):
-        x, y = scene.geometry.in_box(*np.array(seam.points).T)
-        x, y = (x, y) if x[-1] > x[0] else (x[::-1], y[::-1])
-        for run in np.split(np.arange(x.size), np.flatnonzero(np.diff(x) <= 0.0) + 1):  # without parts that are vertical or turn back
-            found += _within(section, f"along the seam {name}", number, x[run], y[run]) if run.size > 1 else []
+    for joint in _chained(_joints(scene), scene.numerics.spacing):
+        found += _within(
+            section, joint._replace(name=f"along the {'seams' if joint.seam.min() < joint.seam.max() else 'seam'} {joint.name}")
+        )
     if not scene.layers:
         return found
     column = np.unique([*(np.arange(COLUMNS) + 0.5) * scene.geometry.width / COLUMNS, *section.x])
@@ -360,12 +365,47 @@ def guides(section: Section) -> list[Guide]:
         # A column further, since the layer may come out of the ground there.
         steps = [(x[k] - x[near], y[k] - y[near]) for k, near in ((0, 1), (-1, -2))]
         x, y = (np.concatenate([[side[0] + steps[0][k]], side, [side[-1] + steps[1][k]]]) for k, side in enumerate((x, y)))
-        found += _within(section, f"along the layer {name}" if name else "along the scene's own soil", 0, x, y)
+        words = f"along the layer {name}" if name else "along the scene's own soil"
+        found += _within(section, Guide(words, np.zeros(x.size - 1, int), x, y))
     return found
 
 
-def _within(section: Section, name: str, seam: int, x: np.ndarray, y: np.ndarray) -> list[Guide]:
+def _joints(scene: Scene) -> list[Guide]:
+    """The seams from left to right, without parts that are vertical or turn back."""
+    found = []
+    for number, (name, seam) in enumerate(scene.seams.items(), 1):
+        x, y = scene.geometry.in_box(*np.array(seam.points).T)
+        x, y = (x, y) if x[-1] > x[0] else (x[::-1], y[::-1])
+        runs = np.split(np.arange(x.size), np.flatnonzero(np.diff(x) <= 0.0) + 1)
+        found += [Guide(name, np.full(run.size - 1, number), x[run], y[run]) for run in runs if run.size > 1]
+    return found
+
+
+def _chained(joints: list[Guide], reach: float) -> list[Guide]:
+    """Seams, and each followed by those that go on where it ends, at most ``reach`` (m) away."""
+
+    def goes_on(one: Guide, other: Guide) -> bool:
+        apart = np.hypot(other.x[0] - one.x[-1], other.y[0] - one.y[-1])
+        return bool(apart <= reach and other.x[1] > one.x[-1] and other.seam[0] not in one.seam)
+
+    found = last = joints
+    while last:
+        last = [
+            Guide(
+                f"{one.name} and {other.name}",
+                *(np.concatenate(pair) for pair in ((one.seam, other.seam), (one.x, other.x[1:]), (one.y, other.y[1:]))),
+            )
+            for one in last
+            for other in joints
+            if goes_on(one, other)
+        ]
+        found = found + last
+    return found
+
+
+def _within(section: Section, line: Guide) -> list[Guide]:
     """The guide along a line as far as it lies in the soil; none where that is nowhere."""
+    _, _, x, y = line
     width = section.scene.geometry.width
     places = np.unique(np.concatenate([x, section.x, np.linspace(max(x[0], 0.0), min(x[-1], width), 2001)]))
     places = places[(places >= max(x[0], 0.0)) & (places <= min(x[-1], width))]
@@ -381,4 +421,5 @@ def _within(section: Section, name: str, seam: int, x: np.ndarray, y: np.ndarray
         out = 0 <= beyond < places.size and cover[beyond] < 0.0  # the place where the line comes out of the ground
         ends.append(places[last] + cover[last] / (cover[last] - cover[beyond]) * (places[beyond] - places[last]) if out else places[last])
     along_it = np.unique(np.concatenate([ends, places[longest]]))
-    return [Guide(name, seam, along_it, np.interp(along_it, x, y))]
+    seam = line.seam_at(0.5 * (along_it[:-1] + along_it[1:]))
+    return [Guide(line.name, seam, along_it, np.interp(along_it, x, y))]

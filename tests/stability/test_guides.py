@@ -70,6 +70,18 @@ def test_a_crack_in_the_rock_does_not_hide_the_whole_plane() -> None:
     assert found.spencer.value == pytest.approx(plane(60.0, 30.0, 20.0, 25.0, 0.2), rel=EXACT)
 
 
+def test_two_seams_that_meet_are_slid_on_like_one() -> None:
+    """A step in the rock: drawn as one line, as two from either end, and as two of other strength."""
+    low, bend, high = [30.0, 0.0], [45.0, 4.0], [52.0, 12.0]
+    (whole,) = seam([low, bend, high], 0.0, 20.0).values()
+    parts = {"lower": whole | {"points": [low, bend]}, "upper": whole | {"points": [high, bend]}}
+    one, two = (limit_equilibrium(rock(60.0, 70.0, seams=seams)).spencer for seams in ({"joint": whole}, parts))
+    assert one.where == "along the seam joint" and two.where == "along the seams lower and upper"
+    assert two.value == pytest.approx(one.value, rel=1e-6) and two.value < 1.5
+    stronger = limit_equilibrium(rock(60.0, 70.0, seams=parts | {"upper": parts["upper"] | {"friction_angle": 35.0}})).spencer
+    assert one.value < stronger.value < limit_equilibrium(rock(60.0, 70.0, seams={"joint": whole | {"friction_angle": 35.0}})).spencer.value
+
+
 @pytest.mark.parametrize("tail", [[up(30.0, 30.0), [60.0, 30.0]], [up(30.0, 30.0), [58.0, 30.0]]], ids=["vertical", "turning back"])
 def test_a_seam_with_a_part_that_no_surface_follows_is_slid_on_beside_it(tail: list[list[float]]) -> None:
     found = limit_equilibrium(rock(60.0, 70.0, seams=seam([up(30.0, 0.0), *tail], 20.0, 25.0)))
