@@ -10,13 +10,14 @@ along the ground from its left end (m), so that a vertical face has places too.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.layers import DepthRegion, ElevationRegion
-from sph.scene.places import ABOVE, RIGHT
+from sph.scene.places import ABOVE, shifted
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL, Particles, peak_strength
 from sph.stability.limit_equilibrium import Slices
@@ -62,7 +63,6 @@ class Section(NamedTuple):
     crest: float
     height: float  # of the slope, m
     level: float  # of the water that stands before the toe, m; -inf without
-    layers: np.ndarray  # (COLUMNS, PARTS) number of the layer in the middle of each part; without layers (0, 0)
     surplus: np.ndarray  # (COLUMNS, PARTS + 1, 2) density beyond the own soil's above a part's lower end, and its first moment
 
     @classmethod
@@ -76,7 +76,7 @@ class Section(NamedTuple):
         if water is not None and water.r_u is None:
             at_toe = float(water.surface(geometry, np.array([geometry.toe[0]]))[0])
             level = at_toe if at_toe > geometry.toe[1] else -np.inf
-        layers, surplus = np.zeros((0, 0), int), np.zeros((0, 0, 2))
+        surplus = np.zeros((0, 0, 2))
         if scene.layers:
             column = (np.arange(COLUMNS) + 0.5) * geometry.width / COLUMNS
             top = np.interp(column, x, y)
@@ -88,7 +88,7 @@ class Section(NamedTuple):
             moment = density * top[:, None] * part
             below = np.pad(np.stack([density, moment], axis=-1), ((0, 0), (0, 1), (0, 0)))
             surplus = np.cumsum(below[:, ::-1], axis=1)[:, ::-1]
-        return cls(scene, x, y, way, toe, crest, slope_height(scene), level, layers, surplus)
+        return cls(scene, x, y, way, toe, crest, slope_height(scene), level, surplus)
 
     def ground(self, x: np.ndarray) -> np.ndarray:
         """Height of the ground at places of any shape, m."""
@@ -201,7 +201,7 @@ def _ratios(scene: Scene) -> np.ndarray:
 def _layer_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Layer (n,) at places (n,) in the box, m; as that of particles, but also where none lies, within half a spacing of base and sides."""
     spacing, geometry = scene.numerics.spacing, scene.geometry
-    x, y = x + RIGHT * spacing, y + ABOVE * spacing
+    x, y = shifted(x, y, spacing)
     ground = geometry.ground(x)
     places = geometry.in_survey(x, np.minimum(y, np.maximum(ground - ABOVE * spacing, 0.0)))
     index = np.zeros(x.shape, int)
@@ -382,23 +382,23 @@ def _joints(scene: Scene) -> list[Guide]:
 
 
 def _chained(joints: list[Guide], reach: float) -> list[Guide]:
-    """Seams, and each followed by those that go on where it ends, at most ``reach`` (m) away."""
+    """Seams, and each as far as another one that begins on it or on which it ends, at most ``reach`` (m) away, followed by that one."""
 
-    def goes_on(one: Guide, other: Guide) -> bool:
-        apart = np.hypot(other.x[0] - one.x[-1], other.y[0] - one.y[-1])
-        return bool(apart <= reach and other.x[1] > one.x[-1] and other.seam[0] not in one.seam)
+    def joined(one: Guide, other: Guide) -> Iterator[Guide]:
+        for place in {one.x[-1], other.x[0]} if other.seam[0] not in one.seam else ():
+            apart = np.interp(place, one.x, one.y) - np.interp(place, other.x, other.y)
+            gap = max(place - one.x[-1], other.x[0] - place, 0.0)
+            before, after = one.x < place, other.x > place
+            if np.hypot(apart, gap) > reach or not before.any() or not after.any():
+                continue
+            seam = np.concatenate([one.seam_at(one.x[before]), other.seam_at(other.x[after] - NEAR * reach)])
+            x = np.concatenate([one.x[before], [place], other.x[after]])
+            y = np.concatenate([one.y[before], [np.interp(place, one.x, one.y)], other.y[after]])
+            yield Guide(f"{one.name} and {other.name}", seam, x, y)
 
     found = last = joints
     while last:
-        last = [
-            Guide(
-                f"{one.name} and {other.name}",
-                *(np.concatenate(pair) for pair in ((one.seam, other.seam), (one.x, other.x[1:]), (one.y, other.y[1:]))),
-            )
-            for one in last
-            for other in joints
-            if goes_on(one, other)
-        ]
+        last = [chain for one in last for other in joints for chain in joined(one, other)]
         found = found + last
     return found
 

@@ -70,11 +70,16 @@ def test_a_crack_in_the_rock_does_not_hide_the_whole_plane() -> None:
     assert found.spencer.value == pytest.approx(plane(60.0, 30.0, 20.0, 25.0, 0.2), rel=EXACT)
 
 
-def test_two_seams_that_meet_are_slid_on_like_one() -> None:
-    """A step in the rock: drawn as one line, as two from either end, and as two of other strength."""
+@pytest.mark.parametrize(
+    ("lower", "upper"),
+    [([], []), ([[55.0, 4.0 * 25.0 / 15.0]], []), ([], [[42.0, 4.0 - 3.0 * 8.0 / 7.0]])],
+    ids=["at their ends", "on the lower one", "on the upper one"],
+)
+def test_two_seams_that_meet_are_slid_on_like_one(lower: list[list[float]], upper: list[list[float]]) -> None:
+    """A step in the rock: drawn as one line, as two, of which either may go on beyond the other, and as two of other strength."""
     low, bend, high = [30.0, 0.0], [45.0, 4.0], [52.0, 12.0]
     (whole,) = seam([low, bend, high], 0.0, 20.0).values()
-    parts = {"lower": whole | {"points": [low, bend]}, "upper": whole | {"points": [high, bend]}}
+    parts = {"lower": whole | {"points": [low, bend, *lower]}, "upper": whole | {"points": [high, bend, *upper]}}
     one, two = (limit_equilibrium(rock(60.0, 70.0, seams=seams)).spencer for seams in ({"joint": whole}, parts))
     assert one.where == "along the seam joint" and two.where == "along the seams lower and upper"
     assert two.value == pytest.approx(one.value, rel=1e-6) and two.value < 1.5
