@@ -130,7 +130,7 @@ def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:
     found = read_hazard(tmp_path / "site.csv", "m/s2")
     np.testing.assert_allclose(found.intensity, [0.981, 1.962])
     assert found.frequency.tolist() == [0.01, 0.002]
-    (tmp_path / "arias.csv").write_text("Arias;frequency\n0,5;0,01\n2;0,001\n")
+    (tmp_path / "arias.csv").write_text("Arias (m/s);frequency\n0,5;0,01\n2;0,001\n")
     assert read_hazard(tmp_path / "arias.csv", "m/s").intensity.tolist() == [0.5, 2.0]
 
 
@@ -139,7 +139,6 @@ def test_a_velocity_in_cm_s_is_read_in_m_s(tmp_path: Path) -> None:
     for name, size in (
         ("PGV (cm/s)", 0.01),
         ("PGV (m/s)", 1.0),
-        ("peak velocity", 1.0),
         ("pgv_cm_s", 0.01),
         ("Arias intensity [m/s]", 1.0),
     ):
@@ -149,6 +148,9 @@ def test_a_velocity_in_cm_s_is_read_in_m_s(tmp_path: Path) -> None:
         (tmp_path / "site.csv").write_text(f"{name},annual frequency\n5,0.02\n150,0.0001\n")
         with pytest.raises(ValueError, match="it must be m/s or cm/s"):
             read_hazard(tmp_path / "site.csv", "m/s")
+    (tmp_path / "site.csv").write_text("peak velocity,annual frequency\n5,0.02\n150,0.0001\n")
+    with pytest.raises(ValueError, match=r"must say the unit, as 'PGV \(cm/s\)'"):
+        read_hazard(tmp_path / "site.csv", "m/s")
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +24,11 @@ from sph.scene.units import LENGTH, Units, unit_of
 
 SPEEDS = Units({"ms": 1.0, "mps": 1.0, "cms": 0.01, "cmps": 0.01}, rf"{LENGTH}p?s|{LENGTH}p?ss|g|gals?", "m/s or cm/s")
 """Units of a peak velocity and of an Arias intensity."""
+UNITS: dict[str, tuple[Callable[[str], float | None], str]] = {
+    "m/s2": (unit_of_column, "'amplitude (g)' or 'amplitude (m/s2)'"),
+    "m/s": (partial(unit_of, units=SPEEDS), "'PGV (cm/s)' or 'Arias intensity (m/s)'"),
+}
+"""How the unit of an intensity is found in the name of its column, and examples of names."""
 NO_ANNUAL = re.compile(r"period|%|percent|(?:[2-9]|\d\d)[\s_-]*(?:y|yrs?|years?|a)(?![a-z])", re.I)
 """Names of a return period, and of what is meant for more than a year."""
 PROBABILITY, OF_A_YEAR = re.compile(r"prob|(?<![a-z])poe(?![a-z])", re.I), re.compile(r"annual|year|yr|/a(?![a-z])", re.I)
@@ -54,8 +61,7 @@ class Hazard(NamedTuple):
 def read_hazard(path: Path | str, unit: str) -> Hazard:
     """The curve in a file whose first line has names: intensities, and the annual frequency with which each is exceeded.
 
-    ``unit`` of the intensity; where it is m/s2, the name of the first column says its unit of acceleration in brackets, such as g, and
-    where it is m/s it may say cm/s.
+    ``unit`` of the intensity; where it is m/s2 or m/s, the name of the first column says its unit in brackets, such as g or cm/s.
     Raises ValueError with file, line and what is wanted.
     """
     try:
@@ -89,13 +95,16 @@ def read_hazard(path: Path | str, unit: str) -> Hazard:
 
 def _size(path: Path | str, name: str, unit: str) -> float:
     """The unit that a name says, in that of the intensity."""
+    if unit not in UNITS:
+        return 1.0
+    known, example = UNITS[unit]
     try:
-        size = unit_of_column(name) if unit == "m/s2" else unit_of(name, SPEEDS) if unit == "m/s" else 1.0
+        size = known(name)
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
-    if size is None and unit == "m/s2":
-        raise ValueError(f"{path}: the name of the first column, {name!r}, must say the unit, as 'amplitude (g)' or 'amplitude (m/s2)'")
-    return 1.0 if size is None else size
+    if size is None:
+        raise ValueError(f"{path}: the name of the first column, {name!r}, must say the unit, as {example}")
+    return size
 
 
 def annual_frequency(fits: np.ndarray, hazard: Hazard) -> np.ndarray:
