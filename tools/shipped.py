@@ -260,12 +260,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     commands = parser.add_subparsers(dest="command")
     copied = [name for name, table in SHIPPED.items() if "tools.shipped adopt" in table.renewal]
     copies = commands.add_parser("adopt", help="copy a table from its results into the package")
+    copies.add_argument("table", choices=copied)
     copies.set_defaults(function=lambda given: adopt(given.table))
     repeats = commands.add_parser("repeat", help="make a part of a table's runs again after a change of the solver that changes no answer")
+    repeats.add_argument("table", choices=list(SHIPPED))
     repeats.add_argument("--all", action="store_true", help="each run in its folders, which may be a part of the table's")
     repeats.set_defaults(function=lambda given: repeat(given.table, every=given.all))
-    copies.add_argument("table", choices=copied)
-    repeats.add_argument("table", choices=list(SHIPPED))
     chosen = parser.parse_args(arguments)
     if chosen.command:
         try:
