@@ -243,10 +243,15 @@ def _way_to(place: tuple[float, float], x: np.ndarray, y: np.ndarray, way: np.nd
 
 
 def circles(section: Section, given: np.ndarray, slices: int) -> tuple[Edges, np.ndarray]:
-    """Arcs of circles and their centres (n, 2), m, by the ways to their ends (m) and half the angle of the arc (rad), (n, 3)."""
+    """Arcs of circles and their centres (n, 2), m, by the ways to their ends (m) and half the angle of the arc (rad), (n, 3).
+
+    An arc that would pass below the base touches it instead.
+    """
     (left, low), (right, high) = section.place(given[:, 0]), section.place(given[:, 1])
-    half = given[:, 2]
     length, chord = np.hypot(right - left, high - low), np.arctan2(high - low, right - left)
+    above = (low + high) / np.maximum(length, 1e-12)  # of the middle of the chord over the base, by half the chord
+    touching = 2.0 * np.arctan((above + np.sqrt(np.maximum(above**2 - np.sin(chord) ** 2, 0.0))) / np.maximum(1.0 + np.cos(chord), 1e-12))
+    half = np.maximum(np.minimum(given[:, 2], touching), 1e-6)
     radius = 0.5 * length / np.sin(half)
     angle = chord[:, None] + half[:, None] * np.linspace(-1.0, 1.0, slices + 1)
     up = radius * np.cos(half)

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import brute
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
@@ -100,6 +101,25 @@ def test_acads_slope_with_a_weak_layer() -> None:
 def test_stability_numbers_of_taylor_and_chen(angle: float, friction: float, number: float) -> None:
     """Taylor's (1937) circles without friction, Chen's (1975) spirals with it: F = 1; a vertical cut among them."""
     assert worst_circle(Section.of(slope(angle, number, friction)))[0].value == pytest.approx(1.0, rel=EXACT)
+
+
+@pytest.mark.parametrize(("angle", "depth"), [(20.0, 0.5), (20.0, 2.0), (30.0, 0.5), (30.0, 1.0), (30.0, 5.0)])
+def test_a_deep_circle_without_friction_touches_the_base(angle: float, depth: float) -> None:
+    """The least c R^2 theta / M of all circles that touch the base, M the moment of the weight about their centre."""
+    scene = slope(angle, 5.0, 0.0, depth)
+    section = Section.of(scene)
+
+    def factor(circle: np.ndarray) -> float:
+        across, radius = circle
+        x = np.linspace(max(across - radius, 0.0), across + radius, 4001)
+        above = section.ground(x) - (radius - np.sqrt(np.maximum(radius**2 - (x - across) ** 2, 0.0)))
+        inside = x[above > 0.0]
+        theta = np.ptp(np.arcsin(np.clip((inside[[0, -1]] - across) / radius, -1.0, 1.0)))
+        moment = np.trapezoid(np.where(above > 0.0, above, 0.0) * (x - across), x) * scene.soil.density * GRAVITY
+        return float(1e3 * scene.soil.cohesion * radius**2 * theta / moment) if moment > 0.0 else 1e6
+
+    least = brute(factor, (slice(30.0, 50.0, 1.0), slice(11.0, 60.0, 2.0)))
+    assert worst_circle(section)[0].value == pytest.approx(factor(least), rel=2e-3)
 
 
 def test_an_infinite_slope_in_closed_form() -> None:
