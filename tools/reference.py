@@ -196,7 +196,7 @@ def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
             reference = change == table["change"].iloc[0]
             for name in LIMIT_QUANTITIES:
                 value = f"{row[name]:.3g} m"
-                cells.append(value if reference else f"{value} ({100 * row[f'{name}_change']:+.0f} %)")
+                cells.append(value if reference else f"{value} ({round(100 * row[f'{name}_change']):+} %)".replace("+0 %", "0 %"))
         yield str(change), *cells
 
 
