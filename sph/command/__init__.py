@@ -1,4 +1,4 @@
-"""The command ``sph`` and what only a person at it needs: scene summary, status, schemas.
+"""The command ``sph`` and what only its users need: scene summary, status, schemas.
 
 * ``cli``: the commands and their exit codes
 * ``info``: what a scene amounts to before it is run

@@ -16,19 +16,19 @@ from sph.experiments.trade.table import WORDS, summary
 from sph.scene.configuration import flat
 from sph.study.cost import ON_REFERENCE
 
-MEAN = "mean of a run on each lattice: make numerics.lattice_shift a dimension of the study, and the rest its fidelity"
+MEAN = "mean over one run per lattice: in a study, make numerics.lattice_shift a dimension and put the other keys into the fidelity"
 
 
 def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:
     """Lines of text for an answer; ``quantities`` in words."""
     reference = next(variant for variant in summary(table) if variant.reference)
-    asked = f"{' and '.join(quantities)} within {percent(error)} and the class of the reference in every case"
-    head = f"cheapest with {asked}:" if found.fits else f"no measured setting has {asked}; the best there is:"
+    asked = f"{' and '.join(quantities)} within {percent(error)} and the collapse class of the reference in every case"
+    head = f"cheapest setting with {asked}:" if found.fits else f"no measured setting has {asked}; the most accurate:"
     errors = ", ".join(f"{WORDS[name]} within {percent(value)}" for name, value in found.variant.errors.items())
     return [
         head,
-        f"  {found.variant.name}, {found.variant.cost:.3g} s a run on one core of {table['machine'].iloc[0]}",
-        f"  {errors}, against {reference.name} ({reference.cost:.3g} s a run)",
+        f"  {found.variant.name}, {found.variant.cost:.3g} s per run on one core of {table['machine'].iloc[0]}",
+        f"  {errors}, against {reference.name} ({reference.cost:.3g} s per run)",
         *([f"  {MEAN}"] if is_mean(found.settings) else [f"  command line  {options(found.settings) or 'the scene file as it is'}"]),
         f"  fidelity      {one_line(found.settings)}",
     ]
@@ -48,8 +48,8 @@ def for_scene(
     ]
     asked = f"{' and '.join(WORDS[name] for name in quantities)} within {percent(error)}"
     if fitting:
-        return [*lines, f"coarsest with {asked}: --set numerics.spacing={fitting[0].spacing:.4g}"], True
-    return [*lines, f"no measured spacing has {asked}; take the finest, and compare two (second_fidelity of the study)"], False
+        return [*lines, f"coarsest spacing with {asked}: --set numerics.spacing={fitting[0].spacing:.4g}"], True
+    return [*lines, f"no measured spacing has {asked}; use the finest, and compare two (second_fidelity of the study)"], False
 
 
 def options(settings: Mapping[str, Any]) -> str:

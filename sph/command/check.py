@@ -1,4 +1,4 @@
-"""A scene before it is run (``sph check``): its summary and what is found of it."""
+"""A scene before it is run (``sph check``): its summary and findings."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def layer_rows(found: Check) -> list[tuple[str, ...]]:
 
 
 def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:
-    """The places of a study's configuration that debris may reach; ValueError for one that the scene has not before its slope."""
+    """The places of a study's configuration that debris may reach; ValueError for one that is not in front of its slope."""
     metrics = read_yaml(study).get("metrics") or {}
     if not isinstance(metrics, dict):
         raise ValueError(f"{study}: metrics: must be a section")

@@ -82,12 +82,12 @@ def new(
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
     component: ComponentOption = None,
 ) -> None:
-    """Write a scene and a study of your own slope, with comments; replace the soil in them."""
+    """Write a scene and a study for your own slope, with comments; then replace the soil properties in them."""
     with refusals("reading ground and record"):
         from sph.command.new import write_new
 
         scene, study = write_new(ground, record, out, component)
-    print(f"{scene}, {study}: replace the soil, then sph check {scene} --plot scene.png")
+    print(f"{scene}, {study}: replace the soil properties, then run sph check {scene} --plot scene.png")
 
 
 @app.command(
@@ -102,10 +102,15 @@ def run(
     restart: Annotated[Path | None, typer.Option(help="continue from this trajectory instead of from the start")] = None,
     until: Annotated[
         str | None,
-        typer.Option(help="where to stop: gravity (end of the gravity stage), first_failure or end; by default end, or as the trajectory"),
+        typer.Option(
+            help="where to stop: gravity (end of the gravity stage), first_failure or end; by default end, or where the given run stopped"
+        ),
     ] = None,
     threads: Annotated[
-        int, typer.Option(min=1, max=256, help="threads of the run, for one large scene; below some 10,000 particles one is faster")
+        int,
+        typer.Option(
+            min=1, max=256, help="threads of the run, for one large scene; below about 10,000 particles a single thread is faster"
+        ),
     ] = 1,
     checkpoint: Annotated[
         float | None,
@@ -161,8 +166,8 @@ def run(
     ratio = float((result.trajectory["time_step"] / result.trajectory["time_step_limit"]).max())
     if ratio > 1.0:
         say(
-            f"numerics.time_step was {ratio:.2f} times the limit measured on the particles as they lay; "
-            "choose a smaller one, or numerics.adaptive_step"
+            f"numerics.time_step was {ratio:.2f} times the stability limit measured during the run; "
+            "choose a smaller step, or let it adapt (numerics.adaptive_step={})"
         )
     if result.status not in (Status.DIVERGED, Status.PAUSED):
         for each in found_after(result.trajectory, loaded):
@@ -175,7 +180,7 @@ def run(
 
 @app.command("compile", epilog="Example:  sph compile config/scenes/*.yaml")
 def compile_(scenes: Annotated[list[Path], typer.Argument(metavar="SCENE...", help="scene files (YAML)")]) -> None:
-    """Compile the solver for scenes and their static tests; later runs on this machine with the same terms use it."""
+    """Compile the solver for scenes and their static tests; later runs with the same terms reuse it on this machine."""
     with refusals("loading the solver"):
         from sph.command.compile import compile_for
         from sph.command.repeat import read_given
@@ -202,17 +207,18 @@ def check(
     set_: Settings = None,
     plot: Annotated[Path | None, typer.Option(help="picture of the scene to write (.png, .pdf, .svg)")] = None,
     study: Annotated[
-        Path | None, typer.Option("--configfile", help="a study's configuration: its places (metrics.places) are drawn")
+        Path | None, typer.Option("--configfile", help="configuration of a study whose places (metrics.places) to draw")
     ] = None,
     static: Annotated[
         bool,
         typer.Option(
-            "--stability", help="also whether the slope stands without shaking, its factor of safety and yield acceleration; takes minutes"
+            "--stability",
+            help="also test whether the slope stands without shaking, and find its factor of safety and yield acceleration; takes minutes",
         ),
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: layers and findings")] = False,
 ) -> None:
-    """Check a scene before it is run: a table, a drawing, and findings that may spoil its results."""
+    """Check a scene before it is run: a table, a drawing, and findings on what may spoil its results."""
     with refusals("testing whether it stands, by trial runs" if static else "placing the particles"):
         from sph.command.check import LAYER_COLUMNS, draw, layer_rows, places_of, rows
         from sph.command.check import check as look_at
@@ -246,7 +252,9 @@ def check(
 def plot(
     file: Trajectory,
     out: Annotated[Path | None, typer.Option(help="picture to write (.png, .pdf, .svg); beside the trajectory by default")] = None,
-    field: Annotated[str, typer.Option(help="colour of the profile: initial_height, displacement, speed, beta, ...")] = "initial_height",
+    field: Annotated[
+        str, typer.Option(help="quantity that colours the profile: initial_height, displacement, speed, beta, ...")
+    ] = "initial_height",
     time: Annotated[float | None, typer.Option(help="time of the profile in s; the last frame by default")] = None,
 ) -> None:
     """Draw a trajectory: profile, probes and energies."""
@@ -268,15 +276,17 @@ def animate(
     out: Annotated[
         Path | None, typer.Option(help="film to write (.gif, or .mp4 with ffmpeg); a GIF beside the trajectory by default")
     ] = None,
-    field: Annotated[str, typer.Option(help="colour of the profile: displacement, speed, beta, initial_height, pressure")] = "displacement",
+    field: Annotated[
+        str, typer.Option(help="quantity that colours the profile: displacement, speed, beta, initial_height or pressure")
+    ] = "displacement",
     every: Annotated[int, typer.Option(min=1, help="draw every n-th stored frame (outputs.frame_interval)")] = 1,
     fps: Annotated[float | None, typer.Option(help="frames per second of the film, 10 by default")] = None,
     speed: Annotated[float | None, typer.Option(help="instead of --fps: simulated seconds per second of the film, 1 for real time")] = None,
     motion: Annotated[bool, typer.Option("--motion", help="show the acceleration of the ground below the profile")] = False,
-    dpi: Annotated[int, typer.Option(help="dots per inch; 120 makes a picture of 850 pixels across")] = 120,
+    dpi: Annotated[int, typer.Option(help="dots per inch; 120 gives a picture 850 pixels wide")] = 120,
 ) -> None:
-    """Draw a trajectory through time: the profile, coloured by a field on one scale, as a GIF or an MP4."""
-    with refusals("reading the trajectory and drawing its frames, some ten a second"):
+    """Animate a trajectory: the profile, coloured by a field on a fixed scale, as a GIF or an MP4."""
+    with refusals("reading the trajectory and drawing its frames, about ten per second"):
         from sph.figures.film import check_film, rate, save_film
         from sph.measures.fields import check_field
         from sph.storage import trajectory
@@ -298,14 +308,14 @@ def export(
     file: Trajectory,
     vtk: Annotated[str, typer.Option(metavar="FOLDER", help="folder for NAME.pvd and one NAME_0000.vtu for each frame")],
 ) -> None:
-    """Write a trajectory for ParaView: particles with displacement, velocity, stress, beta and more, with the stored numbers."""
-    with refusals("writing a file a frame"):
+    """Export a trajectory to ParaView: particles with displacement, velocity, stress, beta and other variables, as stored."""
+    with refusals("writing one file per frame"):
         from sph.storage import trajectory
         from sph.storage.paraview import export_paraview
 
         folder = Path(vtk)
         if not vtk or folder.exists() and not folder.is_dir():
-            raise ValueError(f"--vtk {vtk!r}: is {'a file' if vtk else 'no name'}; name a folder")
+            raise ValueError(f"--vtk {vtk!r}: is {'a file' if vtk else 'an empty name'}; name a folder")
         check_apart(folder / f"{file.stem}.pvd", [file], "--vtk")
         print(export_paraview(trajectory.read_run(file), folder, file.stem))
 
@@ -333,7 +343,7 @@ def metrics(
         show_table(("metric", "value", "unit", "definition"), ((row.name, shown[row.name], row.units, row.text) for row in METRICS))
     else:
         show_table(("metric", "value", "unit"), ((row.name, shown[row.name], row.units) for row in METRICS if row.name in CHIEF))
-        print(f"{len(METRICS) - len(CHIEF)} more, and what each means: --all")
+        print(f"--all shows {len(METRICS) - len(CHIEF)} more, with definitions")
     for each in found:
         say(each.line())
 
@@ -342,7 +352,9 @@ def metrics(
 def status(
     folder: Annotated[
         Path | None,
-        typer.Argument(metavar="RESULTS_FOLDER", help="results/<study>/<fidelity> of any study here; by default the configured one"),
+        typer.Argument(
+            metavar="RESULTS_FOLDER", help="results/<study>/<fidelity> of any study here; by default that of config/config.yaml"
+        ),
     ] = None,
     configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     watching: Annotated[bool, typer.Option("--watch", help="refresh every 2 s until all simulations are done")] = False,
@@ -369,15 +381,13 @@ def status(
     "sph explain results/paper/standard/study.csv  |  sph explain results/paper/standard/stages/gravity.nc --json"
 )
 def explain(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="table of runs (CSV), or file of a run (netCDF), in the folder of its results")
-    ],
-    where: Annotated[list[str] | None, typer.Argument(metavar="[COLUMN=VALUE]...", help="which rows, all by default")] = None,
-    column: Annotated[str | None, typer.Option(help="the only column to define; all by default")] = None,
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="table of runs (CSV) or file of a run (netCDF), in its results folder")],
+    where: Annotated[list[str] | None, typer.Argument(metavar="[COLUMN=VALUE]...", help="rows to trace; all by default")] = None,
+    column: Annotated[str | None, typer.Option(help="the one column to define; all by default")] = None,
     configfile: Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable")] = False,
 ) -> None:
-    """Trace numbers of a table to run, scene, record, ground, solver and definition; exit code 4 if one is out of date or altered."""
+    """Trace numbers in a table to run, scene, record, ground line, solver and definition; exit code 4 if any is out of date or altered."""
     from sph.command.explain import explain, lines, record
 
     with refusals("reading the runs and measuring them again"):
@@ -400,12 +410,12 @@ def pack(
     study: Annotated[
         Path, typer.Argument(metavar="STUDY", help="configuration of a study (YAML), as for snakemake --configfile, from the same folder")
     ],
-    results: Annotated[bool, typer.Option("--results", help="with results/<study>: page, tables, figures, runs")] = False,
+    results: Annotated[bool, typer.Option("--results", help="include results/<study>: page, tables, figures, runs")] = False,
     out: Annotated[
         Path | None, typer.Option("-o", "--out", help="archive to write (.zip, .tar.gz); <study>.zip in this folder by default")
     ] = None,
 ) -> None:
-    """Pack a study with every file that it names into an archive that runs elsewhere; its README.txt says how."""
+    """Pack a study and every file that it names into an archive that can be run elsewhere; its README.txt says how."""
     with refusals("building the scenes of the study and packing its files"):
         from sph.command.pack import pack
 
@@ -417,7 +427,9 @@ def pack(
 def fos(
     scene: SceneFile,
     set_: Settings = None,
-    reduce: Annotated[str, typer.Option(help="strength: c and tan(phi) over F; S_R: the paper's factor on c and phi")] = "strength",
+    reduce: Annotated[
+        str, typer.Option(help="what to reduce: strength (c and tan(phi) divided by F) or S_R (the paper's factor on c and phi)")
+    ] = "strength",
     tolerance: Tolerance = TOLERANCE,
     rule: Rule = None,
     as_json: AsJson = False,
@@ -426,7 +438,7 @@ def fos(
     single: Single = False,
 ) -> None:
     """Find the static factor of safety, or the strength ratio S_R at which the weakened slope just stands, extrapolated to spacing 0."""
-    with refusals("searching by trial runs, each of which is told when it ends"):
+    with refusals("searching by trial runs, each reported when it ends"):
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
@@ -448,8 +460,8 @@ def yield_acceleration(
     spacings: Spacings = None,
     single: Single = False,
 ) -> None:
-    """Find the constant horizontal acceleration at which the slope fails (pseudo-static), extrapolated, for Newmark's method."""
-    with refusals("searching by trial runs, each of which is told when it ends"):
+    """Find the pseudo-static yield acceleration for Newmark's method: the constant horizontal acceleration at which the slope fails."""
+    with refusals("searching by trial runs, each reported when it ends"):
         from sph.command.repeat import read_given
         from sph.command.stability import answer
 
@@ -464,17 +476,17 @@ def yield_acceleration(
 )
 def advise(
     error: Annotated[str, typer.Option(help="largest error allowed, 10% or 0.1")],
-    scene: Annotated[Path | None, typer.Argument(metavar="[SCENE]", help="scene of your own slope, whose spacings to rate")] = None,
+    scene: Annotated[Path | None, typer.Argument(metavar="[SCENE]", help="scene of your own slope, to compare spacings for")] = None,
     quantity: Annotated[str, typer.Option(help="displacement, runout or both")] = "both",
     of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
     scheme: Annotated[str, typer.Option(help="scheme of the scenes: paper, or resolved for your own slopes")] = "paper",
     table: Annotated[
-        Path | None, typer.Option(help="trade.csv or resolution.csv to answer from; by default the one measured for this release")
+        Path | None, typer.Option(help="table to answer from, trade.csv or resolution.csv; by default the one measured for this release")
     ] = None,
 ) -> None:
     """Name the cheapest measured setting within a given error, or the most accurate one (exit code 2) if there is none.
 
-    With a scene: the errors of several spacings on its slope, in rows of particles over the height, and the coarsest within the error.
+    With a scene: the errors of several spacings on its slope, in rows of particles over the height, and the coarsest within that error.
     """
     with refusals("reading the table"):
         from sph.command.advise import for_scene, lines
@@ -497,7 +509,7 @@ def advise(
         wanted = tuple(QUANTITIES) if quantity == "both" else (quantity,)
         if scene is not None:
             if of is not None:
-                raise ValueError(f"--of {of}: without effect beside a scene, whose spacings are compared with the finest run")
+                raise ValueError(f"--of {of}: has no effect with a scene, whose spacings are compared with the finest run; leave it out")
             loaded, _ = read_given(scene, {})
             spacings = advice.resolutions(loaded, read_trade(table) if table else None)
             finer = {each.spacing: make_scene(merge(loaded.model_dump(), {"numerics": {"spacing": each.spacing}})) for each in spacings}
@@ -517,14 +529,18 @@ def advise(
 def newmark(
     motion: Annotated[Path, typer.Argument(metavar="MOTION", help="scene (YAML), or record (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
     ay: Annotated[str, typer.Option(metavar="A", help="yield acceleration with its unit, 0.25g or '2.5 m/s2'")],
-    upslope: Annotated[str | None, typer.Option(metavar="A", help="yield acceleration upslope; by default only downslope slip")] = None,
+    upslope: Annotated[
+        str | None, typer.Option(metavar="A", help="yield acceleration for upslope slip; by default the block slips downslope only")
+    ] = None,
     scale_to: Annotated[str | None, typer.Option(metavar="A", help="scale the motion to this peak acceleration")] = None,
     set_: Settings = None,
     unit: UnitOption = None,
     component: ComponentOption = None,
     baseline: BaselineOption = None,
     band_pass: BandPassOption = None,
-    direction: Annotated[str, typer.Option(help="polarity: recorded, turned (reversed) or both, for the larger displacement")] = "recorded",
+    direction: Annotated[
+        str, typer.Option(help="polarity: recorded, turned (reversed), or both to get the larger displacement")
+    ] = "recorded",
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")] = False,
 ) -> None:
     """Find the displacement of a Newmark sliding block under a ground motion; positive accelerations drive it downslope, as in a scene."""
@@ -548,7 +564,7 @@ def site(
     set_: Settings = None,
     at: Annotated[float | None, typer.Option(help="x of the column, in the coordinates of the scene, m; by default the crest edge")] = None,
     plasticity: Annotated[float, typer.Option(min=0, max=200, help="plasticity index of Darendeli's curves, %")] = 0.0,
-    ocr: Annotated[float, typer.Option(min=1, max=50, help="overconsolidation ratio of these curves")] = 1.0,
+    ocr: Annotated[float, typer.Option(min=1, max=50, help="overconsolidation ratio for Darendeli's curves")] = 1.0,
     out: Annotated[Path | None, typer.Option(help="scene to write (YAML), with the strain-compatible stiffness and damping")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: strains and damping as ratios, SI units")] = False,
 ) -> None:
@@ -582,9 +598,10 @@ def cost(
         typer.Argument(metavar="STUDY", help="configuration of a study (YAML); one without a scene overrides keys of config/config.yaml"),
     ],
     fidelity: Annotated[str | None, typer.Option(help="one of the study's fidelities; by default the one that it names")] = None,
-    cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; by default all of this machine")] = None,
+    cores: Annotated[int | None, typer.Option(min=1, max=100_000, help="cores to run on; by default all cores of this machine")] = None,
     speed: Annotated[
-        float | None, typer.Option(help="speed of a core relative to the reference machine; by default measured here, or on finished runs")
+        float | None,
+        typer.Option(help="speed of a core relative to the reference machine; by default taken from finished runs, or measured here"),
     ] = None,
     start: Annotated[float, typer.Option(min=0, max=3600, help="start-up time of each job, s; about 10 on a cluster")] = 1.5,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
@@ -650,7 +667,9 @@ def motion(
 
 @app.command(epilog="Examples:  sph schema scene > scene.schema.json  |  sph schema study > study.schema.json")
 def schema(
-    of: Annotated[str, typer.Argument(metavar="FILE", help="scene, study, or an experiment: trade, trigger, ...")] = "scene",
+    of: Annotated[
+        str, typer.Argument(metavar="FILE", help="kind of file: scene, study, or an experiment such as trade or trigger")
+    ] = "scene",
 ) -> None:
     """Print the JSON Schema of a file, with which an editor completes keys and marks mistakes (also in config/schemas)."""
     with refusals():

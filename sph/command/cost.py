@@ -124,7 +124,7 @@ def measured_speed(states: Sequence[State]) -> Speed:
         if state.state == Stand.DONE and state.job.run.kind == Kind.RUN and state.computed > 0
     ]
     if ratios:
-        return Speed(statistics.median(ratios), f"by {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
+        return Speed(statistics.median(ratios), f"from {len(ratios)} finished run{'s' if len(ratios) > 1 else ''}")
     return Speed(speed_here(states[0].job.scene), "measured here on a coarse copy of a run")
 
 
@@ -182,14 +182,17 @@ def lines(found: StudyCost) -> list[str]:
         ("a run", f"{_time(found.run)} of one core: {found.particles:,} particles, {found.steps:,} steps after the gravity stage"),
         (
             "stages",
-            f"{_time(found.shared)} of one core, of gravity and the shaking up to the first failure, once for all runs that share them",
+            f"{_time(found.shared)} of one core: gravity and the shaking up to the first failure, once for all runs that share them",
         ),
-        ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them left" if done else "")),
+        ("computing", f"{found.computing / 3600:.3g} core-hours" + (f", {found.left / 3600:.3g} of them still to do" if done else "")),
         ("wall time", f"{_time(found.wall)} on {found.cores} core{'s' if found.cores > 1 else ''}"),
         ("memory", f"{_size(found.memory)} for {min(found.cores, found.jobs)} jobs at once"),
         ("disk", f"{_size(found.disk)} of trajectories"),
         ("speed", f"{found.speed.value:.2f} of the reference machine's, {found.speed.known_by}"),
-        ("compiling", f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice with the yield acceleration's"),
+        (
+            "compiling",
+            f"about {COMPILE:.0f} s the first time a machine compiles a kind of scene, twice that with the yield-acceleration search",
+        ),
     ]
     return [f"{label:<10} {text}" for label, text in rows]
 

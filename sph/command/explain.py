@@ -165,19 +165,19 @@ def located(file: Path) -> tuple[Path, str, Path | None]:
     path = file.resolve()
     at = next((number for number, part in reversed(list(enumerate(path.parts))) if part == "results"), None)
     if at is None:
-        raise ValueError(f"{file}: lies in no folder 'results', so that nothing is planned for it; 'sph info {file}' shows its scene")
+        raise ValueError(f"{file}: is not in a folder 'results', so it belongs to no study; 'sph info {file}' shows its scene")
     folder = Path(*path.parts[:at])
     relative = path.relative_to(folder)
     alone = Path(*relative.parts[:2]).as_posix() in ALONE
     if alone and folder != Path.cwd():
-        raise ValueError(f"{file}: belongs to no study; give the command in {folder}, where the configuration is")
+        raise ValueError(f"{file}: belongs to no study; run the command in {folder}, where the configuration is")
     return folder, relative.as_posix(), None if alone else Path(*path.parts[: at + 3])
 
 
 def explain(file: Path, conditions: Mapping[str, str], configfile: Path | None = None) -> tuple[list[Row], Plan]:
-    """The rows of a table of which the conditions hold, or one row without numbers for a run's file, and the study they belong to.
+    """The rows of a table that meet the conditions, or one row without numbers for a run's file, and the study they belong to.
 
-    ValueError names a file that cannot be traced, an unknown column, and conditions of which no row is.
+    ValueError names a file that cannot be traced, an unknown column, or conditions that no row meets.
     """
     folder, relative, results = located(file)
     if not file.is_file():
@@ -197,7 +197,7 @@ def explain(file: Path, conditions: Mapping[str, str], configfile: Path | None =
     rows = [row for row in rows if all(_is(row[name], value) for name, value in conditions.items())]
     if not rows:
         at = ", ".join(f"{name}={value}" for name, value in conditions.items())
-        raise ValueError(f"{file}: has no row with {at}; it has {count} rows, told apart by {', '.join(table.named)}")
+        raise ValueError(f"{file}: has no row with {at}; it has {count} rows, identified by {', '.join(table.named)}")
     known = functools.lru_cache(maxsize=16)(functools.partial(origin, project))  # rows share a search
     return [_row(table, row, known) for row in rows], project.plan
 
@@ -217,11 +217,11 @@ def origin(project: Project, file: str) -> tuple[Origin, xr.Dataset | None]:
     except ValueError as error:
         differs = [str(error)]
     if run.attrs.get("scene_digest", digest) != digest:
-        differs.append(f"its scene has the digest {digest}, it says {run.attrs['scene_digest']}: the file has been changed")
+        differs.append(f"its scene has the digest {digest}, the file records {run.attrs['scene_digest']}: it has been changed")
     if planned and planned.extrapolates and not run.attrs.get("extrapolates", 0):
         differs.append("searched at one spacing, by an earlier version: limits are now extrapolated from two")
     if solver != solver_digest():
-        differs.append(f"made by the solver {solver or 'of a version that did not note it'}, installed is {solver_digest()}")
+        differs.append(f"made by the solver {solver or 'of a version that did not record it'}; the installed solver is {solver_digest()}")
     versions = str(run.attrs.get("versions", ""))
     status = str(run.attrs.get("status", "")) or f"{run.attrs['by'].replace('_', ' ')}: {', '.join(filter(None, found_words(run.attrs)))}"
     return Origin(file, digest, contents(made.model_dump(mode="json")), solver, versions, status, differs), run
@@ -286,7 +286,7 @@ def lines(rows: Sequence[Row], plan: Plan, column: str | None) -> list[str]:
     what = "the run agrees" if agreeing and not rows[0].point else "agrees" if len(rows) == 1 else f"{agreeing} of {len(rows)} rows agree"
     if agreeing < len(rows) == 1:
         return [*text, "does not agree with the present configuration, files or solver; repeat the snakemake command, which remakes the "
-                "files it knows to be outdated, or delete a file to force it"]  # fmt: skip
+                "files that it finds outdated, or delete a file to force that"]  # fmt: skip
     return [*text, f"{what} with the configuration, the files on disk and the installed solver"]
 
 
@@ -295,7 +295,7 @@ def _origin_lines(each: Origin) -> list[str]:
         f"run      {each.file} ({each.status})" if each.scene_digest else f"run      {each.file}",
         f"scene    {each.scene_digest}",
         *(f"content  {found.digest}  {found.section} from {found.file}" for found in each.contents),
-        f"solver   {each.solver_digest or 'not noted'}",
+        f"solver   {each.solver_digest or 'not recorded'}",
         f"versions {each.versions}",
     ]
 

@@ -56,14 +56,16 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for limit in limits(scene):
         state = "ok" if step < limit.seconds else "EXCEEDED"
         rows.append((f"limit: {limit.name}", f"{limit.seconds:.2e} s ({limit.reason}): {state}, factor {limit.seconds / step:.1f}"))
-    rows.append(("limit: debris", "measured at every frame of a run, since particles out of their lattice are stiffer (time_step_limit)"))
+    rows.append(
+        ("limit: debris", "measured at every frame of a run, since particles that have left the lattice are stiffer (time_step_limit)")
+    )
     on = wanted_terms(scene)
     rows.append(("active terms", "; ".join(f"{name} [{KEYS[name]}]" for name in on if on[name]) or "none"))
     rows.append(("not compiled", ", ".join(name for name in on if not on[name]) or "none"))
     if scene.walls.kinds.base.absorbs:
         depth = scene.walls.layers * numerics.spacing
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
-        rows.append(("half-space", f"{below}, from {depth:g} m under the base of the soil; the motion is that of its outcrop"))
+        rows.append(("half-space", f"{below}, from {depth:g} m below the base of the soil; the motion is its outcrop motion"))
     rows.append(("PGA", peak_accelerations(scene)))
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))

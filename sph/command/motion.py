@@ -37,7 +37,7 @@ def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, 
     """Times (n,) in s and components (n,) in m/s2, the horizontal first, of a record, read and processed as by a scene.
 
     ``treatment`` has the keys ``unit``, ``component``, ``baseline`` and ``band_pass`` of a scene's ``motion``, or some of them.  A record
-    that is not processed may be unevenly sampled.  ValueError as from the readers, and for processing that the record does not bear.
+    that is not processed may be unevenly sampled.  ValueError as from the readers, and for processing that the record does not allow.
     """
     time, *columns = read_components(path, treatment.get("unit"), component=treatment.get("component"))
     if not set(treatment) - READING:
@@ -51,7 +51,7 @@ def laid_over(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, 
     """The overrides of a scene with the treatment of its record; ValueError for what is read in a record, which is for records."""
     for name in sorted(READING & set(treatment)):
         value = treatment[name]
-        raise ValueError(f"--{name} {value}: {path} is no record; --set motion.{name}={value} gives the {name} of a scene's record")
+        raise ValueError(f"--{name} {value}: {path} is not a record; for the record of a scene write --set motion.{name}={value}")
     return merge(overrides, {"motion": dict(treatment)}) if treatment else dict(overrides)
 
 
@@ -62,7 +62,7 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
     """
     if path.suffix.lower() in RECORDS:
         if overrides:
-            raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
+            raise ValueError(f"{path}: is a record, in which --set has no keys to change (found {', '.join(overrides)})")
         if set(treatment) - READING:
             time, columns = read_treated(path, treatment)
             interval = float(time[1])
@@ -71,9 +71,7 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
         found = (
-            implausible(components, "the unit of the record")
-            + sparse(interval, "the record or its column of time")
-            + drifting(motion, CURE)
+            implausible(components, "the unit of the record") + sparse(interval, "the record or its time column") + drifting(motion, CURE)
         )
         name, files = os.fsencode(path.name).decode("utf-8", "replace"), [str(path)]
     else:

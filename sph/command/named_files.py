@@ -62,7 +62,7 @@ class Named(NamedTuple):
 
     @property
     def words(self) -> str:
-        """What it is, for people."""
+        """Its description in messages."""
         return words_of(self.key) if self.role == Role.CONTENT else str(self.role)
 
 

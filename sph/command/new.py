@@ -1,4 +1,4 @@
-"""What ``sph new`` writes: a scene and a study of a slope of one's own, with comments, from its ground line and a record."""
+"""What ``sph new`` writes: a commented scene and study of the user's own slope, from its ground line and a record."""
 
 from __future__ import annotations
 
@@ -35,24 +35,24 @@ LONGEST_TITLE = 100
 
 SCENE_TEXT = """\
 {scene_schema}# Your own slope.
-# Written by `sph new` from {ground} and {record}. The soil is NOT YOURS yet: replace every line marked REPLACE, then check:
+# Written by `sph new` from {ground} and {record}. The soil is a PLACEHOLDER: replace every line marked REPLACE, then check:
 #   sph check {scene_word} --plot scene.png
 #   sph fos {scene_word}
 #   sph run {scene_word}
 # Every key is described in docs/reference/scene-keys.md.
 name: {name}
-title: {title} # shown in every figure; take the bracket off with the last REPLACE
-duration: {duration:g} # s, the record and {after:g} s more
+title: {title} # shown in every figure; remove the words in brackets after the last REPLACE
+duration: {duration:g} # s, until {after:g} s after the record
 geometry:
   shape: ground_line
   file: {ground}
   base: {base:g} # m, elevation of the model's base; deeper than any slip surface
   downhill: {downhill}
-# Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is that of an outcrop of what lies below
-# the base. bedrock: null means that the lowest soil goes on below; for a motion of rock describe the rock, in kg/m3 and m/s:
+# Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the material
+# below the base. bedrock: null means that the lowest soil continues below; for a rock motion describe the rock, in kg/m3 and m/s:
 #   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
 # base: no_slip, sides: free_slip is a rigid box, which reflects the waves
-walls: {{base: absorbing, sides: absorbing, bedrock: null}} #         REPLACE null where there is rock below
+walls: {{base: absorbing, sides: absorbing, bedrock: null}} #         REPLACE null if there is rock below
 soil:
   density: {density:g} # kg/m3                                         REPLACE
   shear_wave_speed: {s_wave_speed:g} # m/s; or youngs_modulus in kPa          REPLACE
@@ -60,32 +60,32 @@ soil:
   cohesion: {cohesion:.1f} # kPa, at the peak                                REPLACE
   friction_angle: {friction_angle:.1f} # degree, at the peak                       REPLACE
   dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay
-  viscosity: 2.0 # Pa s, of debris beyond its yield stress; matters little
-  # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure is
-# layers: # of other soil, by depth, elevation or polygon; only the keys that differ
+  viscosity: 2.0 # Pa s, of debris above its yield stress; has little effect
+  # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure soil is
+# layers: # other soils, by depth, elevation or polygon; give only the keys that differ
 #   clay: {{region: {{kind: depth, top: 6.0, bottom: 9.0}}, soil: {{cohesion: 12.0, friction_angle: 19.0}}, S_R: 0.6}}
 coupling:
   S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
   # From the same test, m: displacement at the end of the peak and where the residual strength is reached (docs/model/softening.md)  REPLACE
   # width: of the soil that yields before a slip surface forms, at least three spacings
   softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}}
-# Ratio at two frequencies: the ground's own, V_s / 4H with the height H of the crest above the base ("column frequency" of sph info), and
-# five times that; it also brakes blocks that have not failed
-damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} #           REPLACE after the soil
+# Damping ratio at two frequencies: the natural one of the ground, V_s / 4H with the height H of the crest above the base ("column
+# frequency" of sph info), and five times that; damping also slows blocks that have not failed
+damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} #           REPLACE when the soil is known
 motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
-  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope; {finer:g} to see what finer ones change
+  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope; try {finer:g} to see the effect of a finer spacing
 """
 STUDY_TEXT = """\
-{study_schema}# How far does the slope go, by the shaking and by what its soil keeps of its strength?
+{study_schema}# How far does the slope move, depending on the shaking and on the residual strength of its soil?
 #   snakemake --cores 2 --configfile {study_word}
 study: {name}
 scene: {scene}
 fidelity: own
-second_fidelity: coarse # every run again with coarser particles, for 0.4 of the time: the page then says what they change; null: no
+second_fidelity: coarse # repeats every run with coarser particles, which adds 0.4 of the time: the page then shows the effect; null: no
 grid:
-  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that; put your design peak among them, as "0.4g"
-  # Of soil and layers without an S_R of their own; that of a layer is layers.NAME.S_R. Soil with both residual_cohesion and
+  amplitude: [{amplitudes}] # m/s2: half of the record's peak, the peak, and 1.5 times that; add your design peak, e.g. "0.4g"
+  # For soil and layers without an S_R of their own; for one layer write layers.NAME.S_R. Soil with both residual_cohesion and
   # residual_friction_angle does not feel S_R: vary those keys instead
   S_R: ["0.3", "0.5", "0.7"]
 fidelities:

@@ -21,7 +21,7 @@ from sph.study.motion_findings import cut_off, drifting, implausible, sampled, s
 
 RECORDED, TURNED, BOTH = "recorded", "turned", "both"
 DIRECTIONS = (RECORDED, TURNED, BOTH)
-"""In which direction the motion acts: as it is, turned round, or the one of the two that drives the block further."""
+"""Polarity of the motion: as it is, reversed, or the one of the two that drives the block further."""
 MATTERS = 0.05
 """Relative difference of two displacements from which on it is told what makes it."""
 
@@ -50,13 +50,13 @@ def slide(
 ) -> tuple[Answer, list[Finding]]:
     """Slide a block with the yield accelerations ``down`` and ``up`` (m/s2) on the motion in a file, scaled to a peak (m/s2).
 
-    ``treatment`` is that of ``sph.command.motion.read_treated``, ``direction`` one of ``DIRECTIONS``.  Also returns what is found of the
-    motion: an offset and a direction are told where the displacement rests on them.  Raises ValueError for a file that is no motion,
-    for a load that stays, and where the ground stands still.
+    ``treatment`` is that of ``sph.command.motion.read_treated``, ``direction`` one of ``DIRECTIONS``.  Also returns the findings on the
+    motion: an offset and a direction are told where the displacement rests on them.  Raises ValueError for a file that is not a motion,
+    for a sustained load, and where the ground does not move.
     """
     motion, heed, recorded = _motion(path, overrides, treatment or {})
     if motion.peak == 0:
-        raise ValueError(f"{path}: the ground stands still, and a sliding block needs a motion")
+        raise ValueError(f"{path}: the ground does not move; a sliding block needs a ground motion")
     if peak is not None:
         motion = motion.scaled(peak)
 
@@ -85,9 +85,9 @@ def slide(
             heed.append(
                 finding(
                     "record-polarity",
-                    "in the other direction the motion drives the block further",
+                    "with reversed polarity the motion drives the block further",
                     f"{blocks[other].permanent:.3g} m instead of {found.permanent:.3g} m",
-                    "the larger of both",
+                    "the larger of the two",
                     "--direction both",
                     Severity.WARNING,
                 )
@@ -103,19 +103,19 @@ def _differ(one: float, other: float) -> bool:
 
 
 def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, Any]) -> tuple[GroundMotion, list[Finding], bool]:
-    """The motion in a file, what is found of it, and whether it was recorded."""
+    """The motion in a file, the findings on it, and whether it was recorded."""
     if path.suffix.lower() not in SCENES:
         check_record(path, SCENES)
         if overrides:
-            raise ValueError(f"{path}: is a record and has no keys to set (found {', '.join(overrides)})")
+            raise ValueError(f"{path}: is a record, in which --set has no keys to change (found {', '.join(overrides)})")
         time, columns = read_treated(path, treatment)
         motion, recorded, vertical = GroundMotion(time, columns[0]), True, len(columns) > 1
-        heed = sparse(float(np.diff(time).max()), "the record or its column of time")
+        heed = sparse(float(np.diff(time).max()), "the record or its time column")
     else:
         scene = load_scene(path, laid_over(path, overrides, treatment))
         if isinstance(scene.motion, ConstantAcceleration):
             raise ValueError(
-                f"{path}: motion.kind: constant is a load that stays, under which a sliding block never stops; give a motion that ends"
+                f"{path}: motion.kind: constant is a sustained load, under which a sliding block never stops; use a motion that ends"
             )
         motion, heed, recorded = motion_of(scene), cut_off(scene) + sampled(scene), isinstance(scene.motion, Record)
         vertical = isinstance(scene.motion, Record) and scene.motion.vertical is not None
@@ -135,9 +135,9 @@ def lines(answer: Answer) -> list[str]:
         ("yield acceleration", f"{in_both(answer.yield_acceleration)}, upslope {'unlimited' if up is None else in_both(up)}"),
         ("yield over peak", f"{answer.ratio:.4g}"),
         ("permanent displacement", f"{answer.permanent_displacement:.4g} m"),
-        ("time in sliding", f"{answer.sliding_time:.4g} s"),
+        ("time sliding", f"{answer.sliding_time:.4g} s"),
     ]
     if answer.direction == TURNED or answer.other_displacement is not None:
-        beside = "" if answer.other_displacement is None else f", the larger; {answer.other_displacement:.4g} m in the other direction"
-        rows.append(("direction", ("as recorded" if answer.direction == RECORDED else "turned round") + beside))
+        beside = "" if answer.other_displacement is None else f", the larger; {answer.other_displacement:.4g} m with the opposite polarity"
+        rows.append(("polarity", ("as recorded" if answer.direction == RECORDED else "reversed") + beside))
     return aligned(rows)

@@ -39,7 +39,7 @@ Spacings = Annotated[
     str | None,
     typer.Option(
         metavar="COARSE,FINE",
-        help="two spacings (m) to extrapolate from; by default about twice the scene's and the scene's, both dividing the slope's height",
+        help="two spacings (m) to extrapolate from; by default the scene's own and about twice that, both dividing the slope's height",
     ),
 ]
 Single = Annotated[bool, typer.Option("--single", help="search only at the scene's own spacing, without extrapolation")]
@@ -85,7 +85,7 @@ def refusals(doing: str = "") -> Iterator[None]:
             late.start()
         yield
     except MemoryError as error:
-        print("sph: not enough memory; choose a larger numerics.spacing or longer outputs.frame_interval", file=sys.stderr)
+        print("sph: not enough memory; choose a larger numerics.spacing or a longer outputs.frame_interval", file=sys.stderr)
         raise typer.Exit(REFUSED) from error
     except BrokenPipeError:
         raise  # who reads what is printed has enough
@@ -112,9 +112,9 @@ def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--ou
     except ValueError as error:
         raise ValueError(f"{option} {error}") from error
     if path.is_dir():
-        raise ValueError(f"{option} {path}: is a folder")
+        raise ValueError(f"{option} {path}: is a folder; name a file")
     if path.exists() and not path.is_file() or path == Path("-"):
-        raise ValueError(f"{option} {path}: must be a file, which is written whole or not at all; name one")
+        raise ValueError(f"{option} {path}: must be a new file, or an ordinary one to be replaced; name another")
     check_apart(path, inputs, option)
     try:
         with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
@@ -137,7 +137,7 @@ def check_apart(path: Path, inputs: Iterable[Path | str], option: str) -> None:
     """Refuse to write over a file that the command reads, by whatever name; ValueError names the option."""
     for given in inputs:
         if any(same_file(own, given) for own in (path, *(beside(path, role) for role in ROLES))):
-            raise ValueError(f"{option} {path}: would replace {given}, which is read; name another file")
+            raise ValueError(f"{option} {path}: would replace {given}, which the command reads; name another file")
 
 
 def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
@@ -208,7 +208,9 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
         try:
             low, high = (float(corner) if corner.strip() else None for corner in band_pass.split(","))
         except ValueError as error:
-            raise ValueError(f"--band-pass {band_pass!r}: write two corners in Hz, 0.1,25, or one of them, 0.1, or ,25") from error
+            raise ValueError(
+                f"--band-pass {band_pass!r}: write two corner frequencies in Hz, as 0.1,25, or one of them with the comma, as 0.1, or ,25"
+            ) from error
         found["band_pass"] = {"low": low, "high": high}
     return found
 
@@ -216,12 +218,19 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
 UnitOption = Annotated[str | None, typer.Option("--unit", help="unit of a record whose file does not state it: m/s2, cm/s2, gal or g")]
 ComponentOption = Annotated[
     str | None,
-    typer.Option("--component", metavar="NAME", help="horizontal component in a record that holds several: its name, as N-S, or number"),
+    typer.Option(
+        "--component", metavar="NAME", help="horizontal component of a record that holds several: its name, e.g. N-S, or its number"
+    ),
 ]
 BaselineOption = Annotated[
     int | None,
-    typer.Option("--baseline", metavar="DEGREE", help="remove drift, as motion.baseline of a scene: 0 an offset, 1 a straight line"),
+    typer.Option(
+        "--baseline", metavar="DEGREE", help="remove drift, like motion.baseline of a scene: degree 0 an offset, 1 a straight line"
+    ),
 ]
 BandPassOption = Annotated[
-    str | None, typer.Option("--band-pass", metavar="LOW,HIGH", help="filter, as motion.band_pass of a scene: corners in Hz, e.g. 0.1,25")
+    str | None,
+    typer.Option(
+        "--band-pass", metavar="LOW,HIGH", help="band-pass filter, like motion.band_pass of a scene: corner frequencies in Hz, e.g. 0.1,25"
+    ),
 ]

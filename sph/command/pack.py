@@ -34,7 +34,7 @@ README_TEXT = """\
 {title}
 {line}
 
-This folder holds a study of slopes under earthquakes with every file that it needs.
+This folder holds a study of slopes under earthquake shaking, with every file that it needs.
 It was packed by sph-slope {version}, whose solver has the digest {digest}.
 
 1. Install sph-slope {version}. In a clone of it, here ~/sph-slope:
@@ -52,17 +52,17 @@ It was packed by sph-slope {version}, whose solver has the digest {digest}.
 
    ~/sph-slope/.venv/bin/sph check {scene} --plot scene.png
 
-The folder {program}/ says with which versions of everything the study was packed. The same versions give
-the same numbers to the last bit on the same kind of processor; others may give others.
+The folder {program}/ records all versions with which the study was packed. The same versions give the same
+numbers to the last bit on the same kind of processor; other versions or processors may give different ones.
 
-What is here:
+Contents:
 
 {contents}
 """
 
 RESULTS_TEXT = """
-   The results are there already. To go on from them, give this command once with --touch before you give it as it stands:
-   files from an archive look older than the program. Whether they are those of this study and version says
+   The results are included. To continue from them, first run this command once with --touch added, since files from
+   an archive look older than the program. To check that the results belong to this study and version, run
 
    ~/sph-slope/.venv/bin/sph explain {table} --configfile {configuration}
 """
@@ -92,9 +92,9 @@ class Packing:
             place = next(name for name in tried if self.sources.get(name, path) == path)
         first = self.sources.setdefault(place, path)
         if first != path and first.read_bytes() != path.read_bytes():
-            raise ValueError(f"{path}: would be {place} in the archive, as {first}, which differs; rename one of them")
+            raise ValueError(f"{path}: would be {place} in the archive, and so would {first}, which differs; rename one of them")
         if place == README or PurePosixPath(place).parts[0] == PROGRAM:
-            raise ValueError(f"{path}: would be {place} in the archive, which has a file or folder of that name itself; rename it")
+            raise ValueError(f"{path}: would be {place} in the archive, which has a file or folder of its own with that name; rename it")
         if words:
             self.words.setdefault(place, words)
         return place
@@ -151,7 +151,7 @@ class Packing:
         folder = Path("results", plan.study.study)
         found = [path for path in sorted(folder.rglob("*")) if path.is_file() and not path.name.startswith(".")]
         if not found:
-            raise ValueError(f"--results: {folder}: holds none; run the study first, or leave --results out")
+            raise ValueError(f"--results: {folder}: holds no results; run the study first, or leave --results out")
         for path in found:
             self.add(path)
         self.texts[(folder / OWNER).as_posix()] = f"{scene}\n".encode()
@@ -166,7 +166,7 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
     laid_over = "scene" not in read_yaml(configuration)
     if laid_over and not os.path.isfile(DEFAULT):
         raise ValueError(
-            f"{configuration}: scene: is not there, and neither is {DEFAULT} in {Path.cwd()}; name the scene, or go to the folder"
+            f"{configuration}: scene: is missing, and there is no {DEFAULT} in {Path.cwd()}; name the scene, or go to the folder with it"
         )
     plan = located(None, configuration).plan
     name = plan.study.study
@@ -182,7 +182,7 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
     members = packing.sources | packing.texts
     check_writable(path, packing.sources.values())
     if results and Path(os.path.abspath(path)).is_relative_to(Path.cwd() / "results" / name):
-        raise ValueError(f"--out {path}: lies among the results, which it packs; choose another folder")
+        raise ValueError(f"--out {path}: lies among the results to be packed; choose another folder")
     members |= _program() | {README: _readme(plan, packing, place, scene, results).encode()}
     write_archive(path, {f"{name}/{each}": content for each, content in members.items()})
     return path, len(members)

@@ -33,7 +33,9 @@ def earlier_run(path: Path) -> xr.Dataset | None:
             return None
     ds = trajectory.read(path)
     if "by" in ds.attrs:
-        raise ValueError(f"{path}: holds the trials of a search ({ds.attrs['by']}), not a run; repeat it by sph fos or yield-acceleration")
+        raise ValueError(
+            f"{path}: holds the trials of a search ({ds.attrs['by']}), not a run; repeat it with sph fos or sph yield-acceleration"
+        )
     return ds
 
 
@@ -66,7 +68,7 @@ def _check_layers(kept: Mapping[str, Any], overrides: Mapping[str, Any], path: P
             if _at(layer, "soil", key) == _at(kept, "soil", key) and _at(overrides, "layers", name, "soil", key) is None:
                 raise ValueError(
                     f"{path}: soil.{key}: layer {name} has the same {key}, and the file may have been written by an earlier version, which "
-                    f"did not tell a layer's own keys; set layers.{name}.soil.{key} as well, or name the scene's file"
+                    f"did not record which keys are a layer's own; set layers.{name}.soil.{key} as well, or name the scene's file"
                 )
 
 
@@ -87,7 +89,7 @@ def check_of_scene(path: Path, scene: Scene) -> None:
     if differ:
         more = f" and {len(differ) - 1} more" if len(differ) > 1 else ""
         raise ValueError(
-            f"--out {path}: holds the run of another scene ({differ[0]}{more}); name another file, or replace it by --overwrite"
+            f"--out {path}: holds the run of another scene ({differ[0]}{more}); name another file, or replace it with --overwrite"
         )
 
 
@@ -108,10 +110,10 @@ def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:
     names = [row.name for row in trajectory.VARIABLES]
     differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
     if not differ:
-        return f"every variable has the bits of {path}"
+        return f"every variable is identical to that of {path}, bit for bit"
     old, new = (parse_json(ds.attrs.get("versions", "{}")) | {"machine": ds.attrs.get("machine")} for ds in (earlier, again))
     other = ", ".join(f"{name} {old.get(name)} there and {new[name]} here" for name in new if old.get(name) != new[name])
-    return f"not the bits of {path}: {', '.join(differ)}; {other or 'made by other sources or on another processor'}"
+    return f"differs from {path} in {', '.join(differ)}: {other or 'made by other sources or on another processor'}"
 
 
 def _same(one: np.ndarray, other: np.ndarray) -> bool:

@@ -106,9 +106,9 @@ def darendeli(plasticity: float, overconsolidation: float) -> SoilOf:
 
 
 def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
-    """The response of a column to the scene's motion; ValueError without shaking, beyond ``LARGEST_STRAIN``, and if it does not settle."""
+    """The response of a column to the scene's motion; ValueError without shaking, beyond ``LARGEST_STRAIN``, and without convergence."""
     if isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
-        raise ValueError(f"{scene.name}: motion.kind: {scene.motion.kind}; a site response needs a shaking")
+        raise ValueError(f"{scene.name}: motion.kind: {scene.motion.kind}; a site response needs shaking")
     strata, step = column(scene, x), scene.numerics.time_step
     shaken = scene.motion.acceleration(np.arange(scene.motion.start, min(scene.motion.end, scene.duration), step))
     motion = of_extra("pystrata.motion", "site").TimeSeriesMotion("", "", step, np.pad(shaken / GRAVITY, (0, shaken.size)))
@@ -127,7 +127,9 @@ def respond(scene: Scene, soil_of: SoilOf, x: float | None = None) -> Site:
         words = f"beyond {100 * LARGEST_STRAIN:g} % equivalent-linear analysis is not valid: the soil fails, so run the scene"
         raise ValueError(f"{scene.name}: {where} is strained by {most}, and {words}")
     if not max(each.max_error for each in parts) < TOLERANCE:
-        raise ValueError(f"{scene.name}: modulus and damping do not settle in {ROUNDS} rounds; the shaking is too strong for the method")
+        raise ValueError(
+            f"{scene.name}: modulus and damping do not converge in {ROUNDS} iterations; the shaking is too strong for the method"
+        )
     at = scene.geometry.in_survey(scene.geometry.crest[0], 0.0)[0] if x is None else x
     return Site(at, found, peak, small, float(np.abs(shaken).max()))
 
@@ -200,5 +202,5 @@ def lines(found: Site) -> list[str]:
     """What the stiffness changes at the surface, in words."""
     return [
         f"column at x = {found.x:.10g} m, shaken by {in_both(found.peak_base)}",
-        f"PGA at the surface: {in_both(found.peak_small)} with the stiffness at small strain, {in_both(found.peak)} strain-compatible",
+        f"PGA at the surface: {in_both(found.peak_small)} with small-strain, {in_both(found.peak)} with strain-compatible stiffness",
     ]

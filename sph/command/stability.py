@@ -106,7 +106,7 @@ def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
     text = []
     for spacing, found in searches.items():
         if not found.upper > 0:
-            head = f"{question.name} at {spacing:g} m: 0, the slope fails without the load"
+            head = f"{question.name} at {spacing:g} m: 0, since the slope fails without the load"
         else:
             value = question.text(found.value)
             head = f"{question.name} at {spacing:g} m: {value}, stands at {found.stood:.4f} and fails at {found.failed:.4f}"
@@ -122,7 +122,7 @@ def remaining(question: Question, found: Extrapolated) -> list[str]:
         f"({step} of the extrapolation, the brackets, and the displacement that the rule allows)"
     ]
     if question.find is yield_acceleration:
-        told.append(f"1 % of strength is {question.text(0.01 * found.sensitivity)} of {question.name}")
+        told.append(f"a change of 1 % in strength changes the {question.name} by {question.text(0.01 * found.sensitivity)}")
     return told
 
 

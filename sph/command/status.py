@@ -118,7 +118,7 @@ def located(folder: Path | None, configfile: Path | None) -> Catalogue:
     if place:
         if data.get("study") != place.parent.name:
             other = f"the configuration's study is {data['study']!r}" if "study" in data else f"no configuration of it is found in {base}"
-            raise ValueError(f"{folder}: {other}; name that of this one by --configfile")
+            raise ValueError(f"{folder}: {other}; give the configuration of this one with --configfile")
         data = {**data, "fidelity": place.name}
     folders = [base, Path(sph.__file__).parents[1]]
     return Catalogue(load_study(data, folders), folders, base, check=False)
@@ -281,15 +281,15 @@ def sentence(states: Sequence[State]) -> str:
     """What is left, in a sentence."""
     left = sum(state.state != Stand.DONE for state in states)
     if not left:
-        return "all simulations are done; snakemake -n says whether tables, claims and figures are"
+        return "all simulations are done; snakemake -n says whether tables, claims and figures are up to date"
     found, measured = estimate(states), sum(not math.isnan(state.took) for state in states)
     running = sum(state.state == Stand.RUNNING for state in states)
     if found.unknown == left:
         return f"{'' if running else 'nothing is running; '}time left: unknown until the first job is done"
-    basis = f"by {_number(measured, 'benchmark')}" if measured else "by what the running jobs say"
+    basis = f"from {_number(measured, 'benchmark')}" if measured else "from the progress of the running jobs"
     at_least = f"; {_number(found.unknown, 'job')} of unknown time not counted" if found.unknown else ""
     if math.isnan(found.time):
-        return f"nothing is running; {duration(found.work)} of computing remain, {basis}{at_least}"
+        return f"nothing is running; {duration(found.work)} of computing remaining, {basis}{at_least}"
     return f"time left: about {duration(found.time)} with the {running} running now, {basis}{at_least}; tables and figures need more time"
 
 

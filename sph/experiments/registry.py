@@ -1,4 +1,4 @@
-"""The experiments: every one is a folder here, and a line of ``NAMES``."""
+"""The experiments: each is a folder here and a line of ``NAMES``."""
 
 from __future__ import annotations
 

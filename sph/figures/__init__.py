@@ -2,7 +2,7 @@
 
 Those of an experiment are in its folder.
 
-* ``arrangement``: what goes in: geometry, motion, initial particles
+* ``arrangement``: the input: geometry, motion, initial particles
 * ``mobilised``: how near to its strength soil is before the shaking
 * ``profile``: particles of a frame, drawn to size
 * ``history``: motion of a probe against time

@@ -1,4 +1,4 @@
-"""What goes into a simulation: geometry, motion, initial particles."""
+"""The input of a simulation: geometry, motion, initial particles."""
 
 from __future__ import annotations
 
@@ -250,7 +250,7 @@ def _kept(soil: Soil, ratio: float) -> str:
 
 @styled
 def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
-    """Horizontal acceleration of the box against time; gravity is brought on before the shaking starts, and the run goes on
+    """Horizontal acceleration of the box against time; gravity is applied before the shaking starts, and the run continues
     after it has ended.
 
     ``trajectory`` of any run of the scene.

@@ -36,9 +36,9 @@ def check_film(path: Path, fps: float, dpi: int) -> None:
     if path.suffix not in FASTEST:
         raise ValueError(f"{path}: the name must end in {' or '.join(FASTEST)}")
     if not 0.1 <= fps <= FASTEST[path.suffix]:
-        raise ValueError(f"{path}: {fps:g} pictures a second, allowed are 0.1 to {FASTEST[path.suffix]:g} for {path.suffix}")
+        raise ValueError(f"{path}: {fps:g} frames per second, must be from 0.1 to {FASTEST[path.suffix]:g} for {path.suffix}")
     if not RESOLUTION[0] <= dpi <= RESOLUTION[1]:
-        raise ValueError(f"{path}: {dpi} dots per inch, allowed are {RESOLUTION[0]} to {RESOLUTION[1]}")
+        raise ValueError(f"{path}: {dpi} dots per inch, must be from {RESOLUTION[0]} to {RESOLUTION[1]}")
     if path.suffix == ".mp4" and not FFMpegWriter.isAvailable():
         raise ValueError(
             f"{path}: MP4 needs the program ffmpeg, which is not installed: install it (apt-get install ffmpeg), or write a .gif"

@@ -24,7 +24,7 @@ def figure_ground_motion(components: Mapping[str, np.ndarray], interval: float, 
     Velocity and displacement are those of a ground at rest at the start.  Raises ValueError where nothing moves.
     """
     if not any(values.any() for values in components.values()):
-        raise ValueError("motion: the ground stands still, there is nothing to draw")
+        raise ValueError("motion: the ground does not move, so there is nothing to draw")
     figure = Figure(figsize=(WIDTH, 4.8), layout="constrained")
     axes = figure.subplot_mosaic([[label, "spectrum"] for label in LABELS], width_ratios=[1.25, 1.0])
     colours = curve_colours(len(components))

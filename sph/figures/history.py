@@ -33,7 +33,7 @@ def shade_shaking(ax: Axes, scene: Scene, label: str = "shaking") -> None:
 
 
 def draw_vertical_histories(ax: Axes, trajectories: Mapping[str, xr.Dataset], probe: str) -> list[Line2D]:
-    """Vertical displacement of a probe since the end of the gravity stage, a curve a trajectory, named by the keys."""
+    """Vertical displacement of a probe since the end of the gravity stage, a curve per trajectory, named by the keys."""
     colours = curve_colours(len(trajectories))
     lines = []
     for number, (name, trajectory) in enumerate(trajectories.items()):

@@ -20,8 +20,8 @@ MOST_LETTERS = 95
 
 @styled
 def figure_mobilised(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
-    """Share of its peak strength that soil uses at the end of the gravity stage, before any shaking: the radius of the Mohr circle over
-    that at yield.  The title has the mean of each layer over a disc half as wide as the slope is high, where it is largest."""
+    """Share of its peak strength that soil mobilises at the end of the gravity stage, before any shaking: the radius of the Mohr circle
+    over that at yield.  The title gives each layer's mean over a disc half as wide as the slope is high, placed where it is largest."""
     scene, frame = scene_of(trajectory), gravity_frame(trajectory)
     left, right, lower, upper = frame_limits(trajectory, frame)
     panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
@@ -31,7 +31,7 @@ def figure_mobilised(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     shown = FIELDS["mobilised"]
     figure.colorbar(circles, ax=ax, label=textwrap.fill(f"{shown.label} ({shown.units})", 22), pad=0.015, fraction=0.03, aspect=20)
     of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in mobilised_by_layer(trajectory, frame).items())
-    title = f"Strength used under gravity alone, t = {float(trajectory['time'].values[frame]):g} s: {of_layers}"
+    title = f"Strength mobilised under gravity alone, t = {float(trajectory['time'].values[frame]):g} s: {of_layers}"
     ax.set_title("\n".join(textwrap.wrap(title, MOST_LETTERS)), loc="left")
     add_note(figure, [scene], fidelity)
     return figure

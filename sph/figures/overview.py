@@ -60,7 +60,7 @@ def plot(
 ) -> Figure:
     """Draw a run, its result, trajectory or file, as ``plot_trajectory`` does, and write the picture (.png, .pdf, .svg) if a path is given.
 
-    ValueError as ``plot_trajectory``, and for a file that is no trajectory.
+    ValueError as ``plot_trajectory``, and for a file that is not a trajectory.
     """
     trajectory = run.trajectory if isinstance(run, Result) else run if isinstance(run, xr.Dataset) else read_run(run)
     figure = plot_trajectory(trajectory, time=time, field=field)

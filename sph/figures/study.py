@@ -47,7 +47,7 @@ BOUNDED: dict[str, Any] = {"linestyle": "", "marker": "$\\uparrow$", "markersize
 
 HATCH = "///"
 """Of cells whose soil fails before the shaking."""
-UNSHAKEN = "fails unshaken"
+UNSHAKEN = "fails without shaking"
 """The mark of such runs, in words."""
 
 
@@ -69,7 +69,7 @@ class Arrangement(NamedTuple):
 
 def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) -> Arrangement:
     """The panels of a study: of a grid along one dimension, the shaking or else the first of numbers, with the other one of at most
-    ``most`` values, and a panel a value of the rest; of anything else a panel a dimension.  ValueError for an empty table."""
+    ``most`` values, and a panel per value of the rest; of anything else a panel per dimension.  ValueError for an empty table."""
     if table.empty:
         raise ValueError("table: no run to draw")
     names = [found.name for found in dimensions]
@@ -93,8 +93,8 @@ def arranged(table: pd.DataFrame, dimensions: Sequence[Dimension], most: int) ->
 @styled
 def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
     """Displacement of the probe and run-out of every run.  A grid is drawn against the amplitude of shaking, or else its first dimension,
-    with a curve for every value of another and panels for the rest; a list or a sample against each of its dimensions.  Marks tell the
-    class; crosses at the lower edge diverged, hollow marks failed before the shaking.
+    with a curve for every value of another and panels for the rest; a list or a sample against each of its dimensions.  Marks show
+    the class; crosses at the lower edge are runs that diverged, hollow marks runs that failed before the shaking.
 
     ``table`` as from ``sph.study.tables.read_table``.  Metrics that no run has, such as the run-out of a block, are left out.  Raises
     ValueError for an empty table.
@@ -130,7 +130,8 @@ def figure_study(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: st
 @styled
 def figure_map(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str = "A", note: str = "") -> Figure:
     """Class of every run over two dimensions, with panels for the rest; of a list or a sample, over its first two.  The number in a cell
-    is the displacement of the probe, m; crosses diverged, hatched cells failed before the shaking.  Nothing is interpolated.
+    is the displacement of the probe in m; crosses are runs that diverged, hatched cells runs that failed before the shaking.  Nothing is
+    interpolated.
 
     ``table`` as from ``sph.study.tables.read_table``.  Raises ValueError for an empty table.
     """
@@ -220,7 +221,7 @@ def _draw_runs(ax: Axes, runs: pd.DataFrame) -> None:
 
 
 def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
-    """A cell a run at ``x`` and ``y``, by class."""
+    """A cell per run at ``x`` and ``y``, by class."""
     colours = dict(zip(CLASSES, class_colours(), strict=True))
     for run in runs.to_dict("records"):
         colour = colours.get(run["collapse_class"], "white")
@@ -253,7 +254,7 @@ def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -
     cells = all(isinstance(handle, Patch) for handle in handles)
     mark = Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label=UNSHAKEN) if cells else Line2D([], [], label=UNSHAKEN, **hollow)
     arrows = not cells and table["reached_side"].map(is_bounded).any()
-    bounded = [Line2D([], [], label="at least: debris met the box", **BOUNDED)] if arrows else []
+    bounded = [Line2D([], [], label="lower bound: debris reached the end of the box", **BOUNDED)] if arrows else []
     unshaken = [mark] if (table["status"] == Status.FAILED_UNSHAKEN).any() else []
     figure.legend(handles=[*handles, *diverged, *unshaken, *bounded], loc="outside upper right", ncols=6)
 

@@ -75,7 +75,7 @@ def curve_colours(count: int) -> list[Any]:
 
 
 def class_colours() -> list[Any]:
-    """A colour a class, from harmless (light) to collapse (dark)."""
+    """A colour per class, from harmless (light) to collapse (dark)."""
     return [colour_map("lajolla_r")(at) for at in (0.04, 0.25, 0.5, 0.78)]
 
 

@@ -1,4 +1,4 @@
-"""What every run has, started by hand or by the workflow: what is said while it runs, how it ends.
+"""What every run has, started by hand or by the workflow: progress messages, logs and exit codes.
 
 No result depends on it: editing it runs nothing again.
 

@@ -28,8 +28,8 @@ def rate_text(progress: Progress) -> str:
 
 def compiling(variant: str, last: float | None) -> str:
     """What is compiled, and how long that took last time."""
-    took = "some 10 s on a free core" if last is None else f"it took {last:.0f} s last time"
-    return f"compiling the solver with {variant or 'no optional term'}, once on a machine ({took})"
+    took = "about 10 s on a free core" if last is None else f"it took {last:.0f} s last time"
+    return f"compiling the solver with {variant or 'no optional term'}, once per machine ({took})"
 
 
 SECONDS = 30.0

@@ -19,8 +19,8 @@ from sph.storage.trajectory import Status, scene_of
 
 
 def with_end(name: str, trajectory: xr.Dataset) -> str:
-    """A name for figures, with the time at which the guard stopped the run, or with the remark that the slope fails unshaken."""
-    ends = {Status.DIVERGED: f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", Status.FAILED_UNSHAKEN: "fails unshaken"}
+    """A name for figures, with the time at which the guard stopped the run, or with the remark that the slope fails without shaking."""
+    ends = {Status.DIVERGED: f"diverged at {float(trajectory['sample_time'][-1]):.3g} s", Status.FAILED_UNSHAKEN: "fails without shaking"}
     return ", ".join(filter(None, (name, ends.get(trajectory.attrs["status"]))))
 
 
@@ -85,8 +85,8 @@ def probe_history(trajectory: xr.Dataset, probe: str) -> ProbeHistory:
 def check_probe(probe: str, scene: Scene, where: str) -> None:
     """ValueError beginning with ``where`` for a probe to be measured that a scene lacks."""
     if probe not in scene.probes:
-        known = ", ".join(scene.probes) or "of which it has none"
-        raise ValueError(f"{where}: metrics.probe: {probe!r} is not one of the scene's probes, {known}")
+        known = ", ".join(scene.probes) or "none"
+        raise ValueError(f"{where}: metrics.probe: {probe!r} is not one of the scene's probes ({known})")
 
 
 def _initial_height(trajectory: xr.Dataset, frame: int) -> np.ndarray:
@@ -115,7 +115,7 @@ FIELDS: dict[str, Field] = {
     "speed": Field("speed relative to the box", "m/s", _speed),
     "beta": Field("weight of the solid state β", "-", _beta),
     "pressure": Field("mean pressure", "kPa", _mean_pressure),
-    "mobilised": Field("share of the peak strength used", "-", mobilised),
+    "mobilised": Field("mobilised share of the peak strength", "-", mobilised),
 }
 
 

@@ -1,4 +1,4 @@
-"""Sets of particles that hang together."""
+"""Sets of connected particles."""
 
 from __future__ import annotations
 

@@ -71,7 +71,7 @@ class MetricSettings(Section):
     probe: str = key("probe whose motion is measured", default=PROBE, source="Figs. 6-7", pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")
     onset_threshold: float = key("displacement of the probe at which its motion has begun", "m", gt=0, le=100, default=0.05)
     arrest_tolerance: float = key("distance to its final place within which the probe has arrested", "m", gt=0, le=100, default=0.05)
-    moved_threshold: float = key("displacement beyond which slope material counts for the run-out", "m", gt=0, le=100, default=0.5)
+    moved_threshold: float = key("displacement beyond which slope material counts towards the run-out", "m", gt=0, le=100, default=0.5)
     link_length: float = key("soil particles nearer than this, over the spacing, count as one mass", ge=1, le=10, default=2.0)
     stable_limit: float = key(
         "class 'stable' below this permanent displacement of the probe over the height of the slope; 0.004 is 0.1 m at 25 m, "
@@ -94,7 +94,9 @@ class MetricSettings(Section):
         default=0.1,
     )
     places: dict[PlaceName, PlaceAt] = key(
-        "places before the slope that debris may reach, such as a road, by name: x, or a distance as '12 beyond the toe'", "m", default={}
+        "places in front of the slope that debris may reach, such as a road, by name: x, or a distance, e.g. '12 beyond the toe'",
+        "m",
+        default={},
     )
     moving_window: float = key("length of the interval at the end in which a run is tested for motion", "s", gt=0, le=1000, default=0.5)
     moving_speed: float = key("speed above which a run is still moving", "m/s", gt=0, le=100, default=0.05)
@@ -103,14 +105,14 @@ class MetricSettings(Section):
     def _limits_in_order(self) -> MetricSettings:
         if not self.stable_limit < self.minor_limit < self.damaged_limit:
             raise ValueError(
-                f"stable_limit ({self.stable_limit}) < minor_limit ({self.minor_limit}) "
-                f"< damaged_limit ({self.damaged_limit}) does not hold"
+                f"stable_limit ({self.stable_limit}), minor_limit ({self.minor_limit}) "
+                f"and damaged_limit ({self.damaged_limit}) must increase in this order"
             )
         return self
 
 
 ROW = ("row",)
-"""The dimension of a table with a row a run; in ``study.nc`` its columns lie over the dimensions of the study."""
+"""The dimension of a table with a row per run; in ``study.nc`` its columns lie over the dimensions of the study."""
 
 
 def _number(name: str, units: str, text: str) -> Variable:
@@ -135,11 +137,11 @@ METRICS: tuple[Variable, ...] = (
         "1 if in the last moving_window the probe, or the soil by its mass-weighted root-mean-square speed, was faster than moving_speed; "
         "1 for a diverged run, which was stopped in motion",
     ),
-    Variable("diverged", ROW, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, save those of cost and scene"),
+    Variable("diverged", ROW, "i1", "1", "1 if the guard stopped the run; its other numbers are then NaN, except those of cost and scene"),
     _number(
         "gravity_stage_displacement",
         "m",
-        "length of the probe's displacement from the start to the end of the gravity stage: the settlement that the other displacements "
+        "magnitude of the probe's displacement from the start to the end of the gravity stage: the settlement that the other displacements "
         "leave out, or the motion of a slope that does not stand",
     ),
     _number(
@@ -151,31 +153,33 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "mobilised_strength",
         "1",
-        "largest share of its peak strength that a layer uses at the end of the gravity stage: sum of the radii of the Mohr circles over "
-        f"that of the radii at yield, in the disc, {DISC:g} times as wide as the slope is high, where it is largest",
+        "largest share of its peak strength that a layer mobilises at the end of the gravity stage: sum of the radii of the Mohr circles "
+        f"over that of the radii at yield, in the disc, {DISC:g} times as wide as the slope is high, where it is largest",
     ),
     _number("shaking_start", "s", "start of the shaking; NaN without shaking"),
     _number("shaking_end", "s", "end of the shaking; NaN without shaking"),
     _number("displacement_vertical", "m", "permanent vertical displacement of the probe: value at the last sample"),
     _number("displacement_horizontal", "m", "permanent horizontal displacement of the probe: value at the last sample"),
-    _number("displacement_magnitude", "m", "length of the probe's permanent displacement"),
+    _number("displacement_magnitude", "m", "magnitude of the probe's permanent displacement"),
     _number("peak_displacement_vertical", "m", "vertical displacement of the probe where its absolute value is largest, with its sign"),
     _number("peak_displacement_horizontal", "m", "horizontal displacement of the probe where its absolute value is largest, with its sign"),
-    _number("peak_displacement_magnitude", "m", "largest length of the probe's displacement"),
+    _number("peak_displacement_magnitude", "m", "largest magnitude of the probe's displacement"),
     _number(
         "displacement_vertical_end_of_shaking",
         "m",
         "vertical displacement of the probe at the last sample not later than shaking_end; NaN without shaking or if the run ends before",
     ),
     _number("displacement_horizontal_end_of_shaking", "m", "horizontal displacement of the probe at the same sample"),
-    _number("displacement_magnitude_end_of_shaking", "m", "length of the probe's displacement at the same sample"),
+    _number("displacement_magnitude_end_of_shaking", "m", "magnitude of the probe's displacement at the same sample"),
     _number(
-        "onset_time", "s", "first sample at which the length of the probe's displacement exceeds onset_threshold; NaN if it never does"
+        "onset_time",
+        "s",
+        "time of the first sample at which the probe's displacement exceeds onset_threshold in magnitude; NaN if it never does",
     ),
     _number(
         "arrest_time",
         "s",
-        "first sample from which on the probe stays within arrest_tolerance of its final place (as a vector); "
+        "time of the first sample from which on the probe stays within arrest_tolerance of its final place (as a vector); "
         "NaN if its motion never began or the run is still moving",
     ),
     _number("probe_peak_speed", "m s-1", "largest speed of the probe after the gravity stage"),
@@ -204,20 +208,20 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "deposit_thickness",
         "m",
-        "mean thickness of what lies before the toe: area of soil in the largest linked mass with x below the initial toe and above the "
-        "initial ground, over the run-out; NaN without run-out",
+        "mean thickness of the deposit in front of the toe: area of soil in the largest linked mass with x below the initial toe and "
+        "above the initial ground, over the run-out; NaN without run-out",
     ),
     Variable(
         "reached_side",
         ROW,
         "str",
         "1",
-        "sides of the box that failed soil has met which has moved more than moved_threshold, in any frame, with blanks between them: "
-        f"'{FRONT}' and '{BACK}' where it is in the largest linked mass and within a smoothing length of the end before the toe or behind "
-        f"the crest, '{OVER}' where it is there above the top of the side, or has left the box. Displacement, run-out and deposit are then "
-        f"those of the box: with '{FRONT}' or '{OVER}' lower bounds",
+        "sides of the box met in any frame by failed soil that has moved more than moved_threshold, separated by blanks: "
+        f"'{FRONT}' and '{BACK}' where it is in the largest linked mass and within a smoothing length of the end in front of the toe or "
+        f"behind the crest, '{OVER}' where it is above the top of the side there, or has left the box. Displacement, run-out and deposit "
+        f"are then limited by the box: with '{FRONT}' or '{OVER}' they are lower bounds",
     ),
-    _number("reached_side_time", "s", "first frame in which it met a side; NaN if it met none"),
+    _number("reached_side_time", "s", "time of the first frame in which it met a side; NaN if it met none"),
     *(
         _number(name, "m2", f"area (number of soil particles times spacing squared) with a displacement above {limit} m, at the end")
         for name, limit in AREA_THRESHOLDS.items()
@@ -245,8 +249,8 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "viscous_share",
         "1",
-        "energy taken by artificial viscosity and stress over all energy taken, at the end: what the stabilisation takes, not the soil; "
-        "NaN of runs of versions before 0.2",
+        "energy dissipated by artificial viscosity and stress over all dissipated energy, at the end: the share due to the stabilisation, "
+        "not the soil; NaN for runs of versions before 0.2",
     ),
     _number(
         "time_step_ratio",
@@ -276,7 +280,7 @@ def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> d
     scene, status = scene_of(trajectory), str(trajectory.attrs.get("status"))
     finished = [name for name in Status if name != Status.PAUSED]
     if status not in finished:
-        raise ValueError(f"status: {status!r}; only a finished run can be measured, allowed are {', '.join(finished)}")
+        raise ValueError(f"status: {status!r}; only a finished run can be measured, with a status among {', '.join(finished)}")
     values: dict[str, Value] = {metric.name: math.nan for metric in (*METRICS, *place_columns(settings.places))}
     values |= _facts(trajectory, scene, status)
     if status == Status.DIVERGED:
@@ -398,7 +402,7 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
 
 
 def debris_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings) -> dict[str, float]:
-    """The metrics of debris at rest before the toe, and of the places; empty for a scene without a slope."""
+    """The metrics of debris at rest in front of the toe, and of the places; empty for a scene without a slope."""
     if not isinstance(scene.geometry, SLOPES):
         return {}
     soil, spacing, lattice_shift = trajectory["kind"].values == SOIL, scene.numerics.spacing, scene.numerics.lattice_shift

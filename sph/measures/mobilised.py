@@ -1,4 +1,4 @@
-"""Mobilised strength: the share of its peak strength that soil uses, above all when the gravity stage ends and the shaking has not begun.
+"""Mobilised strength: the share of its peak strength that soil mobilises, above all at the end of the gravity stage, before the shaking.
 
 Of a particle it is the radius of the Mohr circle of its effective stress in the section over that of the circle at yield with the same
 centre (Mohr-Coulomb, plane strain),
@@ -39,13 +39,13 @@ def circles(trajectory: xr.Dataset, frame: int) -> tuple[np.ndarray, np.ndarray]
 
 
 def mobilised(trajectory: xr.Dataset, frame: int) -> np.ndarray:
-    """Share (n,) of its peak strength that each particle uses in a frame; 1 where it has none, as at the ground without cohesion."""
+    """Share (n,) of its peak strength that each particle mobilises in a frame; 1 where it has none, as at the ground without cohesion."""
     radius, at_yield = circles(trajectory, frame)
     return np.where(at_yield > 0.0, radius / np.where(at_yield > 0.0, at_yield, 1.0), 1.0)
 
 
 def mobilised_by_layer(trajectory: xr.Dataset, frame: int) -> dict[str, float]:
-    """Share of its peak strength that each layer near the slope uses in a frame, by name; ``soil`` is the scene's own."""
+    """Share of its peak strength that each layer near the slope mobilises in a frame, by name; ``soil`` is the scene's own."""
     scene = scene_of(trajectory)
     radius, at_yield = circles(trajectory, frame)
     places = np.column_stack([trajectory[axis].values[frame].astype(float) for axis in ("x", "y")])

@@ -1,4 +1,4 @@
-"""Places before the slope, such as a road: how far debris passes them, how deep it lies there and when it arrives."""
+"""Places in front of the slope, such as a road: how far debris goes past them, how deep it lies there and when it arrives."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ def column_of(place: str, quantity: str) -> str:
 
 
 def place_columns(places: Iterable[str]) -> tuple[Variable, ...]:
-    """The columns of some places in a table with a row a run."""
+    """The columns of some places in a table with a row per run."""
     texts = {
-        PASSED: ("m", "run-out less the distance of {} from the toe: how far debris passes it; negative where it stops short"),
-        DEPTH: ("m", "largest height of soil in the largest linked mass above the initial ground within a spacing of {}, at the end"),
-        ARRIVAL: ("s", "first frame in which slope material, as the run-out counts it, reaches {}; NaN if it never does"),
+        PASSED: ("m", "run-out less the distance of {} from the toe: how far debris goes past it; negative where it stops short"),
+        DEPTH: ("m", "largest height above the initial ground, within a spacing of {}, of soil in the largest linked mass, at the end"),
+        ARRIVAL: ("s", "time of the first frame in which slope material, as counted for the run-out, reaches {}; NaN if it never does"),
     }
     return tuple(
         Variable(column_of(place, quantity), ("row",), "f8", units, text.format(place))
@@ -55,7 +55,7 @@ def places_in(columns: Iterable[str]) -> list[str]:
 
 
 def beyond_toe(at: float | str, geometry: Slope | GroundLine) -> float:
-    """Distance of a place from the toe, m; positive before the slope."""
+    """Distance of a place from the toe, m; positive in front of the slope."""
     written = BEYOND.match(str(at))
     if written:
         return float(written[1])
@@ -64,7 +64,7 @@ def beyond_toe(at: float | str, geometry: Slope | GroundLine) -> float:
 
 
 def check_places(places: Mapping[str, float | str], scene: Scene, where: str) -> None:
-    """ValueError beginning with ``where`` for a place that a scene has not before its slope."""
+    """ValueError beginning with ``where`` for a place that is not in front of the slope of a scene."""
     geometry = scene.geometry
     for name, at in places.items():
         if not isinstance(geometry, SLOPES):
@@ -75,8 +75,8 @@ def check_places(places: Mapping[str, float | str], scene: Scene, where: str) ->
         if not 0.0 < distance <= most:
             ends = [geometry.in_survey(x, 0.0)[0] for x in (geometry.toe[0], 0.0)]
             raise ValueError(
-                f"{where}: metrics.places.{name}: {at!r}: must lie before the toe and in the model, at most {most:.4g} m beyond the toe "
-                f"(x from {ends[0]:.6g} to {ends[1]:.6g} m); a longer apron takes in more"
+                f"{where}: metrics.places.{name}: {at!r}: must lie in front of the toe and within the model, at most {most:.4g} m beyond "
+                f"the toe (x from {ends[0]:.6g} to {ends[1]:.6g} m); lengthen the apron to include it"
             )
 
 

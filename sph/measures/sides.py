@@ -1,4 +1,4 @@
-"""Whether the soil that failed met the sides of the box: its run-out is then that of the box, and the failure may be as well.
+"""Whether failed soil met the sides of the box, which then limit its run-out and possibly the failure itself.
 
 Met is a side where soil that has failed and has moved by more than a threshold since the gravity stage lies within a smoothing
 length of it, in any frame.  Soil thrown ahead of the main mass does not count, soil that has left the box always does.
@@ -15,7 +15,7 @@ from sph.scene.schema import Scene
 from sph.solver.particles import SIDE, SOIL
 
 FRONT, BACK, OVER = "front", "back", "over"
-"""The end of the box before the toe; that behind the crest; over the top of a side, or out of the box."""
+"""The end of the box in front of the toe; that behind the crest; over the top of a side, or out of the box."""
 
 
 def reached_sides(trajectory: xr.Dataset, scene: Scene, moved: float, link: float) -> dict[str, float]:

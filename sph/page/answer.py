@@ -1,4 +1,4 @@
-"""The first screen of the page: whether the slope stands, at which shaking it fails and how far, and what limits the trust in that."""
+"""The first screen of the page: whether the slope stands, at what shaking it fails, how far it moves, and what limits trust in that."""
 
 from __future__ import annotations
 
@@ -132,7 +132,7 @@ def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     by_slices = words[0] if len(words) == 1 else f"Spencer {factors[0]:.2f} to {factors[-1]:.2f}" if words else ""
     keeps = "once soil is shaken beyond its peak strength it keeps flowing, whatever the factor at peak strength (progressive failure)"
     meant = keeps if falls else ""
-    return [("Factor at the residual strength", "; ".join(filter(None, (by_slices, by_particles))), meant)]
+    return [("Factor of safety at residual strength", "; ".join(filter(None, (by_slices, by_particles))), meant)]
 
 
 def _files(limit: str) -> str:
@@ -167,7 +167,7 @@ def _of_files(files: Sequence[str]) -> tuple[str, str]:
 
 
 def searched(scene: Scene, files: Sequence[str]) -> str:
-    """The intensities of the shaking at which the slopes of a search begin to go, in words; nothing without a search that found one."""
+    """The intensities of the shaking at which the slopes of a search begin to fail, in words; nothing without a search that found one."""
     for file in files:
         rows = read_critical(file)
         order = [*CLASSES, *rows["collapse_class"]]
@@ -187,7 +187,7 @@ def searched(scene: Scene, files: Sequence[str]) -> str:
 def going(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> str:
     """The amplitudes between which the weakest of the slopes leaves the class 'stable', by the runs whose soil does not fail before."""
     if AMPLITUDE not in table:
-        return "one shaking only"
+        return "only one level of shaking was run"
     table = table[table["status"] != Status.FAILED_UNSHAKEN]
     if table.empty:
         return "no answer: every run fails without shaking"
@@ -271,13 +271,13 @@ def yearly(files: Sequence[str]) -> list[tuple[str, str, str]]:
             span = f"{row[ends[0]]:.2g} to {row[ends[1]]:.2g}"
             words = f"{row['frequency']:.2g} times a year ({span})" if fitted else f"{span} times a year"
             beyond = f"; shaking beyond the curve adds at most {row['beyond_last']:.2g}"
-            how = f"fragility over the hazard curve{beyond}" if fitted else "bounds from the brackets over the hazard curve"
+            how = f"fragility integrated over the hazard curve{beyond}" if fitted else "bounds from the brackets, over the hazard curve"
             found.append((f"How often: {in_words(row['collapse_class'])}", words, how))
     return found
 
 
 def widths(table: pd.DataFrame) -> list[Table]:
-    """Widths that most of the runs do not pass, a row an amplitude; none for a study without places, and for too few runs an amplitude."""
+    """Widths that most of the runs do not pass, a row per amplitude; none for a study without places, and for too few runs an amplitude."""
     if not places_in(table.columns) or max(len(runs) for _, runs in _groups(table)) < FEWEST:
         return []
     rows = []
@@ -301,7 +301,7 @@ def _groups(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
 
 
 def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
-    """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row an amplitude."""
+    """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row per amplitude."""
     groups = _groups(table)
     rows = []
     for value, runs in groups:
@@ -311,13 +311,13 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
         if runs["reached_side"].map(is_bounded).any():
             spans[:2] = [AT_LEAST + span for span in spans[:2]]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
-    head = ("shaking (m/s²)", "class", f"{probe} moves (m)", "run-out (m)", "Newmark (m)")
-    notes = ["Least to most over the other dimensions of the study."] if len(table) > len(groups) else []
+    head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
+    notes = ["Smallest to largest value over the other dimensions of the study."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
     if table["newmark_displacement"].notna().any():
         soft = table["findings"].str.contains("block-not-rigid").any()
-        rigid = "; where the slope is not rigid, its slip is no upper bound" if soft else ""
+        rigid = "; where the slope is not rigid, the slip of the block is not an upper bound" if soft else ""
         notes.append(f"The Newmark block is rigid and uses the yield acceleration above{rigid}.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
 
@@ -337,15 +337,18 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         (table["status"] == Status.FAILED_UNSHAKEN).sum(),
         "have soil that fails under gravity alone and softens before the shaking: their results are not due to the earthquake alone.",
     )
-    say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no numbers.")
-    say(((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(), "still move at their end: displacement and run-out are not final.")
+    say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no results.")
+    say(
+        ((table["still_moving"] > 0) & (table["diverged"] == 0)).sum(),
+        "are still moving at the end: displacement and run-out are not final.",
+    )
     say(
         table["reached_side"].map(is_bounded).sum(),
         "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",
     )
     say(
         table["reached_side"].str.contains(BACK).sum(),
-        "have failed soil at the end of the box behind the crest: the box bounds the failure; lengthen the crest.",
+        "have failed soil at the end of the box behind the crest: the box limits the failure; lengthen the crest.",
     )
     say(
         table["energy_error"].map(is_open).sum(),

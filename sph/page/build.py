@@ -126,7 +126,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     points = [dict(zip(axes, values, strict=True)) for values in whole_table[axes].itertuples(index=False, name=None)]
     whole_table.index = pd.Index(whole_table[CASE] if study.layout.named else [point_name(point) for point in points])
     if len(whole_table) != study.size or not set(study.runs) <= set(whole_table.index):
-        raise ValueError(f"{study.table}: its rows are not the {study.size} runs of the study; run again what wrote it")
+        raise ValueError(f"{study.table}: its rows are not the {study.size} runs of the study; repeat the command that wrote it")
     table = whole_table[whole_table.index.isin(list(study.runs))]
     runs = [study.runs[name] for name in table.index]
     files = [Path(run).relative_to(study.folder).as_posix() for run in runs]
@@ -206,14 +206,14 @@ def found_part(section: Section, study: StudyFiles) -> Part:
 
 
 def picture(path: str, drawing: Drawing, runs: Sequence[str] = ()) -> Picture:
-    """A PNG for the page, in 256 colours, which takes a third of the space; ValueError names a file that is none."""
+    """A PNG for the page, in 256 colours, which takes a third of the space; ValueError names a file that is not one."""
     try:
         with Image.open(path) as image:
             small = io.BytesIO()
             image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
             width, height = image.size
     except (OSError, ValueError) as error:
-        raise ValueError(f"{path}: cannot be read as a picture: {error}; delete it and run again what wrote it") from error
+        raise ValueError(f"{path}: cannot be read as a picture: {error}; delete it and repeat the command that wrote it") from error
     data = "data:image/png;base64," + base64.b64encode(small.getvalue()).decode()
     return Picture(drawing.name, data, width, height, drawing.caption, path, runs)
 
@@ -264,12 +264,12 @@ def docs_links(folder: str) -> dict[str, str]:
 
 
 def attributes(path: str) -> dict[str, Any]:
-    """Attributes of a trajectory, its arrays left alone; ValueError names a file that is none."""
+    """Attributes of a trajectory, its arrays left alone; ValueError names a file that is not one."""
     try:
         with xr.open_dataset(path, engine="netcdf4") as run:
             return {str(name): value for name, value in run.attrs.items()}
     except Exception as error:  # as in sph.storage.trajectory
-        raise ValueError(f"{path}: cannot be read as a trajectory: {error}; delete it and run again what wrote it") from error
+        raise ValueError(f"{path}: cannot be read as a trajectory: {error}; delete it and repeat the command that wrote it") from error
 
 
 def inline(text: str) -> Markup:

@@ -52,8 +52,8 @@ class Detail(NamedTuple):
 
     def words(self) -> str:
         """The rule in words."""
-        frames = {1: "every stored frame", None: "the first and the last frame"}.get(self.frames, f"one of {self.frames} stored frames")
-        return f"{frames}, {'every particle' if self.particles == 1 else f'one of {self.particles} particles'}"
+        frames = {1: "every stored frame", None: "the first and the last frame"}.get(self.frames, f"one in {self.frames} stored frames")
+        return f"{frames}, {'every particle' if self.particles == 1 else f'one in {self.particles} particles'}"
 
 
 DETAILS = tuple(Detail(frames, 1) for frames in (1, 2, 4, 8, None)) + tuple(Detail(None, 2**n) for n in range(1, 8))
@@ -63,7 +63,7 @@ DETAILS = tuple(Detail(frames, 1) for frames in (1, 2, 4, 8, None)) + tuple(Deta
 def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, Any]:
     """What the page needs to draw the runs of a study, as JSON in at most ``room`` characters.
 
-    ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is no run and a probe that it lacks.
+    ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is not a run and a probe that it lacks.
     """
     first = trajectory.read_run(paths[0])
     surroundings, limits = surroundings_of(first), np.array(frame_limits(first, 0))

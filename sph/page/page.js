@@ -265,7 +265,7 @@
     byId("class").textContent = named.class;
     if (unshaken) numbers.unshift(["without shaking", `soil fails and softens before the shaking${run ? `: ${run.reason}` : ""}`]);
     byId("result").className = diverged || unshaken ? "bad" : "";
-    list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no numbers. What is drawn is what was stored until then.`]] : numbers, "span");
+    list("numbers", diverged ? [["diverged", `The guard stopped this run${run ? ` (${run.reason})` : ""}; it has no results. The drawing shows what was stored until then.`]] : numbers, "span");
     byId("link").href = `#run=${nameOf(file)}`;
     const own = [["file", path], ["repeat it", `sph run ${path} --out again.nc`]];
     list("facts", [["status", named.status], ...(study.client ? [] : own)], "code");

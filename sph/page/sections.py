@@ -56,7 +56,7 @@ def numbered(count: int) -> dict[str, str]:
 
 
 INPUTS = dict(zip(INPUT_FIGURES, ("Section", "Motion", "Initial particles"), strict=True))
-"""Names of the figures of what goes in."""
+"""Names of the figures of the input."""
 PREFLIGHT = Section(
     "Before the runs",
     "Findings on the scenes and on the stability of the slope before any run: errors, warnings and notes.",
@@ -80,7 +80,7 @@ TRIGGER = Section(
     "snakemake --cores 2 trigger",
     tables={
         "*/trigger/trigger.csv": "Critical intensities of the shaking",
-        "*/trigger/confirm.csv": "The ends of brackets at another fidelity",
+        "*/trigger/confirm.csv": "Ends of the brackets, repeated at another fidelity",
     },
     figures={
         "*/trigger/figures/trigger.png": Drawing("Trigger", "Critical intensity of the shaking against the first dimension of the search.")
@@ -100,12 +100,12 @@ MAPS = Section(
 OF_EVERY_STUDY: tuple[Section, ...] = (
     Section(
         "Fragility",
-        "The chance that the slope reaches a class at an intensity, and how far it goes, over the motions of the search.",
+        "The probability that the slope reaches a damage class at a given intensity, and how far it moves, over the motions of the search.",
         "snakemake --cores 2 fragility",
         tables={
-            "*/trigger/fragility_fit.csv": "Lognormal fits, and what they say",
-            "*/trigger/fragility_annual.csv": "How often a year, with the hazard of the site",
-            "*/trigger/fragility_measures.csv": "The same in other measures of the shaking, the most efficient first",
+            "*/trigger/fragility_fit.csv": "Lognormal fits, with the results in words",
+            "*/trigger/fragility_annual.csv": "Annual frequencies, with the seismic hazard of the site",
+            "*/trigger/fragility_measures.csv": "The fits in other intensity measures, the most efficient first",
             "*/trigger/widths.csv": "Run-out not exceeded by most of the motions",
             "*/trigger/exceedance.csv": "Share of the motions that exceed a run-out or a displacement",
         },
@@ -123,13 +123,15 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
             "*/sensitivity/tornado.csv": "One parameter at a time",
             "*/sensitivity/sobol.csv": "Shares of the variance (Sobol)",
             "*/sensitivity/cross_validation.csv": "Cross-validation: predictions for runs left out of the fit",
-            "*/sensitivity/confirm.csv": "Points run again at another fidelity",
+            "*/sensitivity/confirm.csv": "Points repeated at another fidelity",
         },
         figures={
             "*/sensitivity/figures/morris.png": Drawing("Morris", "Screening (Morris)."),
             "*/sensitivity/figures/tornado.png": Drawing("Tornado", "One parameter at a time."),
             "*/sensitivity/figures/sobol.png": Drawing("Sobol", "Shares of the variance (Sobol)."),
-            "*/sensitivity/figures/cross_validation.png": Drawing("Cross-validation", "Predicted and computed answers of runs left out."),
+            "*/sensitivity/figures/cross_validation.png": Drawing(
+                "Cross-validation", "Predicted and computed results of runs left out of the fit."
+            ),
         },
     ),
     Section(
@@ -137,12 +139,12 @@ OF_EVERY_STUDY: tuple[Section, ...] = (
         "The parameter values that reproduce the observation.",
         "snakemake --cores 2 back_analysis",
         tables={
-            "*/sensitivity/back_analysis.csv": "Values and intervals, and what they say",
+            "*/sensitivity/back_analysis.csv": "Values and intervals, with the results in words",
             "*/sensitivity/back_confirmed.csv": "Runs at the best point and at the ends of the intervals",
         },
         figures={
             "*/sensitivity/figures/back_analysis.png": Drawing(
-                "Back-analysis", "What was observed, the surrogate and the runs over the parameters sought."
+                "Back-analysis", "The observation, the surrogate and the runs, against the parameters sought."
             )
         },
     ),

@@ -71,7 +71,7 @@ class Table(NamedTuple):
 
 
 def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()) -> Table:
-    """Table of a CSV file, numbers to four digits, headings with the units that are declared; ValueError names a file that is none.
+    """Table of a CSV file, numbers to four digits, headings with the units that are declared; ValueError names a file that is not one.
 
     The column of sentences is taken out of it, each with the case of its row where there are several.
     """
@@ -79,9 +79,11 @@ def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()
         with open(path, newline="", encoding="utf-8") as file:
             head, *rows = csv.reader(file, strict=True)
     except (OSError, ValueError, csv.Error) as error:
-        raise ValueError(f"{path}: cannot be read as a table: {error}; delete it and run again what wrote it") from error
+        raise ValueError(f"{path}: cannot be read as a table: {error}; delete it and repeat the command that wrote it") from error
     if any(len(row) != len(head) for row in rows):
-        raise ValueError(f"{path}: cannot be read as a table: its rows have not all {len(head)} columns; run again what wrote it")
+        raise ValueError(
+            f"{path}: cannot be read as a table: not all of its rows have {len(head)} columns; repeat the command that wrote it"
+        )
     sentences = list[str]()
     if SENTENCE in head:
         at, case = head.index(SENTENCE), head.index("case") if "case" in head else None
@@ -108,7 +110,7 @@ def short(cell: str) -> str:
 def metres(value: float) -> str:
     """A length in m, to three digits or a millimetre, a few millimetres to a tenth of one; that of a block which never stops has no end."""
     if value == math.inf:
-        return "without end"
+        return "unlimited"
     digits = 4 if 0 < abs(value) < 0.01 else 3 if abs(value) < 1 else 2 if abs(value) < 10 else 1
     return NOTHING if math.isnan(value) else f"{value:.{digits}f}"
 
@@ -187,7 +189,7 @@ def chosen_keys(table: Table) -> Table:
     rows = []
     for key, value, unit, text in table.rows:
         if key == SOFTENING and value == "none":
-            rows.append(("beginning of failure", "at once", "", text))
+            rows.append(("onset of failure", "at once", "", text))
         elif key.startswith(KEYS) and value != "none":
             rows.append((readable(key), wall_words(value) if key.startswith("walls.") else value, shown_unit(unit), text))
     return Table("What is simulated", ("what", "value", "unit", "meaning"), rows)
@@ -223,7 +225,7 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
             )
         )
     units = [f"{readable(name)} ({shown_unit(unit)})" if shown_unit(unit) else readable(name) for name, unit in fields.items()]
-    return Table("Layers, the later one counting where two overlap", ("layer", "where", *units, "V_s (m/s)", "S_R", "γ (s⁻¹)"), rows)
+    return Table("Layers; where two overlap, the later one counts", ("layer", "where", *units, "V_s (m/s)", "S_R", "γ (s⁻¹)"), rows)
 
 
 def region_words(region: DepthRegion | ElevationRegion | PolygonRegion) -> str:

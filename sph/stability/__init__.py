@@ -1,4 +1,4 @@
-"""Companions of a run: what the simple methods of practice say about the same slope and the same shaking.
+"""Companions of a run: results of the simple methods of practice for the same slope and the same shaking.
 
 * ``standing``: the static test of a scene, and the rule by which it stands or has failed
 * ``search``: bracket and bisection between what stands and what fails

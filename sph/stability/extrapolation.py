@@ -75,7 +75,7 @@ class Extrapolated(NamedTuple):
         coarse, fine = (f"{spacing:.3g}" for spacing in self.spacings)
         if self.step_taken:
             return f"extrapolated from spacings of {coarse} and {fine} m"
-        return f"that at a spacing of {fine} m, since the extrapolation from {coarse} m leads to the unsafe side"
+        return f"the value at a spacing of {fine} m, since the extrapolation from {coarse} m would be on the unsafe side"
 
 
 def extrapolate(coarse: float, fine: float, ratio: float) -> float:

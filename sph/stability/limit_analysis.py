@@ -1,4 +1,4 @@
-"""Upper bound of a homogeneous slope's stability by limit analysis: a rigid body that turns on a logarithmic spiral; and infinite slopes.
+"""Upper bound of a homogeneous slope's stability by limit analysis: rigid rotation along a logarithmic spiral; and infinite slopes.
 
 Chen, W. F. (1975), "Limit Analysis and Soil Plasticity", Elsevier, chapter 9: soil above the spiral
 

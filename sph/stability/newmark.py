@@ -40,7 +40,7 @@ class SlidingBlock(NamedTuple):
 def sliding_block(
     time: ArrayLike, acceleration: ArrayLike, yield_acceleration: float, upslope_yield_acceleration: float | None = None
 ) -> SlidingBlock:
-    """Rigid block on ground with an acceleration (n,) m/s2 at times (n,) s, from rest; signs as above.
+    """Slide a rigid block, from rest, on ground with an acceleration (n,) in m/s2 at times (n,) in s; signs as above.
 
     The block slides downslope only; with ``upslope_yield_acceleration`` (m/s2) upslope as well.  After the record the ground
     does not accelerate: a block still sliding comes to rest over v^2 / (2 a_y) in v / a_y, which ``permanent`` and

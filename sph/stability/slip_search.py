@@ -92,7 +92,7 @@ class LimitEquilibrium(NamedTuple):
 
 
 def applies(scene: Scene) -> bool:
-    """Whether limit equilibrium has a question to answer: a slope of solid soil under vertical gravity."""
+    """Whether limit equilibrium applies: a slope of solid soil under vertical gravity."""
     return (
         isinstance(scene.geometry, SLOPES)
         and scene.gravity.acceleration > 0.0

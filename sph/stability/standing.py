@@ -1,4 +1,4 @@
-"""Does a slope stand?  The static test of a scene, and the written rule that decides it.
+"""Does a slope stand?  The static test of a scene, and the written rule that decides whether it does.
 
 The test is the classical one of strength reduction (Griffiths and Lane 1999): elastic, perfectly plastic soil with non-associated flow
 under gravity.  It is a run of the scene's own soil, box and spacing with
@@ -60,10 +60,12 @@ ELASTIC_SHARE = 0.1
 class FailureRule(Section):
     """When a slope has failed, in numbers that hold for any size of slope and box."""
 
-    displacement: float = key("soil counts as displaced beyond this part of the slope's height H", gt=0, le=1, default=0.01)
-    area: float = key("the slope has failed when displaced soil covers more than this part of H^2", ge=0, le=1, default=FAILED_AREA)
-    observation: float = key("free observation after the gravity stage, and after the load, over sqrt(H / g)", gt=0, le=1000, default=10.0)
-    ramp: float = key("duration in which the pseudo-static acceleration is brought on", "s", ge=0, le=100, default=1.0)
+    displacement: float = key("displacement, over the slope's height H, beyond which soil counts as displaced", gt=0, le=1, default=0.01)
+    area: float = key("area of displaced soil, over H^2, beyond which the slope has failed", ge=0, le=1, default=FAILED_AREA)
+    observation: float = key(
+        "duration of free observation after the gravity stage, and after the load, over sqrt(H / g)", gt=0, le=1000, default=10.0
+    )
+    ramp: float = key("duration over which the pseudo-static acceleration is ramped up", "s", ge=0, le=100, default=1.0)
 
     def sentence(self) -> str:
         """The rule in words."""

@@ -127,7 +127,7 @@ def unwritable(path: Path, error: Exception) -> OSError:
         room = f", {shutil.disk_usage(path.parent).free / 1e6:.1f} MB free in {path.parent}"
     except OSError:
         room = ""
-    return OSError(f"{path}: cannot be written ({cause}{room}); mend that or choose another place, then give the same command again")
+    return OSError(f"{path}: cannot be written ({cause}{room}); fix that or choose another place, then give the same command again")
 
 
 def _to_disk(path: Path) -> None:

@@ -1,4 +1,4 @@
-"""What is found after a run, from its metrics."""
+"""Findings after a run, from its metrics."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ THICK = 4
 (``tests/physics/test_thin_debris.py``)."""
 FAR = 10
 """Spacings of run-out beyond which that matters: nearer, a thin deposit is the foot of the slope."""
-WORDS = {FRONT: "the end of the box before the toe", BACK: "the end of the box behind the crest", OVER: "the top of a side"}
+WORDS = {FRONT: "the end of the box in front of the toe", BACK: "the end of the box behind the crest", OVER: "the top of a side"}
 
 
 def is_bounded(reached_side: str) -> bool:
@@ -53,7 +53,7 @@ def energy_open(error: float) -> list[Finding]:
         return []
     what = "the energy budget of the run does not close, so its results are not reliable"
     measured, wanted = f"an error of {100.0 * error:.2g} % of the sum of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
-    return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller one")]
+    return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller value")]
 
 
 def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:

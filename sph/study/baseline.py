@@ -1,4 +1,4 @@
-"""What a rigid sliding block does under a run's shaking: the baseline beside the simulated displacement and the critical amplitude."""
+"""Response of a rigid sliding block to a run's shaking: the baseline for the simulated displacement and the critical amplitude."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def newmark_factor(scene: Scene, yield_acceleration: float, displacement: float)
     if math.isnan(displacement):
         return math.nan
     if reference_amplitude(scene.motion) == 0.0:
-        raise ValueError(f"motion: scene {scene.name} is not shaken, there is nothing to scale")
+        raise ValueError(f"motion: scene {scene.name} is not shaken, so there is nothing to scale")
     if isinstance(scene.motion, ConstantAcceleration):
         return yield_acceleration / scene.motion.amplitude
     motion = motion_of(scene)

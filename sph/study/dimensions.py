@@ -155,7 +155,7 @@ def point_name(point: Mapping[str, str]) -> str:
 
 
 def check_names(where: str, names: Iterable[str]) -> None:
-    """ValueError for a dimension that is no key of a scene, with the nearest one, and for two that set one key."""
+    """ValueError for a dimension that is not a key of a scene, with the nearest one, and for two that set one key."""
     keys: dict[str, str] = {}
     for name in names:
         key = scene_key(name)

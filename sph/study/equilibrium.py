@@ -22,7 +22,7 @@ CODE, DIFFERS, RESIDUAL = "limit-equilibrium", "limit-equilibrium-differs", "lim
 
 
 def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
-    """Limit equilibrium of a scene's slope; None where it has no question to answer, or no answer."""
+    """Limit equilibrium of a scene's slope; None where it does not apply, or finds no surface."""
     found = limit_equilibrium(scene) if applies(scene) else None
     return found if found is not None and found.spencer.value < float("inf") else None
 

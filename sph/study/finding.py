@@ -13,11 +13,11 @@ class Severity(StrEnum):
     """How much a finding matters."""
 
     ERROR = "error"
-    """the result will not be what was asked for"""
+    """the result will not be the one you want"""
     WARNING = "warning"
-    """the result may be spoilt"""
+    """the result may be unreliable"""
     NOTE = "note"
-    """to know; nothing need be changed"""
+    """for information; nothing needs to be changed"""
 
 
 class Code(NamedTuple):
@@ -40,25 +40,27 @@ CODES: dict[str, Code] = {
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
     "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),
     "limit-equilibrium-residual": Code(NOTE, "factor of safety by limit equilibrium at the strength that failed soil keeps"),
-    "limit-equilibrium-differs": Code(NOTE, "the factor of safety by SPH differs by more than 5 % from Spencer's, and why it can"),
+    "limit-equilibrium-differs": Code(
+        NOTE, "the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons"
+    ),
     "slip-at-base": Code(WARNING, "a slip surface reaches an absorbing base with the same soil below it"),
-    "stability-unknown": Code(NOTE, "the stability of the slope was not found, and why"),
+    "stability-unknown": Code(NOTE, "the stability of the slope could not be found, with the reason"),
     "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
     "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
     "record-displacement": Code(WARNING, "the ground moves implausibly far"),
-    "record-sparse": Code(WARNING, "the samples of the record lie more than 0.1 s apart: times in another unit, or every n-th sample"),
+    "record-sparse": Code(WARNING, "the samples of the record are more than 0.1 s apart: times in another unit, or only every n-th sample"),
     "record-lasting": Code(NOTE, "the ground is left displaced at the end of the record"),
     "record-polarity": Code(NOTE, "with its polarity reversed the record drives a sliding block further"),
     "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: often a mistaken unit"),
     "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
-    "block-not-rigid": Code(NOTE, "the slope is too soft to move like the rigid sliding block beside its runs"),
+    "block-not-rigid": Code(NOTE, "the slope is too soft to move like the rigid sliding block that its runs are compared with"),
     "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
     "level-ground-fails": Code(NOTE, "the shaking is so strong that level ground fails in shear as well, up to the sides of the box"),
-    "short-waves": Code(WARNING, "the particles do not carry the highest frequencies of the motion"),
-    "sparse-series": Code(WARNING, "the series hold few samples of the shaking"),
+    "short-waves": Code(WARNING, "the particles do not resolve the highest frequencies of the motion"),
+    "sparse-series": Code(WARNING, "the stored series have too few samples of the shaking"),
     "few-particles": Code(WARNING, "few particles across the slope's height"),
     "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
-    "layer-broken": Code(ERROR, "a layer that is continuous in the scene is separate particles, or none at all"),
+    "layer-broken": Code(ERROR, "a layer that is continuous in the scene becomes separate particles, or none at all"),
     "thin-layer": Code(WARNING, "few particles across a layer"),
     "thin-box": Code(WARNING, "the boundary particles do not fill the kernel's support"),
     "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
@@ -67,9 +69,9 @@ CODES: dict[str, Code] = {
     "stiffness-implausible": Code(WARNING, "a shear-wave velocity outside 30 to 3,500 m/s: often Young's modulus in another unit than kPa"),
     "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa: often in Pa instead of kPa"),
     "strength-implausible": Code(WARNING, "a friction angle below 5 degrees together with a cohesion below 5 kPa"),
-    "soil-not-replaced": Code(WARNING, "the soil is still that of `sph new`"),
+    "soil-not-replaced": Code(WARNING, "the soil is still the placeholder of `sph new`"),
     "rigid-box": Code(WARNING, "a rigid box reflects waves: the slope is shaken harder than on a site where they radiate away"),
-    "no-dilation": Code(NOTE, "soil with friction does not dilate: a dilation angle of 0"),
+    "no-dilation": Code(NOTE, "frictional soil does not dilate: its dilation angle is 0"),
     "own-strength-ratio": Code(
         WARNING, "the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that no soil feels"
     ),
@@ -79,7 +81,7 @@ CODES: dict[str, Code] = {
         WARNING, "slip develops over a zone shorter than the slope, so that the shaking at which it fails may depend on the spacing"
     ),
     "back-wall": Code(WARNING, "the back wall is near the crest"),
-    "little-room": Code(WARNING, "little room for the debris before the front wall"),
+    "little-room": Code(WARNING, "little room for the debris between the toe and the front wall"),
     "debris-at-wall": Code(WARNING, "after the run: failed soil has reached an end of the box, so the box decides how far it goes"),
     "thin-debris": Code(WARNING, "after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable"),
     "energy-open": Code(WARNING, "after the run: its energy budget does not close within the limit, so its results are not reliable"),
@@ -90,7 +92,7 @@ CODES: dict[str, Code] = {
 
 
 class Finding(NamedTuple):
-    """Something that a user of the scene should know before its results; the names are those of ``sph check --json``."""
+    """Something that the user of a scene should know before using its results; the names are those of ``sph check --json``."""
 
     code: str  # of ``CODES``
     severity: str  # of ``Severity``

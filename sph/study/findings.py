@@ -102,7 +102,7 @@ def strengths(scene: Scene) -> list[tuple[str, str]]:
 
 
 def choices(scene: Scene) -> list[tuple[str, str]]:
-    """Name and value of what decides the answer and has a default: the stress at the start, how failure begins, what failed soil carries,
+    """Name and value of what decides the answer and has a default: the initial stress, the onset of failure, what failed soil carries,
     dilation and the walls."""
     softening, walls = scene.coupling.softening, scene.walls
     begins = "as soon as the stress reaches the strength (coupling.softening: null)"
@@ -116,12 +116,12 @@ def choices(scene: Scene) -> list[tuple[str, str]]:
     )
     box = _box(scene) + (f", lid {wall_words(walls.top)}" if walls.top != "none" else "")
     failed = {
-        "elastic": "elastic, without a yield surface, as the paper prints it",
+        "elastic": "elastic, without a yield surface, as printed in the paper",
         "elastic_plastic": "elastic-plastic, never beyond the peak strength",
     }[scene.coupling.solid_after_failure]
     return [
-        ("stress at the start", _at_rest(scene)),
-        ("failure begins", begins),
+        ("initial stress", _at_rest(scene)),
+        ("onset of failure", begins),
         ("solid state of failed soil", failed),
         ("dilation angle", dilation),
         ("walls", box + (": a rigid box" if _is_rigid(scene) else "")),
@@ -137,7 +137,7 @@ def _at_rest(scene: Scene) -> str:
         for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True)
     }
     same = len(set(told.values())) == 1
-    start = "gravity brought on in elastic soil" if scene.gravity.initial_stress == "none" else "geostatic"
+    start = "gravity ramped up in elastic soil" if scene.gravity.initial_stress == "none" else "geostatic"
     return f"{start}, K0 = {told['soil'] if same else ', '.join(f'{text} in {name}' for name, text in told.items())}"
 
 
@@ -160,14 +160,14 @@ def of_choices(scene: Scene) -> list[Finding]:
         wanted = "your soil and a title of your own"
         values = ", ".join(f"{name} {value:g}" for name, value in PLACEHOLDER_SOIL.items())
         measured = values if same else scene.title
-        found.append(finding("soil-not-replaced", "the soil is still that of sph new", measured, wanted, "soil, title"))
+        found.append(finding("soil-not-replaced", "the soil is still the placeholder of sph new", measured, wanted, "soil, title"))
     if _is_rigid(scene) and highest_frequency(scene):
         wanted = "absorbing, where waves radiate away"
         what = "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away"
         found.append(finding("rigid-box", what, _box(scene), wanted, "walls.base and walls.sides"))
     if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
         wanted = "the angle from a shear test: 0 in loose soil, a fraction of the friction angle in dense soil"
-        found.append(finding("no-dilation", "soil with friction does not dilate", "0 degree", wanted, "soil.dilation_angle"))
+        found.append(finding("no-dilation", "frictional soil does not dilate", "0 degrees", wanted, "soil.dilation_angle"))
     return found
 
 
@@ -218,7 +218,7 @@ def in_wave(scene: Scene, soil: Soil, frequency: float) -> float:
 
 
 def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
-    """All that is found of a scene and its particles without a run, the most harmful first; takes some 0.03 s.
+    """All findings on a scene and its particles that need no run, the most harmful first; takes some 0.03 s.
 
     ValueError for a K0 that its soil does not hold.
     """
@@ -252,8 +252,8 @@ def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
         found.append(
             finding(
                 "short-waves",
-                f"shear waves of {frequency:.3g} Hz are short in {name}",
-                f"{lengths:.2g} smoothing lengths in {soil.s_wave_speed / frequency:.3g} m, carried {1 - ratio:.0%} too slowly",
+                f"shear waves of {frequency:.3g} Hz are too short for the particles in {name}",
+                f"{lengths:.2g} smoothing lengths per wave ({soil.s_wave_speed / frequency:.3g} m), carried {1 - ratio:.0%} too slowly",
                 f"at least {FEWEST_IN_WAVE} (Kuhlemeyer and Lysmer 1973)",
                 "numerics.spacing or numerics.smoothing_ratio",
                 subject=name,
@@ -297,9 +297,9 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
         found.append(
             finding(
                 "little-room",
-                "little room for the run-out before the front wall",
+                "little room for the run-out between the toe and the front wall",
                 f"{toe_x:.3g} m",
-                f"at least {room:.3g} m, {room / height:.2g} H, for the strength that failed soil keeps",
+                f"at least {room:.3g} m, {room / height:.2g} H, for the residual strength of the soil",
                 key,
                 off_by=off_by(toe_x, room),
             )
@@ -442,9 +442,9 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     (enough, depth), peak = level_ground(scene, particles), float(np.abs(loading_of(scene).ground).max())
     if peak < enough:
         return []
-    measured = f"{in_both(peak)}, where {in_both(enough)} are enough at a depth of {depth:.3g} m"
+    measured = f"{in_both(peak)}, where {in_both(enough)} is enough at a depth of {depth:.3g} m"
     what = "level ground behind the crest, taken as a rigid column, fails in shear as well"
-    wanted = "less, or the results read as those of ground that fails as a whole"
+    wanted = "less, unless the ground is meant to fail as a whole"
     return [finding("level-ground-fails", what, measured, wanted, "motion.amplitude")]
 
 
@@ -452,11 +452,11 @@ def _series(scene: Scene) -> list[Finding]:
     samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
     if samples >= FEWEST_IN_SERIES:
         return []
-    measured = f"{samples:.2g} in a period of {frequency:.3g} Hz"
+    measured = f"{samples:.2g} samples per period at {frequency:.3g} Hz"
     return [
         finding(
             "sparse-series",
-            "the series hold few samples of the shaking",
+            "the stored series have too few samples of the shaking",
             measured,
             f"at least {FEWEST_IN_SERIES}",
             "outputs.series_interval",

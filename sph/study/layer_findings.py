@@ -84,7 +84,7 @@ def broken(scene: Scene, particles: Particles) -> list[Finding]:
                 f"the particles do not resolve {name} as a continuous layer" if filled.any() else f"no particle lies in {name}",
                 f"{measured} of {dx:.3g} m" if there.any() else "it lies outside the ground, or under later layers",
                 f"in every column, which needs a thickness of at least {dx:.3g} m",
-                f"numerics.spacing, smaller, or layers.{name}.region, thicker, or write it as a seam (seams.{name}) instead",
+                f"numerics.spacing (smaller) or layers.{name}.region (thicker), or describe it as a seam (seams.{name})",
                 subject=name,
                 off_by=off_by(min(columns, thickness / dx * crossed), crossed) if crossed else 1.0,
             )

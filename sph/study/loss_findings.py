@@ -33,12 +33,12 @@ def slip_zone(scene: Scene, soil: Soil, layer: Layer | None) -> float:
 
 
 def of_loss(scene: Scene) -> list[Finding]:
-    """Findings of how strength is lost after the peak: by time on a slope of one's own, by both, or by slip over too short a zone."""
+    """Findings of how strength is lost after the peak: with time on the user's own slope, with both, or with slip over too short a zone."""
     rates = {"coupling.gamma": scene.coupling.gamma, **{f"layers.{name}.gamma": its.gamma or 0.0 for name, its in scene.layers.items()}}
     key, rate = max(rates.items(), key=lambda pair: pair[1])
     if not scene.coupling.softens_by_slip:
-        what = "strength falls with time after failure, however little the soil moves; real soil loses it by slip"
-        wanted = "a loss by slip, with the slip at the residual strength from a shear test"
+        what = "strength falls with time after failure, however little the soil moves; real soil loses it with slip"
+        wanted = "a loss with slip, with the slip at the residual strength from a shear test"
         told = finding("lost-by-time", what, f"gamma = {rate:g} 1/s", wanted, "coupling.softening.slip_at_residual")
         return [told] if scene.scheme != "paper" and rate > 0 else []
     found = []
@@ -77,7 +77,7 @@ def of_softening(scene: Scene) -> list[Finding]:
         finding(
             "short-process-zone",
             "the width over which slip is averaged is narrow, so failure depends on the spacing",
-            f"{softening.width / dx:.2g} spacings in {softening.width:g} m",
+            f"{softening.width / dx:.2g} spacings ({softening.width:g} m)",
             f"at least {FEWEST_IN_LENGTH}",
             "numerics.spacing, or coupling.softening.width",
             off_by=off_by(softening.width / dx, FEWEST_IN_LENGTH),

@@ -100,7 +100,7 @@ def not_rigid(scene: Scene, particles: Particles) -> list[Finding]:
         return []
     tells = "underestimates" if period <= mean else "does not represent"
     what = f"the slope is not rigid under this motion, so a rigid sliding block {tells} its displacement"
-    measured = f"a natural period of {period:.2g} s, {period / mean:.2g} of the mean period of the motion"
+    measured = f"a natural period of {period:.2g} s, {period / mean:.2g} times the mean period of the motion"
     return [finding("block-not-rigid", what, measured, f"at most {MOST_RIGID:g} for a rigid block (Jibson 2011)")]
 
 
@@ -112,7 +112,7 @@ def peak_accelerations(scene: Scene) -> str:
 
 
 def of_record(scene: Scene) -> list[Finding]:
-    """What is found of the record of a scene after its processing: offset, drift, displacement, polarity."""
+    """Findings on the record of a scene after its processing: offset, drift, displacement, polarity."""
     if not isinstance(scene.motion, Record):
         return []
     made = processed(scene.motion)
@@ -142,14 +142,14 @@ def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]
 def sampled(scene: Scene) -> list[Finding]:
     """A warning if the samples of a scene's record, as read, lie far apart."""
     data = scene.motion.data if isinstance(scene.motion, Record) else None
-    return [] if data is None else sparse(data.interval, "motion.file, or its column of time")
+    return [] if data is None else sparse(data.interval, "motion.file, or its time column")
 
 
 def sparse(interval: float, key: str) -> list[Finding]:
-    """A warning if the samples of a record lie further apart (s) than those of recorders."""
+    """A warning if the samples of a record are further apart (s) than those of recorders."""
     if interval <= LONGEST_INTERVAL:
         return []
-    what = "the samples of the record lie so far apart that its times may be in another unit"
+    what = "the samples of the record are so far apart that its times may be in another unit"
     return [finding("record-sparse", what, f"a sample every {interval:g} s", f"at most {LONGEST_INTERVAL:g} s", key)]
 
 
@@ -179,13 +179,13 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
         off, what = off_by(furthest, LARGEST_DISPLACEMENT), "the peak displacement of the ground is implausible"
         found.append(finding("record-displacement", what, f"{furthest:.3g} m", wanted, key, off_by=off))
     elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
-        measured = f"{lasting:.2g} m of {furthest:.2g} m"
+        measured = f"{lasting:.2g} m, with a peak displacement of {furthest:.2g} m"
         found.append(finding("record-lasting", "the ground is left displaced at the end of the record", measured, "near 0", key))
     return found
 
 
 def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
-    """A note if the record turned round drives a sliding block further."""
+    """A note if the reversed record drives a sliding block further."""
     strength = POLARITY_RATIO * motion.peak
     if not strength > 0:
         return []

@@ -59,13 +59,15 @@ class Plan:
         kept = self.study.model_dump(include={"study", "scene", "fidelity", "fidelities", "metrics", "experiments", "yield_acceleration"})
         study = Study(**kept, grid={name: tuple(values) for name, values in grid.items()})
         if study.numbered:
-            raise ValueError(f"{self.origin}: {', '.join(grid)}: these dimensions make names of runs that are too long, or hold a folder")
+            raise ValueError(
+                f"{self.origin}: {', '.join(grid)}: with these dimensions the names of runs become too long or contain a folder"
+            )
         return Plan(study, self._scene_file, self.origin)
 
     def experiment_file(self, name: str) -> str:
         """File that configures an experiment on the study's own scene.
 
-        ValueError for a scene of one's own whose study names none: what ``config`` has is for the paper's.
+        ValueError for the user's own scene whose study names none: what ``config`` has is for the paper's.
         """
         if name not in self.study.experiments and self._base.get("scheme") != "paper":
             raise ValueError(
@@ -133,7 +135,7 @@ class Plan:
         return self.shared.gravities + self.shared.pre_failures if len(self.study.runs) <= MOST_SHOWN else []
 
     def figure_runs(self, figure: str) -> list[Run]:
-        """The runs from which a figure is drawn, by the name of its file; ValueError for one that the study has not."""
+        """The runs from which a figure is drawn, by the name of its file; ValueError for one that the study does not have."""
         shown = self.study.figure_files
         if figure not in shown:
             raise ValueError(f"{figure}: {self.study.why_without(figure)}")
@@ -191,7 +193,7 @@ class Plan:
             first = seen.setdefault(tuple(map(value_of, point.values())), name)
             if first != name and self.study.cases is not None:
                 at = ", ".join(f"{key} = {value}" for key, value in point.items())
-                raise ValueError(f"cases: {first} and {name} are one run, {at}")
+                raise ValueError(f"cases: {first} and {name} are the same run, {at}")
         self.study.figure_files  # noqa: B018  refuses what a figure lacks
 
     def built(self, **point: str) -> Scene:
@@ -279,4 +281,4 @@ def _check_apart(sources: Iterable[Path | str], results: Path, origin: str) -> N
     """Refuse a study whose files lie among its results, which are overwritten."""
     for file in map(Path, sources):
         if results.resolve() in file.resolve().parents:
-            raise ValueError(f"{origin}: {file} lies in {results}, where results are written over; move it elsewhere")
+            raise ValueError(f"{origin}: {file} lies in {results}, where results are overwritten; move it elsewhere")

@@ -1,4 +1,4 @@
-"""The preflight: what is found of a scene, or of all scenes of a study, before any run of them.
+"""The preflight: findings on a scene, or on all scenes of a study, before any of them is run.
 
 ``sph.study.findings`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
 strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error, and what limit
@@ -56,14 +56,18 @@ QUICK_SENSITIVITY = 6
 PREFLIGHT: tuple[Variable, ...] = (
     text_column("severity", f"how much it matters: {', '.join(Severity)}"),
     text_column("code", "what kind of finding it is"),
-    count_column("runs", "how many of the runs looked at have it"),
-    text_column("worst_run", "the one of them in which it is worst, the first of several; what was measured is of this one"),
+    count_column("runs", "number of the checked runs that have it"),
+    text_column("worst_run", "the run in which it is worst, the first if there are several; the measured value is from this run"),
     text_column("what", "the finding in words"),
-    text_column("measured", "what was measured"),
-    text_column("wanted", "what is wanted; empty for a note that asks for nothing"),
-    text_column("key", "the key to change; empty where nothing need be"),
-    text_column("subject", "the layer, variable or component that it is of, where a scene may have several"),
-    number_column("off_by", "1", "distance of what was measured from what is wanted over the larger; 1 where it is not a matter of degree"),
+    text_column("measured", "measured value"),
+    text_column("wanted", "required value; empty for a note that asks for nothing"),
+    text_column("key", "key to change; empty if nothing needs to be changed"),
+    text_column("subject", "layer, variable or component that it concerns, where a scene may have several"),
+    number_column(
+        "off_by",
+        "1",
+        "distance between the measured and the required value over the larger of the two; 1 where it is not a matter of degree",
+    ),
 )
 """The columns of ``preflight.csv``."""
 
@@ -190,7 +194,7 @@ def _of_mobilised(peak: Peak) -> list[Finding]:
                 "mobilised-strength",
                 f"strength of {name} mobilised by gravity alone, before the shaking",
                 f"{100 * share:.0f} % of its peak strength",
-                f"less than {100 * USED_UP:.0f} %, or computed from a known stress at the start" if near else "",
+                f"less than {100 * USED_UP:.0f} %, or be computed from a known initial stress" if near else "",
                 f"{'soil' if name == 'soil' else f'layers.{name}.soil'}.K0, or its strength" if near else "",
                 Severity.WARNING if near else None,
                 subject=name,
@@ -391,7 +395,7 @@ def study_stability(
 
 
 def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
-    """What is found of the scenes of a study without a run, the most harmful first.
+    """Findings on the scenes of a study that need no run, the most harmful first.
 
     Each code, key and subject once, in the words of the run in which it is worst.
     """
@@ -429,7 +433,7 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
     soils = [soil for scene in scenes for soil in (scene.soil, *(layer.soil for layer in scene.layers.values() if layer.S_R is None))]
     if len({scene.coupling.S_R for scene in scenes}) > 1 and all(soil.residual(0.0) == soil.residual(1.0) for soil in soils):
         what = "the study varies S_R, which no soil feels: runs that differ in it alone are the same"
-        measured, wanted = "residual strengths are written", "a dimension soil.residual_friction_angle, or no residual strengths"
+        measured, wanted = "residual strengths are given", "a dimension soil.residual_friction_angle, or no residual strengths"
         found.append(finding("own-strength-ratio", what, measured, wanted, "soil.residual_cohesion and soil.residual_friction_angle"))
     return found
 
@@ -442,7 +446,7 @@ def write_preflight(path: Path | str, rows: Sequence[Row]) -> None:
 
 
 def read_preflight(path: Path | str) -> list[Row]:
-    """The rows of ``preflight.csv``; ValueError names a file that is none."""
+    """The rows of ``preflight.csv``; ValueError names a file that is not one."""
     table = read_csv(path, PREFLIGHT, "the preflight")
     return [
         Row(Finding(*(row[name] for name in Finding._fields)), int(row["runs"]), str(row["worst_run"])) for row in table.to_dict("records")

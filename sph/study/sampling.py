@@ -60,7 +60,7 @@ class Sample(Section):
     """Runs that fill ranges of scene keys."""
 
     method: Literal["latin_hypercube", "sobol", "random"] = key(
-        "sobol: a scrambled Sobol' sequence, and random: a larger sample keeps the runs of a smaller one; latin_hypercube: every range "
+        "sobol (a scrambled Sobol' sequence) and random: a larger sample keeps the runs of a smaller one; latin_hypercube: every range "
         "is filled evenly, a larger sample is a new one",
         default="sobol",
     )
@@ -95,7 +95,7 @@ def read_cases(folders: Sequence[Path], name: str) -> list[dict[str, str]]:
         if len(row) != len(head):
             raise ValueError(f"cases: {name}: row {line} has {len(row)} values for {len(head)} dimensions")
     if len(set(head)) < len(head):
-        raise ValueError(f"cases: {name}: a dimension is named twice in {', '.join(head)}")
+        raise ValueError(f"cases: {name}: a dimension appears twice in {', '.join(head)}")
     return [dict(zip(head, row, strict=True)) for row in rows]
 
 
@@ -118,7 +118,7 @@ def chosen_study(config: Mapping[str, Any], given: Mapping[str, Any]) -> dict[st
 
 
 def keys_of(path: Path | str) -> set[str]:
-    """The keys of a file of a configuration, whatever they hold; none of one that is no mapping."""
+    """The keys of a file of a configuration, whatever they hold; none of one that is not a mapping."""
     node = yaml.compose(Path(path).read_text(encoding="utf-8"), yaml.SafeLoader)
     return {str(name.value) for name, _ in node.value} if isinstance(node, yaml.MappingNode) else set()
 

@@ -28,7 +28,7 @@ LONGEST_NAME = 120
 OWN = "own"
 """The fidelity of a study that names none: the scene as it is."""
 INPUT_FIGURES = ("section", "motion", "particles")
-"""Figures of what goes in, which need one run."""
+"""Figures of the input, which need one run."""
 MOBILISED = "mobilised"
 """The figure of one run at the end of its gravity stage."""
 PROFILES = "profiles"
@@ -57,7 +57,7 @@ class FigureCases(Section):
     """Which runs figures show."""
 
     runs: tuple[str, ...] = key(
-        "runs, by the names of their files without suffix, whose profiles are drawn; none: four, evenly through the study",
+        "runs whose profiles are drawn, by the names of their files without suffix; none: four, spread evenly through the study",
         default=(),
         max_length=12,
     )
@@ -76,7 +76,7 @@ class Study(Section):
         default=None,
     )
     cases: Cases | None = key(
-        "instead of a grid: the runs one by one, a value of each dimension; or the name of a CSV file with a column a dimension",
+        "instead of a grid: the runs one by one, with a value for each dimension; or the name of a CSV file with one column per dimension",
         default=None,
     )
     sample: Sample | None = key("instead of a grid: runs that fill ranges of the dimensions", default=None)
@@ -84,18 +84,17 @@ class Study(Section):
         "scene keys that each fidelity sets, by name", default={OWN: {}}, min_length=1
     )
     second_fidelity: str | None = key(
-        "one of the fidelities, with another spacing, at which every run is made again, so that the page says what the spacing changes; "
+        "one of the fidelities, with another spacing, at which every run is repeated, so that the page shows what the spacing changes; "
         "null: none",
         default=None,
     )
     figures: FigureCases = key("runs shown in figures", default=FigureCases())
     yield_acceleration: Literal["mean", "each"] = key(
-        "of uncertain soil: mean, one search for the soil with the means of its distributions, which all draws share; each, a search for "
-        "each draw",
+        "for uncertain soil: mean, one search at the means of the distributions, shared by all draws; each, a search for each draw",
         default="mean",
     )
     page: Literal["full", "client"] = key(
-        "client: the page is without paths, commands, sections that have still to be made and cost", default="full"
+        "client: the page leaves out paths, commands, costs and sections that have not been made yet", default="full"
     )
     metrics: MetricSettings = key("thresholds of the metrics", default=MetricSettings())
     experiments: dict[str, str] = key(
@@ -113,14 +112,14 @@ class Study(Section):
     def _runs_known(self) -> Study:
         chosen = [kind for kind in KINDS if getattr(self, kind) is not None]
         if len(chosen) != 1:
-            raise ValueError(f"one of {', '.join(KINDS)} says which runs there are (found {' and '.join(chosen) or 'none'})")
+            raise ValueError(f"give the runs by exactly one of {', '.join(KINDS)} (found {' and '.join(chosen) or 'none'})")
         if self.sample is not None:
             check_names("sample.ranges", self.sample.ranges)
         elif self.grid is not None:
             check_names("grid", self.grid)
             for name, values in self.grid.items():
                 if len({value_of(value) for value in values}) < len(values):
-                    raise ValueError(f"grid.{name}: {list(values)} holds one value twice")
+                    raise ValueError(f"grid.{name}: {list(values)} contains the same value twice")
             runs = math.prod(len(values) for values in self.grid.values())
             if runs > MOST_RUNS:
                 raise ValueError(f"grid: {', '.join(self.grid)}: the grid has {runs:,} points, at most {MOST_RUNS:,}")
@@ -131,7 +130,9 @@ class Study(Section):
                 raise ValueError(f"cases: {len(self.cases):,} runs, at most {MOST_RUNS:,}")
             for number, case in enumerate(self.cases, 1):
                 if set(case) != set(self.cases[0]):
-                    raise ValueError(f"cases: number {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}")
+                    raise ValueError(
+                        f"cases: case {number} sets {', '.join(case)}, the first {', '.join(self.cases[0])}; all must set the same keys"
+                    )
         return self
 
     @model_validator(mode="after")

@@ -1,4 +1,4 @@
-"""Properties of soil that are implausible, and mostly a mistaken unit, found before a run."""
+"""Implausible soil properties, mostly due to a mistaken unit, found before a run."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SMALLEST_ANGLE, SMALLEST_COHESION = 5.0, 5.0
 
 
 def of_soils(scene: Scene) -> list[Finding]:
-    """Warnings of the peak properties of the soil and of each layer of a slope of one's own; a layer is not told what it takes over.
+    """Warnings of the peak properties of the soil and of each layer of the user's own slope; a layer is not told what it takes over.
 
     The paper's scheme takes its soil from the paper.  Residual strengths may be as small as they are measured.
     """

@@ -1,6 +1,6 @@
 """Tables and their files: that of a study, and flat ones of any columns.
 
-A study has one row a run in the CSV; the netCDF has one value a grid point, or one a case where the study is a list.
+A study has one row per run in the CSV; the netCDF has one value per grid point, or one a case where the study is a list.
 
 Values of the dimensions are written as in the configuration ("0.10") in the CSV and become numbers once, here, as coordinates
 of the dataset; the labels are kept beside them as ``S_R_label`` and so on.  The tables of a study are put together from parts, of which
@@ -50,7 +50,7 @@ EXPECTED: tuple[Variable, ...] = tuple(
         "1",
         f"largest relative deviation of {what} from the reference of the cost-accuracy study, over its cases, measured on its slope with "
         "the same numerics, walls, damping, fluid and gravity stage; NaN if no variant of the measured table has these, and for a slope "
-        "unlike the measured one by height, angle, layers, water, strength, S_R and gamma",
+        "unlike the measured one in height, angle, layers, water, strength, S_R or gamma",
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
@@ -65,16 +65,17 @@ BASELINE: tuple[Variable, ...] = (
         "m s-2",
         "constant horizontal acceleration at which the slope fails at its full strength, c_s and phi_s, by a pseudo-static search, "
         "extrapolated to spacing 0 from that of the run and twice that; 0 "
-        "where it fails without; of uncertain soil that of the mean soil, unless the study writes yield_acceleration: each; NaN where the "
-        f"study has more than {MOST_SLOPES} slopes, or where the search found none (its file says why)",
+        "where it fails without any; for uncertain soil that of the mean soil, unless the study sets yield_acceleration: each; NaN where "
+        f"the study has more than {MOST_SLOPES} slopes, or where the search found none (its file says why)",
     ),
     Variable(
         "newmark_displacement",
         ROW,
         "f8",
         "m",
-        "slip of a rigid block with that yield acceleration under the horizontal component of the run's motion (Newmark 1965), which loses "
-        "no strength; infinite where the slope fails without shaking, and under a larger load that stays; NaN without a yield acceleration",
+        "slip of a rigid block with that yield acceleration, which loses no strength, under the horizontal component of the run's motion "
+        "(Newmark 1965); infinite where the slope fails without shaking, or under a sustained load above the yield acceleration; NaN "
+        "without a yield acceleration",
     ),
 )
 """The sliding block beside the run; see ``sph.study.baseline``."""
@@ -83,7 +84,7 @@ FINDINGS = Variable(
     ROW,
     "str",
     "1",
-    "codes of what was found of the run's scene before it was run and of its debris after, with blanks between them",
+    "codes of the findings on the run's scene before the run and on its results after it, separated by blanks",
 )
 VALUES = (*METRICS, *EXPECTED, *BASELINE, FINDINGS)
 
@@ -113,7 +114,7 @@ CASE_COLUMN = Variable(CASE, (CASE,), "str", "1", "name of the run: its file is 
 def study_rows(rows: Sequence[Mapping[str, Any]], layout: Layout | None = None) -> pd.DataFrame:
     """Frame of a study or a part of it, values of its dimensions kept as strings; by default over the dimensions with short names.
 
-    Raises ValueError for no rows, a missing or unknown column, and a value of a dimension that is no number where all are to be.
+    Raises ValueError for no rows, a missing or unknown column, and a value of a dimension that is not a number where all are to be.
     """
     layout = layout or Layout()
     if not rows:
@@ -187,27 +188,29 @@ def write_csv(frame: pd.DataFrame, path: Path | str) -> None:
 
 
 def read_study(path: Path | str) -> xr.Dataset:
-    """Dataset of a study, in memory; ValueError names a file that is none."""
+    """Dataset of a study, in memory; ValueError names a file that is not one."""
     try:
         with xr.open_dataset(path, engine="netcdf4") as ds:
             study = ds.load()
     except Exception as error:  # as in sph.storage.trajectory
-        raise ValueError(f"{path}: cannot be read as a study: {error}; if it was one, delete it and run again what wrote it") from error
+        raise ValueError(
+            f"{path}: cannot be read as a study: {error}; if it was one, delete it and repeat the command that wrote it"
+        ) from error
     trajectory.check_format(study, path)
     missing = [row.name for row in VALUES if row.name not in study.variables]
     if missing:
-        raise ValueError(f"{path}: not a study of this program, it lacks {missing}")
+        raise ValueError(f"{path}: not a study of this version: it lacks {missing}; repeat the command that wrote it")
     return study
 
 
 def read_table(path: Path | str, layout: Layout | None = None) -> pd.DataFrame:
-    """Table of a study from its CSV, values of its dimensions and strings as written; ValueError names a file that is none."""
+    """Table of a study from its CSV, values of its dimensions and strings as written; ValueError names a file that is not one."""
     layout = layout or Layout()
     return read_csv(path, [row._replace(dtype="str") if row in layout.axes else row for row in layout.columns], "a study")
 
 
 def read_csv(path: Path | str, variables: Sequence[Variable], what: str) -> pd.DataFrame:
-    """Table with the columns ``variables`` from its CSV, strings as written; ValueError names a file that is no table of ``what``."""
+    """Table with the columns ``variables`` from its CSV, strings as written; ValueError names a file that is not a table of ``what``."""
     columns, text = [row.name for row in variables], [row.name for row in variables if row.dtype == "str"]
     types: dict[Hashable, Any] = {row.name: {"s": "str", "i": "int64", "f": "float64"}[row.dtype[0]] for row in variables}
     try:
@@ -216,7 +219,7 @@ def read_csv(path: Path | str, variables: Sequence[Variable], what: str) -> pd.D
     except (OSError, ValueError) as error:
         raise ValueError(f"{path}: cannot be read as the table of {what}: {error}") from error
     if list(frame.columns) != columns:
-        raise ValueError(f"{path}: columns {list(frame.columns)} are not those of {what} {columns}")
+        raise ValueError(f"{path}: has the columns {list(frame.columns)}, but the table of {what} must have {columns}")
     return frame
 
 
@@ -242,7 +245,7 @@ def _attributes(row: Variable) -> dict[str, str]:
 
 
 def _coordinates(axis: Variable, labels: Iterable[str]) -> np.ndarray:
-    """Values of a dimension: words, or finite numbers; ValueError names one that is none."""
+    """Values of a dimension: words, or finite numbers; ValueError names one that is neither."""
     if axis.dtype == "str":
         return np.array(list(labels), dtype=object)
     return np.array([_number(axis.name, label) for label in labels])

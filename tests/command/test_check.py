@@ -73,12 +73,12 @@ def test_a_sound_scene_has_no_warning() -> None:
             "width over which slip is averaged is narrow",
             "coupling.softening.width",
         ),
-        ({"motion.frequency": 60.0}, "short-waves", "shear waves of 60.1 Hz are short", "numerics.spacing"),
+        ({"motion.frequency": 60.0}, "short-waves", "shear waves of 60.1 Hz are too short", "numerics.spacing"),
         ({"duration": 8.0}, "motion-cut-off", "ends before the motion does", "duration"),
         ({"numerics.time_step": 1.25e-3}, "time-step", "time step is near or above its limit", "numerics.adaptive_step"),
         ({"motion.amplitude": 22.0}, "pga-implausible", "horizontal peak acceleration of the ground is implausible", "motion.amplitude"),
         ({"motion.amplitude": 0.06}, "pga-implausible", "horizontal peak acceleration of the ground is implausible", "unit of the record"),
-        ({"motion.frequency": 15.0}, "sparse-series", "series hold few samples", "outputs.series_interval"),
+        ({"motion.frequency": 15.0}, "sparse-series", "series have too few samples", "outputs.series_interval"),
         ({"walls.layers": 1}, "thin-box", "do not fill the kernel", "walls.layers=2"),
         (
             {"geometry.points": [[100, 440], [160, 440], [180, 460], [220, 460], [300, 430]], "geometry.base": 420},
@@ -106,11 +106,11 @@ def test_shaking_that_shears_off_level_ground_is_told() -> None:
         return [each for each in findings if each.code == "level-ground-fails"]
 
     assert told(0.99) == [] and len(told(1.01)) == 1
-    assert told(1.01)[0].measured == f"{in_both(1.01 * limit)}, where {in_both(limit)} are enough at a depth of 29.5 m"
+    assert told(1.01)[0].measured == f"{in_both(1.01 * limit)}, where {in_both(limit)} is enough at a depth of 29.5 m"
     # A weak layer is sheared before the base is.
     clay = {"clay": {"region": {"kind": "elevation", "bottom": 445.0, "top": 450.0}, "soil": {"cohesion": 40.0, "friction_angle": 0.0}}}
     (weak,) = told(0.9, layers=clay)
-    assert weak.measured.endswith("are enough at a depth of 14.5 m") and weak.severity == "note"
+    assert weak.measured.endswith("is enough at a depth of 14.5 m") and weak.severity == "note"
 
 
 def test_whole_rows_have_to_make_the_height_of_a_slope_between_level_ground() -> None:
@@ -219,7 +219,7 @@ def test_the_command_draws_the_places_of_a_study(tmp_path: Path) -> None:
     assert call("check", file, "--plot", picture, "--configfile", study).exit_code == 0 and picture.exists()
     study.write_text(yaml.safe_dump({"metrics": {"places": {"road": "1200 beyond the toe"}}}))
     refused = call("check", file, "--configfile", study)
-    assert refused.exit_code == REFUSED and "metrics.places.road: '1200 beyond the toe': must lie before the toe" in refused.output
+    assert refused.exit_code == REFUSED and "metrics.places.road: '1200 beyond the toe': must lie in front of the toe" in refused.output
     study.write_text("study: own\n")
     assert places_of(study, loaded) == {}
 

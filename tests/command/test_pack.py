@@ -196,7 +196,7 @@ def test_a_study_that_is_laid_over_another(tmp_path: Path, monkeypatch: pytest.M
     folder = unpacked(pack(Path("mine.yaml"))[0].resolve(), tmp_path / "there")
     assert {"mine.yaml", "config/config.yaml", "config/scenes/paper.yaml"} < held(folder)
     (tmp_path / "config" / "config.yaml").unlink()
-    with pytest.raises(ValueError, match=r"mine.yaml: scene: is not there, and neither is config/config.yaml"):
+    with pytest.raises(ValueError, match=r"mine.yaml: scene: is missing, and there is no config/config.yaml"):
         pack(Path("mine.yaml"))
 
 
@@ -223,7 +223,7 @@ def test_results_are_packed_without_what_is_half_written(home: Path, tmp_path: P
         ({"scenes/records/quake.csv": None}, (), "'records/quake.csv' cannot be read: No such file"),
         ({"study.yaml": STUDY.replace("../trigger.yaml", "gone.yaml")}, (), r"study.yaml: experiments.trigger: no file 'gone.yaml'"),
         ({"study.yaml": STUDY + "fidelities: {own: {motion: {file: gone.csv}}}\n"}, (), "gone.csv"),
-        ({}, ("--results",), "results/own: holds none"),
+        ({}, ("--results",), "results/own: holds no results"),
         ({}, ("-o", "own.rar"), "must end in .zip or .tar.gz"),
         ({}, ("-o", "nowhere/own.zip"), "folder nowhere does not exist"),
         ({"study.zip": STUDY}, ("-o", "study.zip"), "would replace"),
@@ -254,7 +254,7 @@ def test_two_files_of_one_place_are_refused(tmp_path: Path, monkeypatch: pytest.
     shutil.copy(ROOT / line, tmp_path / line)
     assert pack(Path("mine.yaml"))[1] == 7, "the same content"
     (tmp_path / line).write_text((ROOT / line).read_text() + "# edited\n")
-    with pytest.raises(ValueError, match=f"would be {line} in the archive, as .* which differs; rename one of them"):
+    with pytest.raises(ValueError, match=f"would be {line} in the archive, and so would .* which differs; rename one of them"):
         pack(Path("mine.yaml"))
 
 

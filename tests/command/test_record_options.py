@@ -66,7 +66,7 @@ def test_both_directions_and_the_larger(tmp_path: Path) -> None:
     assert (both["direction"], both["other_displacement"]) == ("turned", 0.0)
     assert both["permanent_displacement"] == pytest.approx(expected["turned"], rel=1e-6) and both["peak_acceleration"] == 4.0
     shown = call(*asked, "--direction", "both")
-    assert "turned round, the larger; 0 m in the other direction" in shown.stdout and "record-polarity" not in shown.stderr
+    assert "reversed, the larger; 0 m with the opposite polarity" in shown.stdout and "record-polarity" not in shown.stderr
 
 
 def test_the_options_are_those_of_a_scene(recorded: Path) -> None:

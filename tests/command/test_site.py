@@ -140,7 +140,7 @@ def test_the_command_prints_a_table_and_writes_a_scene(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (["--set", "motion.kind=none"], "a site response needs a shaking"),
+        (["--set", "motion.kind=none"], "a site response needs shaking"),
         (["--at", "500"], "--at 500: must lie in the model, from 100 to 220 m"),
         (["--set", "motion.amplitude=60"], f"beyond {100 * LARGEST_STRAIN:g} % equivalent-linear analysis is not valid"),
     ],

@@ -200,7 +200,8 @@ def test_words_for_what_is_left(study: Folder) -> None:
     assert sentence(study.states()) == "time left: unknown until the first job is done"
     study.finish("gravity", 6.0)
     assert (
-        sentence(study.states()) == "nothing is running; 1 min 36 s of computing remain, by 1 benchmark; 3 jobs of unknown time not counted"
+        sentence(study.states())
+        == "nothing is running; 1 min 36 s of computing remaining, from 1 benchmark; 3 jobs of unknown time not counted"
     )
     for name in study.jobs:
         study.finish(name, 1.0)
@@ -277,7 +278,7 @@ def test_the_configuration_of_a_folder_of_results_is_found_by_the_name_of_its_st
     assert shown.exit_code == 0 and "results/mine/draft" in shown.stdout, shown.output
     (study.base / "second.yaml").write_text("study: mine\n")
     refused = call(study.base / "results" / "mine" / "draft")
-    assert refused.exit_code == REFUSED and "name that of this one by --configfile" in refused.stderr
+    assert refused.exit_code == REFUSED and "give the configuration of this one with --configfile" in refused.stderr
 
 
 def test_watching_ends_with_the_study(study: Folder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

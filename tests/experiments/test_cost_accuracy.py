@@ -149,7 +149,7 @@ class TestAdviceForAScene:
 
     def test_another_reference_is_refused(self) -> None:
         result = call("advise", SLOPE_ON_ROCK, "--error", "10%", "--of", "paper")
-        assert result.exit_code == 2 and "--of paper: without effect beside a scene" in result.stderr
+        assert result.exit_code == 2 and "--of paper: has no effect with a scene" in result.stderr
 
 
 class TestConfiguration:

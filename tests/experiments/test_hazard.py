@@ -99,8 +99,8 @@ def test_without_a_fit_there_is_no_frequency() -> None:
     assert math.isnan(row["frequency"]) and row["frequency_least"] == 0.0
     assert row["frequency_most"] == pytest.approx(5e-4), "all of them just above 5"
     assert row["sentence"] == (
-        "The brackets determine no fit. By them alone the slope reaches class damaged or worse between 0 and 0.0005 times a year under "
-        "this hazard curve."
+        "The brackets do not determine a fit. From them alone, the slope reaches class damaged or worse between 0 and 0.0005 times a year "
+        "under this hazard curve."
     )
 
 
@@ -149,7 +149,7 @@ def test_a_velocity_in_cm_s_is_read_in_m_s(tmp_path: Path) -> None:
         with pytest.raises(ValueError, match="it must be m/s or cm/s"):
             read_hazard(tmp_path / "site.csv", "m/s")
     (tmp_path / "site.csv").write_text("peak velocity,annual frequency\n5,0.02\n150,0.0001\n")
-    with pytest.raises(ValueError, match=r"must say the unit, as 'PGV \(cm/s\)'"):
+    with pytest.raises(ValueError, match=r"must state the unit, as in 'PGV \(cm/s\)'"):
         read_hazard(tmp_path / "site.csv", "m/s")
 
 
@@ -159,7 +159,7 @@ def test_a_velocity_in_cm_s_is_read_in_m_s(tmp_path: Path) -> None:
 def test_what_is_no_annual_frequency_is_refused(tmp_path: Path, name: str) -> None:
     """10 % in 50 years are -ln(0.9) / 50 = 0.0021 a year, not 0.1."""
     (tmp_path / "site.csv").write_text(f"amplitude (g),{name}\n0.1,0.3\n0.4,0.02\n")
-    with pytest.raises(ValueError, match="must be of an annual frequency"):
+    with pytest.raises(ValueError, match="must be that of an annual frequency"):
         read_hazard(tmp_path / "site.csv", "m/s2")
     for good in ("annual probability of exceedance", "rate", "frequency (1/yr)", "AFE", "lambda (1/a)", "H2"):
         (tmp_path / "site.csv").write_text(f"amplitude (g),{good}\n0.1,0.3\n0.4,0.02\n")
@@ -169,12 +169,12 @@ def test_what_is_no_annual_frequency_is_refused(tmp_path: Path, name: str) -> No
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("amplitude,rate\n1,0.1\n2,0.01\n", "'amplitude', must say the unit, as 'amplitude"),
+        ("amplitude,rate\n1,0.1\n2,0.01\n", "'amplitude', must state the unit, as in 'amplitude"),
         ("amplitude (g),rate\n1,0.1\n", "1 row; a hazard curve has at least two"),
         ("amplitude (g),rate\n1,0.1\n1,0.01\n", "'1,0.01': intensities must increase"),
         ("amplitude (g),rate\n1,0.1\n2,0.2\n", "'2,0.2': intensities must increase"),
         ("amplitude (g),rate\n0,0.1\n2,0.01\n", "'0,0.1': both numbers must be above 0"),
-        ("amplitude (g),rate\n1,0.1\n2,none\n", "'2,none': two numbers are wanted"),
+        ("amplitude (g),rate\n1,0.1\n2,none\n", "'2,none': must be two numbers"),
         ("0.1,0.1\n0.2,0.01\n", "the first line must name two columns"),
         ("", "the first line must name two columns"),
     ],

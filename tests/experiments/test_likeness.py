@@ -60,7 +60,7 @@ SLIP_OF_8_M = {"coupling__softening__slip_at_residual": 6e-3}
         ({"soil__cohesion": 400.0}, "c / (rho g H) 0.83"),
         ({"soil__friction_angle": 38.0}, "friction angle 38 degrees"),
         ({"soil__friction_angle": 0.0, "coupling__softening__slip_at_residual": 0.02}, "friction angle 0 degrees"),
-        ({"soil__residual_cohesion": 20.0}, "residual strength is written"),
+        ({"soil__residual_cohesion": 20.0}, "residual strength is given directly"),
         ({"coupling__S_R": 0.05}, "S_R 0.05"),
         ({"coupling__S_R": 0.5, "coupling__softening__slip_at_residual": 0.02}, "S_R 0.5 is not within 0.1 to 0.4"),
         ({"coupling__S_R": 0.7, "coupling__softening__slip_at_residual": 0.02}, "S_R 0.7"),
@@ -70,7 +70,7 @@ SLIP_OF_8_M = {"coupling__softening__slip_at_residual": 6e-3}
         ({"layers__clay": {"region": {"kind": "elevation", "bottom": 20.0}, "soil": {"cohesion": 120.0}}}, "it has layers"),
         ({"layers__rock__region__top": 6.0}, "it has layers"),
         ({"layers__rock__soil__cohesion": 400.0}, "it has layers"),
-        ({"rock": None}, "soil lies below its toe"),
+        ({"rock": None}, "soil, not rock, lies below its toe"),
         ({"water": {"level": 5.0, "pressure": "carried"}}, "it has water"),
     ],
 )

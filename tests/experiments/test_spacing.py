@@ -66,8 +66,8 @@ def test_every_run_of_the_study_is_made_at_the_second_fidelity() -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"second_fidelity": None}, "names none beside fidelity 'own'"),
-        ({"fidelity": "coarse"}, "names none beside fidelity 'coarse'"),
+        ({"second_fidelity": None}, "names none besides fidelity 'own'"),
+        ({"fidelity": "coarse"}, "names none besides fidelity 'coarse'"),
         ({"second_fidelity": "same", "fidelities": {"own": {}, "same": {}}}, "'same' has the spacing of 'own', 1 m"),
     ],
 )

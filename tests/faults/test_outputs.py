@@ -109,7 +109,7 @@ def test_what_is_no_file_is_not_replaced(folder: Path, place: str) -> None:
     os.mkfifo("pipe")
     for command in ("run", "fos", "yield-acceleration"):
         result = call(command, "slope.yaml", "--out", place)
-        assert result.exit_code == REFUSED and f"--out {place}: must be a file" in result.stderr
+        assert result.exit_code == REFUSED and f"--out {place}: must be a new file" in result.stderr
     assert Path("pipe").is_fifo()
 
 

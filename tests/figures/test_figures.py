@@ -318,7 +318,7 @@ def test_values_of_debris_that_met_the_box_are_marked_as_lower_bounds() -> None:
     for shown, marked in ((met, True), (table.assign(reached_side="back"), False)):
         figure = figure_study(shown, [AMPLITUDE, COHESION, KERNEL])
         assert any(line.get_marker() == BOUNDED["marker"] for ax in figure.axes for line in ax.lines) == marked
-        assert any("met the box" in text.get_text() for legend in figure.legends for text in legend.get_texts()) == marked
+        assert any("reached the end of the box" in text.get_text() for legend in figure.legends for text in legend.get_texts()) == marked
 
 
 @pytest.mark.parametrize("draw", [figure_study, figure_map])
@@ -341,7 +341,7 @@ def test_runs_that_fail_unshaken_are_marked() -> None:
     assert sum(len(line.get_xdata()) for line in hollow) == 1
     assert sum(patch.get_hatch() is not None for patch in cells.axes[0].patches) == 1
     for figure in (curves, cells):
-        assert "fails unshaken" in [text.get_text() for text in figure.legends[-1].get_texts()]
+        assert "fails without shaking" in [text.get_text() for text in figure.legends[-1].get_texts()]
 
 
 def test_a_list_is_drawn_against_each_dimension() -> None:

@@ -108,9 +108,9 @@ def test_what_cannot_be_written_is_refused(tmp_path: Path, monkeypatch: pytest.M
         check_film(Path("run.mp4"), 10, 120)
     for path, fps, dpi, wanted in (
         ("run.avi", 10, 120, "must end in .gif or .mp4"),
-        ("run.gif", 51, 120, "allowed are 0.1 to 50"),
-        ("run.gif", float("nan"), 120, "allowed are 0.1 to 50"),
-        ("run.gif", 10, 10, "10 dots per inch, allowed are 30 to 600"),
+        ("run.gif", 51, 120, "must be from 0.1 to 50"),
+        ("run.gif", float("nan"), 120, "must be from 0.1 to 50"),
+        ("run.gif", 10, 10, "10 dots per inch, must be from 30 to 600"),
     ):
         with pytest.raises(ValueError, match=wanted):
             check_film(Path(path), fps, dpi)

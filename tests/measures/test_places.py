@@ -62,8 +62,8 @@ def test_the_places_are_known_from_the_columns() -> None:
     ("place", "words"),
     [
         ("56 beyond the toe", "at most 55 m beyond the toe (x from 55 to 0 m)"),
-        (60.0, "must lie before the toe"),
-        (-1.0, "a longer apron takes in more"),
+        (60.0, "must lie in front of the toe"),
+        (-1.0, "lengthen the apron to include it"),
     ],
 )
 def test_a_place_outside_the_ground_before_the_toe_is_refused(place: float | str, words: str) -> None:

@@ -68,9 +68,9 @@ def test_how_often_with_a_fit_and_by_the_brackets_alone(tmp_path: Path) -> None:
         (
             "How often: road reached by debris",
             "0.0012 times a year (0.0004 to 0.003)",
-            "fragility over the hazard curve; shaking beyond the curve adds at most 0.0001",
+            "fragility integrated over the hazard curve; shaking beyond the curve adds at most 0.0001",
         ),
-        ("How often: class collapse", "0 to 0.00049 times a year", "bounds from the brackets over the hazard curve"),
+        ("How often: class collapse", "0 to 0.00049 times a year", "bounds from the brackets, over the hazard curve"),
     ]
 
 
@@ -82,7 +82,7 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
     strong = [row("stands-at-residual", "stands", 2), row("limit-equilibrium-residual", "Bishop 1.21 (circle), Spencer 1.20 (circle)", 2)]
     ((name, words, meant),) = at_residual(weak)
     assert (name, words) == (
-        "Factor at the residual strength",
+        "Factor of safety at residual strength",
         "Bishop 0.61 (circle), Spencer 0.58 (not circular); in SPH it stands in 0 of 4 runs",
     )
     assert "progressive failure" in meant

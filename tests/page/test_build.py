@@ -217,7 +217,7 @@ def test_the_runs_are_kept_in_the_detail_that_fits(study: StudyFiles) -> None:
 def test_cost_counts_shared_stages_once(study: StudyFiles) -> None:
     # Each run says 2 s; two each hold pre-failure runs of 0.75 and 1 s, and both of these the gravity stage of 0.5 s.
     text = Words(build_page(study)).text
-    assert "(5.75 s)" in text and f"{8 / 3600:.3g} core-hours had every run" in text
+    assert "(5.75 s)" in text and f"{8 / 3600:.3g} core-hours if every run" in text
 
 
 def test_a_table_of_other_runs_is_refused(study: StudyFiles) -> None:
@@ -249,7 +249,7 @@ def test_a_page_of_a_part_of_the_runs_says_so(study: StudyFiles) -> None:
     words = Words(build_page(few))
     assert words.runs["axes"] == ["run"] and len(words.runs["points"]) == 3
     assert "4 runs over" in words.text and "3 of 4 runs" in words.text and "1 diverged" in words.text
-    assert "stages that runs share counted once" not in words.text
+    assert "with shared stages counted once" not in words.text
 
 
 @pytest.mark.parametrize("name", ["claims.csv", "figures/fig4.png", "runs/S_R-0.10_gamma-100_amplitude-6.0.nc"])
@@ -398,14 +398,14 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     assert going(table.iloc[1:2], [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)")
     diverged = table.assign(collapse_class=["stable", "minor", UNDETERMINED, "stable"])
     assert going(diverged, [cohesion, shaking]).startswith("at most 2 m/s2 (0.204 g)"), "a run that diverged is not known to stand"
-    assert going(table.drop(columns="amplitude"), [cohesion]) == "one shaking only"
+    assert going(table.drop(columns="amplitude"), [cohesion]) == "only one level of shaking was run"
     weak = table.assign(status=["failed_unshaken", "failed_unshaken", "complete", "complete"])
     assert going(weak, [cohesion, shaking]).startswith("no failure found up to 2 m/s2 (0.204 g)"), "what fails unshaken is no answer"
     assert going(weak[:2], [cohesion, shaking]) == "no answer: every run fails without shaking"
     many = pd.DataFrame({"amplitude": [str(1 + n / 10) for n in range(20)], "collapse_class": "minor"})
     many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="")
     shown = levels(many, [shaking], "A")
-    assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "without end")] and "upper bound" not in shown.note
+    assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "unlimited")] and "upper bound" not in shown.note
     met = levels(many.assign(reached_side="front back", runout=9.0, findings="thin-box block-not-rigid"), [shaking], "A")
     assert met.rows[0][2:4] == ("≥ 2.00", "≥ 9.00") and "would have gone further" in met.note and "upper bound" in met.note
 
@@ -433,7 +433,7 @@ def test_the_scene_is_told_by_names_values_and_units() -> None:
     assert rows["base of the walls"] == ("absorbing", "") and rows["spacing"] == ("1", "m")
     assert rows["points"][0] == f"{len(scene.geometry.points)} values"
     at_once = chosen_keys(scene_table(scene.model_copy(update={"coupling": scene.coupling.model_copy(update={"softening": None})}), varied))
-    assert "beginning of failure" not in rows and ("beginning of failure", "at once") in {row[:2] for row in at_once.rows}
+    assert "onset of failure" not in rows and ("onset of failure", "at once") in {row[:2] for row in at_once.rows}
     assert not any("." in what for what in rows)
     layers = layer_table(scene, varied)
     clay = dict(zip(layers.head, layers.rows[1], strict=True))
@@ -476,7 +476,7 @@ def test_millimetres_keep_their_digits() -> None:
         "0.033",
         "0.211",
         "24.0",
-        "without end",
+        "unlimited",
     ]
 
 

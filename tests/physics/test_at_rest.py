@@ -180,6 +180,6 @@ def test_reduced_strength_starts_within_its_own_limits() -> None:
 
 
 def test_the_stress_at_the_start_is_said() -> None:
-    assert dict(choices(level({})))["stress at the start"] == "gravity brought on in elastic soil, K0 = 0.429 = nu / (1 - nu)"
-    told = dict(choices(level({"layers": CLAY})))["stress at the start"]
+    assert dict(choices(level({})))["initial stress"] == "gravity ramped up in elastic soil, K0 = 0.429 = nu / (1 - nu)"
+    told = dict(choices(level({"layers": CLAY})))["initial stress"]
     assert told == "geostatic, K0 = 0.429 = nu / (1 - nu) in soil, 1.2 in clay"

@@ -334,7 +334,7 @@ def test_the_command_prints_trials_answer_and_rule(tmp_path: Path) -> None:
     for line, spacing in ((coarse, 1.0), (fine, 0.5)):
         assert line.startswith(f"factor of safety at {spacing:g} m: ") and f"{(trials['spacing'] == spacing).sum()} runs" in line
     # Between so wide brackets F rises a little from 1 m to 0.5 m and is not extrapolated; what S_R does is chance.
-    assert re.match(r"factor of safety: [\d.]+, that at a spacing of 0.5 m, since .* from 1 m .*; remaining error about 0\.", answered)
+    assert re.match(r"factor of safety: [\d.]+, the value at a spacing of 0.5 m, since .* from 1 m .*; remaining error about 0\.", answered)
     assert "0.1 H" in sentence and "5 sqrt(H/g)" in sentence
     assert list(trials.columns) == ["spacing", *Trial._fields]
 
@@ -356,7 +356,7 @@ def test_the_yield_acceleration_is_printed_in_both_units(tmp_path: Path) -> None
     assert result.exit_code == 0, result.output
     assert "yield acceleration at 1 m: " in result.stdout and " g)" in result.stdout and "extrapolated" not in result.stdout
     fails = call(tmp_path, "yield-acceleration", "--set", "gravity.inclination=20", "--set", "soil.cohesion=30", "--single")
-    assert "yield acceleration at 1 m: 0, the slope fails without the load" in fails.stdout
+    assert "yield acceleration at 1 m: 0, since the slope fails without the load" in fails.stdout
 
 
 @pytest.mark.parametrize(

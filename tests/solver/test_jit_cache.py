@@ -328,7 +328,7 @@ def test_how_long_a_variant_took_to_compile_is_told_the_next_time(tmp_path: Path
         with before_compiling(function, variant, told.append):
             assert function(1) == 2 and function(2) == 3
     assert told[0] is None and told[1] is not None and told[1] >= 0 and told[2:] == [None]
-    assert "with walls, once on a machine (it took 12 s last time)" in compiling("walls", 12.3)
+    assert "with walls, once per machine (it took 12 s last time)" in compiling("walls", 12.3)
     (tmp_path / "compiling.json").write_text("damaged")
     damaged = numba.njit(lambda x: x)
     with before_compiling(damaged, "walls", told.append):

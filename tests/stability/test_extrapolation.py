@@ -63,7 +63,7 @@ def test_no_step_is_taken_to_the_unsafe_side(monkeypatch: pytest.MonkeyPatch) ->
     brackets = 0.5 * (2.0 * (found.searches[1].upper - found.searches[1].lower) + found.searches[0].upper - found.searches[0].lower)
     step = found.searches[1].value - found.searches[0].value
     assert found.error == pytest.approx(step + brackets + rule.displacement * found.value)
-    assert found.how == "that at a spacing of 0.5 m, since the extrapolation from 1 m leads to the unsafe side"
+    assert found.how == "the value at a spacing of 0.5 m, since the extrapolation from 1 m would be on the unsafe side"
 
 
 @pytest.mark.parametrize("sensitive", [0.5, 4.0])

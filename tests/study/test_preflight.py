@@ -105,7 +105,7 @@ def test_samples_far_apart_are_told(interval: float, told: bool, tmp_path: Path)
     path = tmp_path / "a.csv"
     path.write_text("time,acc\n" + "".join(f"{interval * at:.2f},{value}\n" for at, value in enumerate((0, 1, -1, 0))))
     for command in (["motion", str(path)], ["newmark", str(path), "--ay", "0.5m/s2"]):
-        assert ("samples of the record lie so far apart" in CliRunner().invoke(app, command).stderr) == told
+        assert ("samples of the record are so far apart" in CliRunner().invoke(app, command).stderr) == told
 
 
 def test_the_direction_of_a_record_is_told_where_it_matters() -> None:
@@ -281,7 +281,7 @@ def test_a_strength_ratio_that_no_soil_feels_is_told(soil: dict[str, float], cla
     layers = {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 6.0}, "soil": clay}}
     scenes = {str(ratio): scene(**{"coupling.S_R": ratio}, soil=soil, layers=layers) for ratio in (0.3, 0.5)}
     rows = [row for row in study_findings(scenes) if row.finding.code == "own-strength-ratio"]
-    assert [(row.runs, row.finding.measured) for row in rows] == [(2, "residual strengths are written")] * told
+    assert [(row.runs, row.finding.measured) for row in rows] == [(2, "residual strengths are given")] * told
 
 
 def test_the_soil_of_sph_new_is_told_under_any_title() -> None:
@@ -300,8 +300,8 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
     assert {"rigid-box", "no-dilation", "no-process-zone", "soil-not-replaced"} <= set(told)
     assert told["rigid-box"].measured == "base no-slip, sides free-slip"
     assert [(label, text.split(" (")[0]) for label, text in choices(own)] == [
-        ("stress at the start", "gravity brought on in elastic soil, K0 = 0.429 = nu /"),
-        ("failure begins", "as soon as the stress reaches the strength"),
+        ("initial stress", "gravity ramped up in elastic soil, K0 = 0.429 = nu /"),
+        ("onset of failure", "as soon as the stress reaches the strength"),
         ("solid state of failed soil", "elastic-plastic, never beyond the peak strength"),
         ("dilation angle", "0 degree"),
         ("walls", "base no-slip, sides free-slip: a rigid box"),

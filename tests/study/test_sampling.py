@@ -89,7 +89,7 @@ def test_cases_come_from_a_table_as_written(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [("S_R,gamma\n0.1\n", "row 2 has 1 values for 2 dimensions"), ("S_R,S_R\n1,2\n", "named twice"), ("", "cannot be read as a table")],
+    [("S_R,gamma\n0.1\n", "row 2 has 1 values for 2 dimensions"), ("S_R,S_R\n1,2\n", "appears twice"), ("", "cannot be read as a table")],
 )
 def test_a_bad_table_of_cases_is_refused_by_row(tmp_path: Path, text: str, message: str) -> None:
     (tmp_path / "cases.csv").write_text(text)

@@ -119,7 +119,7 @@ def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
     for job, seconds in zip(runs, took, strict=False):
         finish(base, job, seconds)
     found = study_cost(plan, base, cores=1)
-    assert found.speed.value == pytest.approx(1 / statistics.median((2.0, 2.2, 10.0))) and found.speed.known_by == "by 3 finished runs"
+    assert found.speed.value == pytest.approx(1 / statistics.median((2.0, 2.2, 10.0))) and found.speed.known_by == "from 3 finished runs"
     assert found.jobs - found.jobs_left == 3 and found.left < found.computing
     for job in jobs:
         finish(base, job, 1.0)

@@ -150,7 +150,7 @@ def test_a_number_is_traced(finished: Path, monkeypatch: pytest.MonkeyPatch) -> 
         RUN.format("0.10"),
         f"scene    {trajectory.scene_digest(scene)}",
         f"motion from {AWKWARD}",
-        f"displacement_magnitude = {value} m: length of the probe's permanent displacement",
+        f"displacement_magnitude = {value} m: magnitude of the probe's permanent displacement",
         "probe A",
         "agrees with the configuration, the files on disk and the installed solver",
     ):
@@ -224,17 +224,17 @@ def an_edited_table(folder: Path) -> None:
     table.to_csv(folder / TABLE, index=False)
 
 
-@fault("made by the solver 0123, installed is ")
+@fault("made by the solver 0123; the installed solver is ")
 def another_solver(folder: Path) -> None:
     changed(folder, solver_digest="0123")
 
 
-@fault("version that did not note it")
+@fault("version that did not record it")
 def an_older_version(folder: Path) -> None:
     changed(folder, solver_digest=None)
 
 
-@fault("the file has been changed")
+@fault("it has been changed")
 def another_digest(folder: Path) -> None:
     changed(folder, scene_digest="0123")
 
@@ -281,7 +281,7 @@ def test_refusals_of_explain(finished: Path, monkeypatch: pytest.MonkeyPatch, tm
         ([TABLE, "--column", "speed"], "--column: 'speed' is not one of "),
         (["results/small/draft/claims.csv"], "its rows are not single runs"),
         (["results/small/draft/absent.csv"], "there is no such file"),
-        ([str(tmp_path / "alone.nc")], "lies in no folder 'results'"),
+        ([str(tmp_path / "alone.nc")], "is not in a folder 'results'"),
     ):
         shown = explained(finished, monkeypatch, *arguments)
         assert shown.exit_code == REFUSED and words in shown.stderr, shown.output

@@ -127,7 +127,7 @@ def test_the_page_chooses_by_whatever_there_is(finished: Path) -> None:
 
 def test_a_run_is_repeated_and_told_of_like_any_other(finished: Path, tmp_path: Path) -> None:
     path = of(finished, "grid") / "runs" / "soil.cohesion-150_motion.frequency-2.0.nc"
-    assert f"every variable has the bits of {path}" in sph("run", path, "--out", tmp_path / "again.nc")
+    assert f"every variable is identical to that of {path}" in sph("run", path, "--out", tmp_path / "again.nc")
     for study in (GRID, CASES, SAMPLE):
         folder = of(finished, str(study["study"]))
         shown = json.loads(sph("status", folder, "--configfile", configured(finished, study)[1], "--json"))

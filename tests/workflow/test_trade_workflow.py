@@ -101,7 +101,7 @@ def test_figures_are_drawn(climbed: Path) -> None:
 def test_the_table_answers_the_command(climbed: Path) -> None:
     asked = ["advise", "--error", "1000%", "--table", str(climbed / "results" / "trade" / "trade.csv")]
     result = CliRunner().invoke(app, asked)
-    assert result.exit_code in (0, 2) and "s a run on one core" in result.stdout
+    assert result.exit_code in (0, 2) and "s per run on one core" in result.stdout
 
 
 def test_every_row_is_traced(climbed: Path, monkeypatch: pytest.MonkeyPatch) -> None:

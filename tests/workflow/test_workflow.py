@@ -265,7 +265,7 @@ def test_the_status_counts_what_the_workflow_makes(finished: Path, copied: Path)
 
 def test_a_branched_run_is_repeated_from_the_start(finished: Path, tmp_path: Path) -> None:
     """Bit for bit, without the stages it went on from."""
-    assert f"every variable has the bits of {finished / RUN}" in sph("run", finished / RUN, "--out", tmp_path / "again.nc")
+    assert f"every variable is identical to that of {finished / RUN}" in sph("run", finished / RUN, "--out", tmp_path / "again.nc")
     for group in (trajectory.read, trajectory.read_restart):
         same_variables(group(tmp_path / "again.nc"), group(finished / RUN))
     one, other = (json.loads(sph("metrics", path, "--json")) for path in (tmp_path / "again.nc", finished / RUN))

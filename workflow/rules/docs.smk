@@ -2,7 +2,7 @@
 #          (`snakemake --cores 2 gallery`, half an hour).
 # Inputs:  mkdocs.yml; the pages of docs and the library's docstrings, by their contents; the gallery's scenes and studies.
 # Outputs: results/gallery: a folder a page of the gallery, as it was run, with its figures
-#          results/docs: index.html, a page for each page of docs; api: the public interface and a page a module
+#          results/docs: index.html, a page for each page of docs; api: the public interface and a page per module
 DOCS = SPH.parent / "docs"
 GALLERY = {
     path.stem: path for path in DOCS.glob("gallery/*.[mi]*") if path.stem != "index"

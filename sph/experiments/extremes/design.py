@@ -32,8 +32,8 @@ class Sweep(Section):
 
     scene_key: str = key("scene key, dotted", pattern=r"^[A-Za-z_][A-Za-z0-9_.]*$")
     values: Annotated[tuple[Any, ...] | dict[Label, Any], Field(min_length=1)] = key("its values, by label where they are sections")
-    cases: tuple[str, ...] | None = key("cases that are run; null: all", default=None)
-    repeats: int | None = key("runs of every value; null: as for all sweeps", ge=1, le=10, default=None)
+    cases: tuple[str, ...] | None = key("cases to run; null: all", default=None)
+    repeats: int | None = key("number of runs of every value; null: as for all sweeps", ge=1, le=10, default=None)
     scene: str | None = key("another scene file; null: that of all sweeps, with its overrides", default=None)
     symmetry: Literal["none", "mirror"] = key("mirror: the scene is symmetric about the middle of its box", default="none")
 
@@ -41,14 +41,14 @@ class Sweep(Section):
 class TimeSteps(Section):
     """Fixed time steps around the limit."""
 
-    factors: tuple[Annotated[float, Field(gt=0, le=10)], ...] = key("steps over the limit from theory", min_length=1)
+    factors: tuple[Annotated[float, Field(gt=0, le=10)], ...] = key("time steps divided by the theoretical limit", min_length=1)
     schemes: dict[Label, Overrides] = key("scene keys of each scheme, by label", min_length=1)
 
 
 class Extremes(Cases):
     """The configuration."""
 
-    repeats: int = key("runs of every value, whose bits are compared", ge=1, le=10, default=2)
+    repeats: int = key("number of runs of every value, which are compared bit for bit", ge=1, le=10, default=2)
     sweeps: dict[Label, Sweep] = key("the sweeps, by label", min_length=1)
     time_steps: TimeSteps = key("sweep over fixed time steps, in the first case")
 

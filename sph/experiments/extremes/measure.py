@@ -26,7 +26,7 @@ from sph.study.tables import ROW, number_column, read_csv
 SHIPPED = Path(__file__).parents[1] / "measured" / "extremes.csv"
 """Table measured for this release."""
 LINK = 2.0
-"""Particles nearer than this many spacings hang together."""
+"""Particles nearer than this many spacings are connected."""
 
 EXTREMES: tuple[Variable, ...] = (
     Variable("sweep", ROW, "str", "1", "name of the key that is varied"),
@@ -34,7 +34,7 @@ EXTREMES: tuple[Variable, ...] = (
     Variable("case", ROW, "str", "1", "the slope, or the scheme of a sweep over time steps"),
     Variable("status", ROW, "str", "1", "complete, unfailed, diverged, or refused before any work"),
     Variable("reason", ROW, "str", "1", "why it diverged or was refused"),
-    number_column("time_step_ratio", "1", "largest time step over its limit measured on the particles as they lay"),
+    number_column("time_step_ratio", "1", "largest time step over its limit measured during the run"),
     number_column("energy_gap", "1", "largest gap in the energy budget over the largest sum of its parts"),
     number_column("area_change", "1", "area inside the outline of the largest mass at the end over that of all soil at the start, minus 1"),
     number_column("nearest_p05", "1", "5th percentile of the distance to the nearest soil particle at the end over the spacing: pairing"),
@@ -109,7 +109,7 @@ def _area(places: np.ndarray, spacing: float) -> float:
 
 
 def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd.DataFrame:
-    """One row a value and case; ``read`` gives a run by its file name."""
+    """One row per value and case; ``read`` gives a run by its file name."""
     table = []
     for row in rows:
         values: dict[str, Any] = {"status": REFUSED, "reason": row.refused}
@@ -123,12 +123,12 @@ def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd
 
 
 def read_extremes(path: Path | str = SHIPPED) -> pd.DataFrame:
-    """Table from its CSV; ValueError names a file that is none."""
+    """Table from its CSV; ValueError names a file that is not one."""
     return read_csv(path, EXTREMES, "the extremes")
 
 
 def measure_extremes(rows: Sequence[Row], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
-    """How far the solver can be pushed: one key at a time to the ends of its range. Every run ends valid, diverged or refused, with a
+    """How far the solver can be pushed: one key at a time to the ends of its range. Every run ends valid, or diverged or refused with a
     reason.
     """
     return extremes_table(rows, read)

@@ -1,1 +1,1 @@
-"""What the answers rest on: the assumptions behind a scene, changed one at a time."""
+"""Effect of the assumptions behind a scene, changed one at a time."""

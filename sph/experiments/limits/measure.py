@@ -23,7 +23,7 @@ SHIPPED = Path(__file__).parents[1] / "measured" / "limits.csv"
 QUANTITIES = ("displacement_magnitude", "runout")
 
 LIMITS: tuple[Variable, ...] = (
-    Variable("change", ROW, "str", "1", "what differs from the scene as it is"),
+    Variable("change", ROW, "str", "1", "change to the scene"),
     Variable("case", ROW, "str", "1", "point of the study"),
     *(METRIC_BY_NAME[name] for name in ("collapse_class", *QUANTITIES)),
     *(
@@ -35,7 +35,7 @@ LIMITS: tuple[Variable, ...] = (
 
 
 def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
-    """One row a change and case, from the runs in the rows' order; the first change is the reference."""
+    """One row per change and case, from the runs in the rows' order; the first change is the reference."""
     frame = pd.DataFrame(
         [{"change": change, "case": case, **measure(run, settings)} for (change, case), run in zip(rows, runs, strict=True)]
     )
@@ -47,12 +47,12 @@ def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], se
 
 
 def read_limits(path: Path | str = SHIPPED) -> pd.DataFrame:
-    """Table from its CSV; ValueError names a file that is none."""
+    """Table from its CSV; ValueError names a file that is not one."""
     return read_csv(path, LIMITS, "the limits")
 
 
 def measure_limits(rows: Sequence[tuple[str, str]], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
-    """What the answers rest on: A's displacement and the run-out with one choice changed at a time, over those of the scene as it is."""
+    """Effect of the assumptions: A's displacement and the run-out with one choice changed at a time, over those of the unchanged scene."""
     return limits_table(rows, [read(run_name(change, case)) for change, case in rows], settings)
 
 

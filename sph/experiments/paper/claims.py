@@ -1,4 +1,4 @@
-"""The paper's twelve claims (its Secs. 4 and 5 and abstract), each decided by a written test on the study.
+"""The paper's twelve claims (abstract and Secs. 4 and 5), each decided by a written test on the study.
 
 The verdict is ``holds`` or ``fails``; ``not covered`` if the study lacks a run that the test needs, or that run
 diverged; ``not yet`` for a claim that needs more than a grid of runs: the last one, the level of motion that triggers failure, is
@@ -343,7 +343,7 @@ CLAIMS: tuple[Claim, ...] = (
 
 
 def decide_claims(study: xr.Dataset, settings: ClaimSettings | None = None) -> pd.DataFrame:
-    """One row a claim with the columns ``COLUMNS``, from the dataset of a study."""
+    """One row per claim with the columns ``COLUMNS``, from the dataset of a study."""
     settings = settings or ClaimSettings()
     rows = []
     for claim in CLAIMS:
@@ -364,7 +364,7 @@ TRIGGER_COLUMNS = ("claim", "case", *COLUMNS[1:])
 
 
 def decide_trigger(critical: pd.DataFrame) -> pd.DataFrame:
-    """Claim 11, a row a case with the columns ``TRIGGER_COLUMNS``, from the table of critical amplitudes (``experiments.trigger``)."""
+    """Claim 11, a row per case with the columns ``TRIGGER_COLUMNS``, from the table of critical amplitudes (``experiments.trigger``)."""
     claim = next(claim for claim in CLAIMS if claim.decide is _trigger)
     test = TRIGGER_TEST.format(FAST=FAST, strengths=", ".join(f"{S_R:.2f}" for S_R in PAPER_S_R))
     rows = []

@@ -1,1 +1,1 @@
-"""What finer particles bring with the scheme for one's own slopes: the cost-accuracy study of another scene."""
+"""What finer particles bring with the scheme for your own slopes: the cost-accuracy study of another scene."""

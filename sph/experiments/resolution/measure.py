@@ -10,8 +10,8 @@ from sph.experiments.trade.measure import cost_accuracy_steps, cost_accuracy_tab
 
 
 def measure_resolution(*given: Any) -> Any:
-    """What finer particles change, and how much runs scatter: one row a variant and case, with deviations from the finest. Every column is
-    defined in docs/reference/files.md.
+    """What finer particles change, and how much runs scatter: one row per variant and case, with deviations from the finest. Every column
+    is defined in docs/reference/files.md.
     """
     return cost_accuracy_tables(*given)
 

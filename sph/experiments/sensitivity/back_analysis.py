@@ -46,15 +46,15 @@ BACK_ANALYSIS: tuple[Variable, ...] = (
     number_column("upper_at_best", "as units", "upper end"),
     text_column(
         "determined",
-        f"{ALONE}: the interval is at most {DETERMINED:g} of the range, on the scale of the factor; {TOGETHER}: it is longer, that at the "
-        f"best point is not; {OPEN}: both are longer; {NOT_REACHED}: nothing within the bounds agrees with the observation",
+        f"{ALONE}: the interval is at most {DETERMINED:g} of the range, on the scale of the factor; {TOGETHER}: it is longer, but that at "
+        f"the best point is not; {OPEN}: both are longer; {NOT_REACHED}: nothing within the bounds agrees with the observation",
     ),
     text_column("cut", "ends of the interval that a bound cuts, low, high, low and high, or none"),
     number_column(
         "distance",
         "1",
-        "smallest distance of a prediction within the bounds from the observation, in standard deviations of both together, of several "
-        f"metrics the largest; reached up to {REACHED:g}",
+        "smallest distance of a prediction within the bounds from the observation, in standard deviations of both together; for several "
+        f"metrics the largest of these; reached up to {REACHED:g}",
     ),
     text_column("verdict", f"{TRUSTED}, or why the surrogate of a metric is not to be trusted"),
     text_column("sentence", "the result in words"),
@@ -66,8 +66,8 @@ PREDICTED: tuple[Variable, ...] = (
     number_column("observed", "as units", "observed value"),
     number_column("error", "as units", "its standard deviation"),
     number_column("predicted", "as units", "value by the surrogate"),
-    number_column("predicted_lower", "as units", f"{REACHED:g} standard deviations of the prediction below"),
-    number_column("predicted_upper", "as units", "as many above"),
+    number_column("predicted_lower", "as units", f"predicted minus {REACHED:g} standard deviations of the prediction"),
+    number_column("predicted_upper", "as units", "predicted plus as many"),
 )
 """Columns of the points to be confirmed, behind the factors."""
 MEASURED: tuple[Variable, ...] = (
@@ -79,7 +79,7 @@ MEASURED: tuple[Variable, ...] = (
 
 
 def point_columns(axes: Sequence[Axis]) -> tuple[Variable, ...]:
-    """Columns of the points to be confirmed, a row a run and metric, with all factors ``axes``."""
+    """Columns of the points to be confirmed, a row per run and metric, with all factors ``axes``."""
     factors = (number_column(axis.name, axis.unit, f"factor: {axis.label}") for axis in axes)
     run = text_column("run", f"file of the run under runs/back/, without suffix: {BEST}, or a factor and the end of its interval")
     return (run, *factors, *PREDICTED)
@@ -127,11 +127,13 @@ def problem_of(axes: Sequence[Axis], sought: Collection[str], observations: Sequ
 
 def posterior_columns(problem: Problem) -> tuple[Variable, ...]:
     """Columns of the points of the posterior."""
-    ends = {"": "", "_lower": f", {REACHED:g} standard deviations below", "_upper": ", as many above"}
+    ends = {"": "", "_lower": f", minus {REACHED:g} standard deviations", "_upper": ", plus as many"}
     return (
         *(number_column(axis.name, axis.unit, f"factor: {axis.label}") for axis in problem.sought),
         number_column("weight", "1", "probability of the point"),
-        number_column("mass", "1", f"probability of it and all of a greater likelihood: up to {CONFIDENCE} in the {CONFIDENCE:.0%} region"),
+        number_column(
+            "mass", "1", f"probability of it and all points of greater likelihood: up to {CONFIDENCE} in the {CONFIDENCE:.0%} region"
+        ),
         *(
             number_column(f"{metric}{end}", unit, f"{metric_words(metric)} by the surrogate{text}")
             for metric, unit in ((seen.quantity.metric, seen.quantity.metric_unit) for seen in problem.observations)
@@ -143,7 +145,7 @@ def posterior_columns(problem: Problem) -> tuple[Variable, ...]:
 def back_tables(
     problem: Problem, varied: Sequence[Axis], sample: pd.DataFrame, indices: pd.DataFrame, validation: pd.DataFrame
 ) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
-    """The result, a row a factor sought; the points to be confirmed, a row a run and metric; the points of the posterior.
+    """The result, a row per factor sought; the points to be confirmed, a row per run and metric; the points of the posterior.
 
     ``sample`` over the factors ``varied``, ``indices`` and ``validation`` as from ``sobol_tables``.
     """

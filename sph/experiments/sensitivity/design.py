@@ -62,7 +62,7 @@ class Factor(Section):
     """A number of the scene, or several in proportion, and its range."""
 
     keys: dict[SceneKey, Annotated[float, Field(gt=0)]] = key(
-        "scene keys, dotted, and by what the factor's value is multiplied for each, in the proportion of the scene's own values; "
+        "scene keys, dotted, each with the multiplier of the factor's value, in the proportion of the scene's own values; "
         "unit and base value are those of the first",
         min_length=1,
     )
@@ -80,7 +80,7 @@ class Factor(Section):
             first = next(iter(keys))
             for value in bounds:
                 if isinstance(value, str) and not is_number(value) and scene_keys().get(scene_key(str(first))) != "m/s2":
-                    raise ValueError(f"bounds: {value!r}: {first} is no acceleration; write a number, in the unit of that key")
+                    raise ValueError(f"bounds: {value!r}: {first} is not an acceleration; write a number in the unit of that key")
         return data
 
     @model_validator(mode="after")
@@ -102,28 +102,33 @@ class Analysed(Section):
 class MorrisSettings(Section):
     """The screening."""
 
-    trajectories: int = key("trajectories, each of one run more than there are factors", ge=2, le=1000, default=10)
-    levels: Literal[4, 6, 8, 10] = key("levels of every factor", default=4)
-    resamples: int = key("bootstrap resamples behind the intervals", ge=100, le=100_000, default=2000)
+    trajectories: int = key("number of trajectories, each with one run more than there are factors", ge=2, le=1000, default=10)
+    levels: Literal[4, 6, 8, 10] = key("number of levels of every factor", default=4)
+    resamples: int = key("number of bootstrap resamples for the intervals", ge=100, le=100_000, default=2000)
 
 
 class SobolSettings(Section):
     """The indices and the surrogate they are computed with."""
 
-    samples: int = key("runs, the first of a scrambled Sobol' sequence; powers of 2 fill the space most evenly", ge=8, le=8192, default=128)
-    factors: tuple[str, ...] | None = key("factors that are varied; null: those that the screening finds", min_length=1, default=None)
+    samples: int = key(
+        "number of runs, the first points of a scrambled Sobol' sequence; powers of 2 fill the space most evenly",
+        ge=8,
+        le=8192,
+        default=128,
+    )
+    factors: tuple[str, ...] | None = key("factors to vary; null: those that the screening finds", min_length=1, default=None)
     share: float = key(
         "the screening finds a factor whose mu* is at least this part of the largest mu* of some metric", gt=0, le=1, default=0.2
     )
-    folds: int = key("parts of the cross-validation", ge=2, le=100, default=8)
+    folds: int = key("number of parts (folds) of the cross-validation", ge=2, le=100, default=8)
     least_q2: float = key("the indices of a metric whose Q2 lies below this are not to be trusted", ge=0, lt=1, default=0.8)
-    draws: int = key("functions drawn from the surrogate's posterior behind the intervals", ge=50, le=10_000, default=400)
-    points: int = key("points of the estimator of the indices, a power of 2", ge=64, le=65_536, default=1024)
+    draws: int = key("number of functions drawn from the surrogate's posterior for the intervals", ge=50, le=10_000, default=400)
+    points: int = key("number of points of the estimator of the indices, a power of 2", ge=64, le=65_536, default=1024)
 
     @model_validator(mode="after")
     def _power(self) -> SobolSettings:
         if self.points.bit_count() != 1:
-            raise ValueError(f"points: {self.points} is no power of 2")
+            raise ValueError(f"points: {self.points} is not a power of 2")
         return self
 
 
@@ -131,7 +136,7 @@ class Confirm(Section):
     """Points that are repeated at another fidelity."""
 
     fidelity: str = key("one of the study's fidelities; where it is the study's own, nothing is repeated")
-    points: int = key("how many, the first of the Sobol' sample", ge=1, le=1000)
+    points: int = key("number of points, the first of the Sobol' sample", ge=1, le=1000)
 
 
 class Observed(Section):
@@ -144,7 +149,7 @@ class Observed(Section):
 class BackAnalysis(Section):
     """Which values of the factors agree with what was observed."""
 
-    observed: dict[Name, Observed] = key("what was observed, by metrics that are analysed", min_length=1)
+    observed: dict[Name, Observed] = key("what was observed, by the names of analysed metrics", min_length=1)
     over: tuple[str, ...] | None = key(
         "factors whose values are sought; all others keep the scene's own; null: those that the Sobol' sample varies",
         min_length=1,
@@ -162,7 +167,7 @@ class Sensitivity(Section):
     morris: MorrisSettings = key("screening of all factors by elementary effects", default=MorrisSettings())
     sobol: SobolSettings = key("indices of the factors that matter", default=SobolSettings())
     confirm: Confirm | None = key("points repeated at another fidelity", default=None)
-    back_analysis: BackAnalysis | None = key("values of the factors that agree with an observation", default=None)
+    back_analysis: BackAnalysis | None = key("back-analysis: values of the factors that agree with an observation", default=None)
 
     @model_validator(mode="after")
     def _known(self) -> Sensitivity:
@@ -421,7 +426,7 @@ def chosen_factors(path: Path | str | Sequence[str]) -> list[str]:
 
 
 def chosen_points(path: Path | str | Sequence[str], axes: Sequence[Axis]) -> dict[str, Point]:
-    """Points of ``BACK`` in their file, by name, a value a factor; none where there is no file."""
+    """Points of ``BACK`` in their file, by name, a value per factor; none where there is no file."""
     if not isinstance(path, (str, Path)):
         return {}
     table = pd.read_csv(path).set_index("run")[[axis.name for axis in axes]]
@@ -434,7 +439,7 @@ def number_of(scene: Section, path: str, where: str) -> tuple[float, str]:
     for part in path.split("."):
         owner, at = at, getattr(at, part, None) if isinstance(at, Section) and part in type(at).model_fields else None
     if not isinstance(at, (int, float)):
-        raise ValueError(f"{where}: {path} is no number of the scene")
+        raise ValueError(f"{where}: {path} is not a number in the scene")
     extra: Any = type(owner).model_fields[path.split(".")[-1]].json_schema_extra
     return float(at), extra["unit"]
 

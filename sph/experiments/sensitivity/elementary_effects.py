@@ -31,8 +31,8 @@ MORRIS: tuple[Variable, ...] = (
     number_column("sigma", "as units", "standard deviation of the elementary effects"),
     *(number_column(f"sigma_{end}", "as units", f"{end} end of its 95 % interval") for end in ENDS),
     number_column("share", "1", "mu_star over the largest of the metric"),
-    Variable("effects", ROW, "i4", "1", "elementary effects behind the row"),
-    Variable("dropped", ROW, "i4", "1", "elementary effects left out because one of their two runs diverged"),
+    Variable("effects", ROW, "i4", "1", "number of elementary effects behind the row"),
+    Variable("dropped", ROW, "i4", "1", "number of elementary effects left out because one of their two runs diverged"),
     Variable("runs", ROW, "i4", "1", "runs of the design"),
     Variable("diverged", ROW, "i4", "1", "diverged runs among them"),
 )
@@ -60,7 +60,7 @@ def _with_gaps(effects: np.ndarray, moved: np.ndarray) -> np.ndarray:
 
 
 def morris_table(sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequence[Quantity], resamples: int, seed: int) -> pd.DataFrame:
-    """One row a metric and factor, from the runs of all trajectories in their order."""
+    """One row per metric and factor, from the runs of all trajectories in their order."""
     shares = np.column_stack([axis.share(sample[axis.name].to_numpy()) for axis in axes]).reshape(-1, len(axes) + 1, len(axes))
     rows = []
     for quantity in quantities:

@@ -23,7 +23,7 @@ UNTRUSTED_COLOUR = "firebrick"
 
 
 def _panels(table: pd.DataFrame, height: float) -> tuple[Figure, dict[str, Axes]]:
-    """A figure with a panel a metric, by metric; ValueError for an empty table."""
+    """A figure with a panel per metric, by metric; ValueError for an empty table."""
     if table.empty:
         raise ValueError("table: no row to draw")
     metrics = list(dict.fromkeys(table["metric"]))
@@ -42,7 +42,7 @@ def _intervals(rows: pd.DataFrame, name: str) -> np.ndarray:
 
 @styled
 def figure_morris(table: pd.DataFrame, factors: Sequence[Axis], chosen: Collection[str], note: str) -> Figure:
-    """sigma against mu* of every factor with 95 % intervals, a panel a metric; full symbols for the ``chosen`` factors.
+    """sigma against mu* of every factor with 95 % intervals, a panel per metric; full symbols for the ``chosen`` factors.
 
     ``table`` with the columns ``MORRIS``.  Raises ValueError for an empty one.
     """
@@ -74,7 +74,7 @@ def figure_morris(table: pd.DataFrame, factors: Sequence[Axis], chosen: Collecti
 
 @styled
 def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Figure:
-    """The metrics at both ends of every factor, all others as in the scene; sorted by the first metric's swing, a panel a metric.
+    """The metrics at both ends of every factor, all others as in the scene; sorted by the first metric's swing, a panel per metric.
 
     ``table`` with the columns ``TORNADO``.  A run that diverged is a cross on the base line.  Raises ValueError for an empty one.
     """
@@ -122,7 +122,7 @@ def _bare(unit: str) -> str:
 
 @styled
 def figure_sobol(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Figure:
-    """First-order and total indices with 95 % intervals and the Q2 of the surrogate, a panel a metric.
+    """First-order and total indices with 95 % intervals and the Q2 of the surrogate, a panel per metric.
 
     ``table`` with the columns ``SOBOL``; what is not to be trusted is pale and says so.  Raises ValueError for an empty one.
     """
@@ -151,7 +151,7 @@ def figure_sobol(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> Fig
 
 
 def _state(ax: Axes, text: str, verdict: str, corner: Literal["top", "bottom"]) -> None:
-    """A text at the right, with a verdict that is no trust."""
+    """A text at the right, with the verdict where that is not trusted."""
     trusted, y = verdict == TRUSTED, {"top": 0.99, "bottom": 0.02}[corner]
     colour = "black" if trusted else UNTRUSTED_COLOUR
     ax.text(0.98, y, text if trusted else f"{text}\n{verdict}", transform=ax.transAxes, ha="right", va=corner, fontsize=7.5, color=colour)
@@ -164,8 +164,8 @@ def _title(table: pd.DataFrame, metric: str) -> str:
 
 @styled
 def figure_cross_validation(table: pd.DataFrame, indices: pd.DataFrame, note: str) -> Figure:
-    """What the surrogate says of every run without having seen it, two of its standard deviations up and down, against what was
-    computed; a panel a metric.
+    """Prediction of the surrogate for every run, fitted without that run, with two of its standard deviations, against the computed
+    value; a panel per metric.
 
     ``table`` with the columns ``CROSS_VALIDATION``, ``indices`` with those of ``SOBOL``.  Raises ValueError for an empty one.
     """

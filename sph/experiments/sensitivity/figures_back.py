@@ -147,7 +147,7 @@ def _marginals(result: pd.DataFrame, points: pd.DataFrame, problem: Problem, not
         ax.set_ylim(bottom=0.0)
     for ax in grid[len(problem.sought) :]:
         ax.set_visible(False)
-    grid[0].set_ylabel("probability density over the prior")
+    grid[0].set_ylabel("posterior over prior density")
     label_panels(grid[: len(problem.sought)], [written(axis.label) for axis in problem.sought])
     handles = [
         Patch(color=colour, alpha=0.4, label="posterior"),

@@ -54,7 +54,7 @@ Quantities = Sequence[Quantity]
 def measure_sample(
     runs: Runs, design: str, points: Mapping[str, Point], axes: Axes, quantities: Quantities, settings: Mapping[str, Any]
 ) -> pd.DataFrame:
-    """One row a run, in the order of the points."""
+    """One row per run, in the order of the points."""
     columns, chosen = sample_columns(axes, quantities), MetricSettings(**settings)
     return pd.DataFrame(
         [sample_row(f"{design}/{name}", point, run, columns, chosen) for (name, point), run in zip(points.items(), runs, strict=True)]
@@ -124,7 +124,7 @@ def draw_sobol(sample: pd.DataFrame, indices: pd.DataFrame, axes: Axes, quantiti
 def draw_cross_validation(
     sample: pd.DataFrame, validation: pd.DataFrame, indices: pd.DataFrame, axes: Axes, quantities: Quantities, fidelity: str
 ) -> Figure:
-    """What the surrogate says of every run without having seen it, with two of its standard deviations, against what was computed."""
+    """Prediction of the surrogate for every run, fitted without that run, with two standard deviations, against the computed value."""
     return figure_cross_validation(validation, indices, _note(sample, fidelity))
 
 
@@ -141,7 +141,7 @@ def analyse_back(
     """Values of the parameters that agree with what was observed, by the surrogate of the sensitivity analysis: median, 90 % interval and
     best point. Every column is defined in docs/reference/files.md.
 
-    One row a factor, twice; the points to be confirmed by runs; the points of the posterior.
+    One row per factor, twice; the points to be confirmed by runs; the points of the posterior.
     """
     problem = problem_of(axes, sought or factors, observations)
     varied = [axis for axis in axes if axis.name in factors]

@@ -61,8 +61,8 @@ CROSS_VALIDATION: tuple[Variable, ...] = (
     text_column("units", "its unit"),
     Variable("fold", ROW, "i4", "1", "part of the runs left out of the fit that predicts this one"),
     number_column("computed", "as units", "quantity of the run"),
-    number_column("predicted", "as units", "what the surrogate says of it without having seen it"),
-    number_column("predicted_sd", "as units", "the surrogate's own standard deviation of that, noise included"),
+    number_column("predicted", "as units", "prediction of the surrogate fitted without this run's part"),
+    number_column("predicted_sd", "as units", "the surrogate's own standard deviation of the prediction, noise included"),
 )
 """The columns of the cross-validation."""
 
@@ -153,7 +153,7 @@ def _indices(y: np.ndarray) -> np.ndarray:
 def sobol_tables(
     sample: pd.DataFrame, axes: Sequence[Axis], quantities: Sequence[Quantity], settings: SobolSettings, seed: int
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Indices, a row a metric and factor, and the cross-validation behind them, a row a metric and run.
+    """Indices, a row per metric and factor, and the cross-validation behind them, a row per metric and run.
 
     ``axes`` are the factors that the sample varies.  Diverged runs are left out.  Raises ValueError where fewer runs are left than
     there are parts of the cross-validation.
@@ -181,7 +181,7 @@ def sobol_tables(
 def _rows(
     processes: Sequence[Any], values: np.ndarray, predicted: np.ndarray, settings: SobolSettings, seed: int
 ) -> Iterator[dict[str, Any]]:
-    """Indices, their intervals and the facts of the fit, a mapping a factor."""
+    """Indices, their intervals and the facts of the fit, a mapping per factor."""
     rng, each = np.random.default_rng(seed), -(-settings.draws // len(processes))
     drawn = [posterior_functions(process, each, rng) for process in processes]
     parts = sobol_indices(lambda x: np.hstack([function(x) for function in drawn]), processes[0].n_features_in_, settings.points, seed)

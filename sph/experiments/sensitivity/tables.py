@@ -61,7 +61,7 @@ def sample_row(run: str, point: Point, trajectory: xr.Dataset, columns: Sequence
 
 
 def read_sample(path: Path | str, axes: Sequence[Axis], quantities: Sequence[Quantity]) -> pd.DataFrame:
-    """A sample from its CSV; ValueError names a file that is none."""
+    """A sample from its CSV; ValueError names a file that is not one."""
     return read_csv(path, sample_columns(axes, quantities), "a sample")
 
 

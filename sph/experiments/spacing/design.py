@@ -28,7 +28,7 @@ def load_spacing(file: str, study: Plan, folders: Sequence[Path] = (Path(),), ch
     """ValueError for a study without a second fidelity, and for two fidelities with one spacing."""
     if study.second is None:
         raise ValueError(
-            f"second_fidelity: study {study.study.study!r} names none beside fidelity {study.study.fidelity!r}, there is nothing to "
+            f"second_fidelity: study {study.study.study!r} names none besides fidelity {study.study.fidelity!r}, so there is nothing to "
             f"compare; it has {', '.join(study.study.fidelities)}"
         )
     found = Spacing(study, study.second)

@@ -26,12 +26,14 @@ def spacing_columns() -> tuple[Variable, ...]:
     return (
         text_column("run", "name of the run: its files are runs/<run>.nc at both fidelities"),
         text_column("quantity", f"{' or '.join(LENGTHS)}, or the run-out past a place"),
-        number_column("spacing", "m", "of the study"),
-        number_column("value", "m", "of the quantity there"),
-        number_column("second_spacing", "m", "of the second fidelity"),
-        number_column("second_value", "m", "of the quantity there"),
-        number_column("extrapolated", "m", "at spacing 0, on the line through both; NaN where the class of the run is not the same"),
-        number_column("extrapolation_error", "m", "half of the step from the finer spacing to it"),
+        number_column("spacing", "m", "spacing of the study"),
+        number_column("value", "m", "value of the quantity at that spacing"),
+        number_column("second_spacing", "m", "spacing of the second fidelity"),
+        number_column("second_value", "m", "value of the quantity at that spacing"),
+        number_column(
+            "extrapolated", "m", "value extrapolated linearly to spacing 0; NaN where the class of the run differs between the two"
+        ),
+        number_column("extrapolation_error", "m", "half the step from the value at the finer spacing to the extrapolated one"),
         text_column(
             "verdict",
             f"{CONVERGED}: the class is the same, and the two values differ by at most {RELATIVE:.0%} of that at the finer spacing, or by "
@@ -81,7 +83,7 @@ def compared(
 
 
 def read_spacing(path: Any) -> pd.DataFrame:
-    """The table from its CSV; ValueError names a file that is none."""
+    """The table from its CSV; ValueError names a file that is not one."""
     return read_csv(path, spacing_columns(), "the second spacing")
 
 

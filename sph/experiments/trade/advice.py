@@ -1,4 +1,4 @@
-"""What the measured cost-accuracy study answers: the error to expect of a scene, and the cheapest setting within an error.
+"""Answers from the measured cost-accuracy study: the error to expect of a scene, and the cheapest setting within an error.
 
 The table that was measured for this release is part of the package (``SHIPPED``); without it there is no expectation.
 """
@@ -25,7 +25,7 @@ from sph.study.tables import EXPECTED
 SHIPPED = Path(__file__).parents[1] / "measured" / "trade.csv"
 """Table measured for this release, by ``snakemake trade``."""
 SHIPPED_RESOLUTION = SHIPPED.with_name("resolution.csv")
-"""Table of the scheme for one's own slopes, by ``snakemake resolution``."""
+"""Table of the scheme for your own slopes, by ``snakemake resolution``."""
 NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 trade' makes one"
 
 
@@ -111,7 +111,7 @@ def resolutions(scene: Scene, table: pd.DataFrame | None = None) -> list[Resolut
         raise ValueError(NOT_MEASURED_YET)
     measured = [(at, variant) for at, variant in _alike(scene, summary(table)) if variant.every_case and variant.finished]
     if not measured:
-        raise ValueError(f"no error is known for this slope: no measured run was computed as it is; {REMEDY}")
+        raise ValueError(f"no error is known for this slope: no measured run was computed with its settings; {REMEDY}")
     by_spacing = {at: variant for at, variant in sorted(measured, key=lambda pair: (-pair[0], pair[1].errors["runout"]))}
     height = scene.geometry.crest[1] - scene.geometry.toe[1]
     return [

@@ -43,7 +43,7 @@ CONVERGENCE: tuple[Variable, ...] = (
     Variable("extrapolated", ROW, "f8", "1", "value extrapolated to spacing 0, in the quantity's unit; NaN without convergence"),
     Variable("gci", ROW, "f8", "1", "grid-convergence index of the finest value, relative; NaN without convergence"),
     Variable("spread", ROW, "f8", "1", "range of the three finest values over the absolute value of their mean"),
-    Variable("verdict", ROW, "str", "1", "the finding in words"),
+    Variable("verdict", ROW, "str", "1", "the result in words"),
 )
 
 

@@ -2,7 +2,7 @@
 
 A *parameter* is one thing that is varied, a *variant* one of its values, a *case* a point of the study.  Every variant is run
 in every case, as a whole and without shared stages; the timed case is run several times.
-A variant with a list for ``numerics.lattice_shift`` is a *mean*: one run a shift, whose results are averaged and whose times add up.
+A variant with a list for ``numerics.lattice_shift`` is a *mean*: one run per shift, whose results are averaged and whose times add up.
 ``load_trade`` builds and checks the scene of every run, so that a typo or a time step above its limit is refused before any work.  Equal
 scenes are run once, whichever variants they belong to.
 """
@@ -35,14 +35,14 @@ CASE_KEYS = ("S_R", "gamma", "solid_after_failure")
 class Extent(Section):
     """How much of the variants is run."""
 
-    repeats: int | None = key("runs of the timed case; null: as one level up", ge=1, le=100, default=None)
-    cases: tuple[str, ...] | None = key("cases that are run, the timed one among them; null: as one level up", min_length=1, default=None)
+    repeats: int | None = key("number of runs of the timed case; null: as one level up", ge=1, le=100, default=None)
+    cases: tuple[str, ...] | None = key("cases to run, including the timed one; null: as one level up", min_length=1, default=None)
 
 
 class Parameter(Extent):
     """A parameter and its variants."""
 
-    about: str = key("what the parameter does, one sentence", min_length=1)
+    about: str = key("what the parameter does, in one sentence", min_length=1)
     changes: Literal["accuracy", "model"] = key(
         "accuracy: how well the scene is computed; model: what is computed, which 'sph advise' leaves alone", default="accuracy"
     )
@@ -68,9 +68,9 @@ class Trade(Cases):
     """The configuration of the cost-accuracy study."""
 
     timed_case: str = key("case whose runs are repeated and whose computing time is a variant's cost")
-    repeats: int = key("runs of the timed case", ge=1, le=100, default=3)
+    repeats: int = key("number of runs of the timed case", ge=1, le=100, default=3)
     reference: Reference = key("the variant from which deviations are measured, the finest that runs in every case")
-    baseline: str = key("fidelity from which deviations are given as well", default="paper")
+    baseline: str = key("fidelity from which deviations are also given", default="paper")
     convergence: str = key("parameter whose variants differ in spacing: the order of convergence is measured on it", default="spacing")
     fidelities: dict[Name, Overrides] | None = key(
         f"scene keys of the fidelities that are variants of {FIDELITY!r}, by name; null: those of the study", min_length=1, default=None

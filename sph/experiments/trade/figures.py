@@ -25,7 +25,7 @@ LABELS = {"displacement_magnitude": "displacement of A (m)", "runout": "run-out 
 
 @styled
 def figure_tradeoff(table: pd.DataFrame) -> Figure:
-    """Error of A's displacement and of the run-out against computing time, a point a variant; hollow where the class differs in a case.
+    """Error of A's displacement and of the run-out against computing time, a point per variant; hollow where the class differs in a case.
 
     ``table`` as from ``read_trade``.  The error is the largest deviation from the reference over the cases, the time that of the
     timed case; the line joins the variants that no other of the reference's class beats in both.  The reference, variants that were not
@@ -34,7 +34,7 @@ def figure_tradeoff(table: pd.DataFrame) -> Figure:
     variants = summary(table)
     shown = [variant for variant in variants if variant.every_case and variant.finished and not variant.reference]
     if not shown:
-        raise ValueError("table: no variant but the reference was run to its end in every case, there is nothing to draw")
+        raise ValueError("table: no variant but the reference was run to its end in every case, so there is nothing to draw")
     parameters = list(dict.fromkeys(variant.parameter for variant in shown))
     colours = curve_colours(len(parameters))
     looks = {parameter: (colours[at], MARKERS[at % len(MARKERS)]) for at, parameter in enumerate(parameters)}
@@ -81,7 +81,7 @@ def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mappin
 
 @styled
 def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure:
-    """A's displacement, run-out and onset against particle spacing, a curve a case; stars are values extrapolated to spacing 0.
+    """A's displacement, run-out and onset against particle spacing, a curve per case; stars are values extrapolated to spacing 0.
 
     ``convergence`` as the file convergence.csv, ``table`` as from ``read_trade``.  Raises ValueError for an empty one.
     """

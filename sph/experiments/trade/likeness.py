@@ -51,10 +51,10 @@ NEAR = 0.1
 
 
 def unlike(scene: Scene) -> list[str]:
-    """In what a scene is not like the measured slope, in words; nothing where it is."""
+    """How a scene differs from the measured slope, in words; empty where it is like it."""
     geometry, soil = scene.geometry, scene.soil
     if not isinstance(geometry, SLOPES):
-        return ["its shape is no slope"]
+        return ["its shape is not a slope"]
     (toe_x, toe_y), (crest_x, crest_y), height = geometry.toe, geometry.crest, geometry.slope_height
     x = np.linspace(toe_x, crest_x, 201)[1:-1]
     straight = toe_y + (crest_y - toe_y) * (x - toe_x) / (crest_x - toe_x) if crest_x > toe_x else geometry.ground(x)
@@ -74,13 +74,13 @@ def unlike(scene: Scene) -> list[str]:
         *ANGLE.misses(float(np.degrees(np.arctan2(crest_y - toe_y, crest_x - toe_x)))),
         *(["its face is not plane"] if np.abs(geometry.ground(x) - straight).max() > BENT * height else []),
         *(["it has layers"] if len(scene.layers) > len(rock) else []),
-        *(["soil lies below its toe, and no rock"] if own and not scene.layers and toe_y > NEAR * height else []),
+        *(["soil, not rock, lies below its toe"] if own and not scene.layers and toe_y > NEAR * height else []),
         *(["its strength varies from place to place"] if scene.strength_varies else []),
         *(["it has water"] if scene.water is not None else []),
         *COHESION.misses(1e3 * soil.cohesion / weight if weight else np.inf),
         *FRICTION.misses(soil.friction_angle),
         *(
-            ["its residual strength is written, not by S_R"]
+            ["its residual strength is given directly, not by S_R"]
             if residual != (None, None)
             else STRENGTH_RATIO[scene.scheme].misses(scene.coupling.S_R)
         ),
@@ -91,7 +91,7 @@ def unlike(scene: Scene) -> list[str]:
 def _loss(scene: Scene, height: float) -> list[str]:
     """In what its loss of strength is not that of the slope of its scheme."""
     if scene.scheme == "paper":
-        return ["strength is lost by slip"] if scene.coupling.softens_by_slip else RATE.misses(scene.coupling.gamma)
+        return ["its strength is lost with slip"] if scene.coupling.softens_by_slip else RATE.misses(scene.coupling.gamma)
     if not scene.coupling.softens_by_slip or scene.coupling.gamma > 0.0:
-        return ["strength is lost with time"]
+        return ["its strength is lost with time"]
     return SLIP_ZONE.misses(slip_zone(scene, scene.soil, None) / height)

@@ -48,8 +48,8 @@ def cost_accuracy_tables(
 
 
 def measure_trade(*given: Any) -> Any:
-    """What each saving of computing time costs: one row a variant and case, with deviations from the reference. Every column is defined in
-    docs/reference/files.md.
+    """What each saving of computing time costs: one row per variant and case, with deviations from the reference. Every column is defined
+    in docs/reference/files.md.
     """
     return cost_accuracy_tables(*given)
 

@@ -144,7 +144,7 @@ def _deviation(value: float, reference: float) -> float:
 
 
 def read_trade(path: Path | str) -> pd.DataFrame:
-    """Table of a cost-accuracy study from its CSV; ValueError names a file that is none, or that holds no row."""
+    """Table of a cost-accuracy study from its CSV; ValueError names a file that is not one, or that holds no row."""
     frame = read_csv(path, TRADE, "a cost-accuracy study")
     if frame.empty:
         raise ValueError(f"{path}: the table of a cost-accuracy study without a row")

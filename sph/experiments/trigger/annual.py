@@ -1,4 +1,4 @@
-"""How often a year the slope reaches each class: the fragility over the hazard of the site."""
+"""How often a year the slope reaches each class: the fragility integrated over the hazard of the site."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ def annual_columns(units: str) -> tuple[Variable, ...]:
         number_column(
             "frequency_least",
             PER_YEAR,
-            "without a fit, from the brackets alone, by all shaking above the first intensity of the hazard curve: no motion reaches it "
-            "below the upper end of its bracket, those without one never",
+            "lower bound from the brackets alone, for shaking above the first intensity of the hazard curve: a motion reaches the class "
+            "only above the upper end of its bracket, one without an upper end never",
         ),
         number_column(
             "frequency_most",
             PER_YEAR,
-            "every motion reaches it above the lower end of its bracket, those reached at the lowest or all diverged always; beyond the "
-            "last intensity of the curve by its frequency there",
+            "upper bound likewise: every motion reaches the class above the lower end of its bracket, one without a lower end always; "
+            "beyond the last intensity of the curve the frequency there counts",
         ),
         number_column(
-            "share_searched", "1", "part of the frequency from intensities between the lowest and the highest that were searched"
+            "share_searched", "1", "share of the frequency from intensities between the lowest and the highest that were searched"
         ),
         number_column("first", units, "first intensity of the hazard curve; weaker shaking is left out"),
-        number_column("probability_at_first", "1", "probability that the class is reached there: weaker shaking has less"),
+        number_column("probability_at_first", "1", "probability that the class is reached there; it is smaller for weaker shaking"),
         number_column("last", units, "last intensity of the hazard curve; stronger shaking is left out"),
-        number_column("beyond_last", PER_YEAR, "annual frequency of stronger shaking: the most that it adds"),
+        number_column("beyond_last", PER_YEAR, "annual frequency of stronger shaking, which is the most that it can add"),
         text_column("sentence", "the result in words"),
     )
 
@@ -61,7 +61,7 @@ ANNUAL = tuple(names(annual_columns("1")))
 
 
 def annual_table(critical: pd.DataFrame, hazard: Hazard, lowest: float, highest: float, unit: str, seed: int = SEED) -> pd.DataFrame:
-    """One row a case and class, from critical intensities (``read_critical``) searched between two ends, in a ``unit`` as printed."""
+    """One row per case and class, from critical intensities (``read_critical``) searched between two ends, in a ``unit`` as printed."""
     rows = []
     searched = hazard.between(lowest, highest)
     for (case, name), found in critical.groupby(["case", "collapse_class"], sort=False):
@@ -102,8 +102,8 @@ def sentence(row: dict[str, object], unit: str) -> str:
     if math.isnan(frequency):
         least, most = (float(str(row[name])) for name in ("frequency_least", "frequency_most"))
         return (
-            f"The brackets determine no fit. By them alone {who} reaches {what} between {least:.2g} and {most:.2g} times a year under "
-            "this hazard curve."
+            f"The brackets do not determine a fit. From them alone, {who} reaches {what} between {least:.2g} and {most:.2g} times a year "
+            "under this hazard curve."
         )
     weaker = ""
     if at_first >= RARE:

@@ -1,4 +1,4 @@
-"""What a search asks of a run: whether it is of a class or a worse one, or has gone as far as a length or a place."""
+"""What a search asks of a run: whether it reaches a class or a worse one, or a length or a place."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ class Bound(NamedTuple):
 
 
 def bound(wanted: str) -> Bound:
-    """The bound of what is no class, as 'runout: road', 'runout: 20' or 'displacement: 0.1'; ValueError for anything else."""
+    """The bound of what is not a class, such as 'runout: road', 'runout: 20' or 'displacement: 0.1'; ValueError for anything else."""
     quantity, _, limit = (part.strip() for part in wanted.partition(":"))
     try:
         length = float(limit)
@@ -102,7 +102,7 @@ def who_reaches_what(wanted: str) -> tuple[str, str]:
 
 
 def block_displacement(wanted: str, scene: Scene, settings: MetricSettings) -> float:
-    """Displacement (m) of a sliding block at which it comes to a boundary; NaN for a run-out, which a block has not."""
+    """Displacement (m) of a sliding block at which it comes to a boundary; NaN for a run-out, which a block does not have."""
     if wanted in CLASSES:
         return class_displacement(wanted, scene, settings)
     found = bound(wanted)

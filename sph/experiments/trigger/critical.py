@@ -48,7 +48,7 @@ def bracket_columns(units: str) -> tuple[Variable, ...]:
             "lower", units, "largest intensity below the upper end at which the class is not reached; NaN if it is reached at the lowest"
         ),
         number_column("upper", units, "smallest intensity at which the class is reached; NaN if it never is"),
-        count_column("diverged_inside", "diverged runs between the two: the bracket is so much wider than the tolerance"),
+        count_column("diverged_inside", "diverged runs between the two, which make the bracket wider than the tolerance"),
         count_column(
             "changes",
             "changes between not reached and reached along the intensities that were run; more than 1: not monotone in the intensity",
@@ -56,7 +56,7 @@ def bracket_columns(units: str) -> tuple[Variable, ...]:
         number_column("last_not_reached", units, "largest intensity at which the class is not reached; above the upper end: not monotone"),
         number_column("lower_still_moving", "1", "1 if the run at the lower end is still moving at its end: it may reach the class later"),
         number_column(
-            "lower_failed_fraction", "1", "failed part of the soil at the lower end; 0: the class comes with the first failure of all"
+            "lower_failed_fraction", "1", "failed fraction of the soil at the lower end; 0: the class is reached as soon as any soil fails"
         ),
         count_column("runs", "runs at these values"),
         count_column("diverged", "diverged runs among them"),
@@ -69,16 +69,18 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
     units = searched.intensity.variable(listed=False).units
     return (
         *label_columns(searched.others),
-        text_column("collapse_class", "what the critical intensity is searched for: the class, or a worse one, or the length or place"),
+        text_column("collapse_class", "what has to be reached at the critical intensity: the class or a worse one, or the length or place"),
         text_column("intensity", "the dimension that is searched"),
         *bracket_columns(units),
         number_column(
             "extrapolated_intensity",
             units,
-            "critical intensity at spacing 0, from that of the case and of another that differs in a coarser spacing alone, as sph fos "
-            "extrapolates; NaN without such a case, without a bracket of either, and where it falls over no width (coupling.softening)",
+            "critical intensity at spacing 0, extrapolated as by sph fos from this case and another that differs only in a coarser "
+            "spacing; NaN without such a case, without a bracket of either, and where strength falls over no width (coupling.softening)",
         ),
-        number_column("extrapolation_error", units, "estimate of its error: half of the step to it, and the brackets as it magnifies them"),
+        number_column(
+            "extrapolation_error", units, "estimate of its error: half the step to it, and the brackets as magnified by the extrapolation"
+        ),
         number_column(
             "yield_acceleration",
             "m s-2",
@@ -89,7 +91,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
             "newmark_intensity",
             units,
             "intensity of the same motion at which a rigid block with that yield acceleration slips by the displacement at which the class "
-            "begins (Newmark 1965); NaN for a run-out, which a block has not",
+            "begins (Newmark 1965); NaN for a run-out, which a block does not have",
         ),
     )
 
@@ -188,7 +190,7 @@ def critical_table(
     searched: Searched,
     coarser: Mapping[str, tuple[str, float]] | None = None,
 ) -> pd.DataFrame:
-    """One row a case, value of the other dimensions and class; ``estimates`` hold the last two columns, as by ``block_estimates``.
+    """One row per case, value of the other dimensions and class; ``estimates`` hold the last two columns, as by ``block_estimates``.
 
     ``coarser`` are the cases to extrapolate from, as by ``coarser_cases``.
     """
@@ -220,7 +222,7 @@ def critical_table(
 
 
 def read_critical(path: Path | str) -> pd.DataFrame:
-    """Table from its CSV; ValueError names a file that is none."""
+    """Table from its CSV; ValueError names a file that is not one."""
     return read_csv(path, columns_in(path, critical_columns(ONE)), "critical intensities")
 
 
@@ -275,7 +277,7 @@ def bracket_ends(
 
 
 def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence[Mapping[str, Any]], searched: Searched) -> pd.DataFrame:
-    """One row an end, from the points of the search and the metrics of the confirming runs in the ends' order."""
+    """One row per end, from the points of the search and the metrics of the confirming runs in the ends' order."""
     at = names(label_columns(searched.all))
     by_point = points.set_index(at)
     rows = []
@@ -293,5 +295,5 @@ def confirm_table(ends: pd.DataFrame, points: pd.DataFrame, confirming: Sequence
 
 
 def read_ends(path: Path | str) -> pd.DataFrame:
-    """Table of ends to be run again, from its CSV; ValueError names a file that is none."""
+    """Table of ends to be run again, from its CSV; ValueError names a file that is not one."""
     return read_csv(path, columns_in(path, end_columns(Searched((), ""))), "ends of brackets")

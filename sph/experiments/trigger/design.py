@@ -67,19 +67,21 @@ class Intensity(Span):
 
 
 class Confirm(Section):
-    """Brackets whose ends are run again at another fidelity."""
+    """Brackets whose ends are repeated at another fidelity."""
 
     fidelity: str = key("the fidelity, one of the study's", default="standard")
-    cases: tuple[str, ...] | None = key("cases that are confirmed; null: all", default=None, min_length=1)
-    at: At = key("values at which they are confirmed, among those searched, by dimension; all of one that is left out", default={})
+    cases: tuple[str, ...] | None = key("cases to confirm; null: all", default=None, min_length=1)
+    at: At = key(
+        "values at which to confirm them, among those searched, by dimension; all values of a dimension that is left out", default={}
+    )
     collapse_class: Boundary = key("the class whose brackets are confirmed", default="collapse")
 
 
 class Maps(Section):
     """The lattice of some dimensions and the intensity."""
 
-    cases: tuple[str, ...] | None = key("cases that are mapped; null: all", default=None, min_length=1)
-    over: dict[str, Span] = key("ranges of the dimensions that are mapped beside the intensity, by dimension", min_length=1)
+    cases: tuple[str, ...] | None = key("cases to map; null: all", default=None, min_length=1)
+    over: dict[str, Span] = key("ranges of the dimensions to map besides the intensity, by dimension", min_length=1)
     classes: tuple[DamageClass, ...] = key(
         "cells whose corners differ in reaching one of these classes are divided", default=("collapse",), min_length=1
     )
@@ -89,12 +91,12 @@ class Maps(Section):
 class Trigger(Section):
     """The configuration."""
 
-    fidelity: str | None = key("the fidelity that searches, one of the study's; null: that of the study", default=None)
+    fidelity: str | None = key("fidelity of the search, one of the study's; null: that of the study", default=None)
     cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
     intensity: Intensity = key("the intensities of the shaking, of all searches")
     tolerance: float = key("largest width of the bracket of a critical intensity", "that of the intensity", gt=0, le=1e4)
     classes: tuple[Boundary, ...] = key(
-        "what critical intensities are searched for: classes, 'runout: NAME' for a place of metrics.places, 'runout: LENGTH' and "
+        "what has to be reached at a critical intensity: classes, 'runout: NAME' for a place of metrics.places, 'runout: LENGTH' and "
         "'displacement: LENGTH' in m",
         default=("collapse",),
         min_length=1,
@@ -110,7 +112,7 @@ class Trigger(Section):
         min_length=1,
         max_length=1000,
     )
-    confirm: Confirm | None = key("brackets whose ends are run again at another fidelity; null: none", default=None)
+    confirm: Confirm | None = key("brackets whose ends are repeated at another fidelity; null: none", default=None)
     maps: Maps | None = key("maps over some dimensions and the intensity; null: none", default=None)
 
     @model_validator(mode="before")
@@ -134,7 +136,7 @@ class Trigger(Section):
             raise ValueError(f"maps.over: {', '.join(self.maps.over)}: must be the dimensions of at ({', '.join(self.at) or 'none'})")
         for name, values in self.at.items():
             if len({value_of(value) for value in values}) < len(values):
-                raise ValueError(f"at.{name}: {list(values)} holds one value twice")
+                raise ValueError(f"at.{name}: {list(values)} contains the same value twice")
         for case, overrides in self.cases.items():
             for name in self.dimensions:
                 if has_key(overrides, scene_key(name)):
@@ -276,14 +278,14 @@ class TriggerPlan:
             unit = self.dimensions.intensity.shown_unit
             raise ValueError(
                 f"{self.origin}: hazard: {self.hazard_file}: runs from {ends[0]:.3g} to {ends[1]:.3g} {unit} of {span.dimension}, the "
-                f"search from {span.lowest:.3g} to {span.highest:.3g}: they have nothing in common"
+                f"search from {span.lowest:.3g} to {span.highest:.3g}: they do not overlap"
             )
 
     @property
     def maps(self) -> Maps:
         """What is mapped; ValueError where nothing is."""
         if self.trigger.maps is None:
-            raise ValueError(f"{self.origin}: maps: null, there is nothing to map")
+            raise ValueError(f"{self.origin}: maps: null, so there is nothing to map")
         return self.trigger.maps
 
     @property
@@ -299,7 +301,7 @@ class TriggerPlan:
     def confirm(self) -> dict[str, Any]:
         """What is confirmed; ValueError where nothing is."""
         if self.trigger.confirm is None:
-            raise ValueError(f"{self.origin}: confirm: null, there is nothing to confirm")
+            raise ValueError(f"{self.origin}: confirm: null, so there is nothing to confirm")
         chosen = self.trigger.confirm
         return {
             "fidelity": chosen.fidelity,
@@ -349,7 +351,7 @@ class TriggerPlan:
         return self.runs_at(list(_wanted(path_to_points)), fidelity)
 
     def runs_at(self, asked: Sequence[tuple[str, Point]], fidelity: str | None = None) -> list[Run]:
-        """The runs of cases and points; KeyError for a case that is none."""
+        """The runs of cases and points; KeyError for an unknown case."""
         folders = [self.folders[fidelity or self.fidelity, case] for case, _ in asked]
         names = [point_name(point) for _, point in asked]
         points: dict[str, dict[str, Point]] = {folder: {} for folder in folders}

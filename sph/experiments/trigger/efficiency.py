@@ -1,4 +1,4 @@
-"""Which measure of the shaking tells best whether a class is reached: the one whose critical values scatter least.
+"""Which intensity measure predicts best whether a class is reached: the one whose critical values scatter least.
 
 Motions scale in proportion, so that every critical intensity is also a critical peak acceleration, peak velocity, Arias intensity and
 spectral acceleration of the same motion.  Fragility is fitted to each.  A measure that grows with the p-th power of the accelerations has
@@ -35,14 +35,14 @@ SAME = {"amplitude": PGA, "motion.peak_velocity": PGV, "motion.arias_intensity":
 MEASURE_COLUMNS = (
     CASE_COLUMN,
     text_column("collapse_class", "the class, or a worse one, that is reached"),
-    count_column("rank", "1: the least scatter, beta over the power, of the case and class"),
+    count_column("rank", "rank in the case and class by scatter, beta over the power; 1: the least"),
     text_column(
         "measure", f"measure of the horizontal motion; spectral acceleration with {DAMPING:.0%} damping, or the intensity searched"
     ),
     text_column("unit", "unit of the measure and its median"),
     count_column("searched", "1 for the intensity that is searched"),
     count_column("motions", "motions, or other values, whose brackets are fitted"),
-    number_column("power", "1", "power p of the accelerations to which the measure grows"),
+    number_column("power", "1", "power p of the acceleration with which the measure grows"),
     number_column(
         "median", "that of the measure", "theta, the value at which half of the motions reach the class; NaN where there is no fit"
     ),
@@ -70,7 +70,7 @@ def motion_measures(scene: Scene, periods: Sequence[float]) -> dict[str, float]:
 def measures_table(
     critical: pd.DataFrame, motions: Mapping[Key, Mapping[str, float]], reference: float, searched: Searched, seed: int = SEED
 ) -> pd.DataFrame:
-    """One row a case, class and measure, the most efficient first, from critical intensities (``read_critical``).
+    """One row per case, class and measure, the most efficient first, from critical intensities (``read_critical``).
 
     ``motions``: measures by case and values of the other dimensions, at the ``reference`` intensity.  No rows for a case with a motion
     without measures, or one that stands still.

@@ -1,4 +1,4 @@
-"""How far it goes: the share of the motions whose run-out, displacement or depth of debris at a place exceeds a length, at given
+"""How far the slope moves: the share of the motions whose run-out, displacement or depth of debris at a place exceeds a length, at given
 intensities of the shaking, and the width that most of them do not pass.
 
 An empirical curve, no distribution is fitted.  It is taken at the intensities at which all values of the search were run, the ends of its
@@ -28,15 +28,15 @@ def exceedance_columns(units: str) -> tuple[Variable, ...]:
     """The columns of the exceedance, with the unit of the intensity."""
     return (
         CASE_COLUMN,
-        number_column("intensity", units, "intensity of the shaking, one at which all values of the search were run"),
+        number_column("intensity", units, "intensity of the shaking at which all values of the search were run"),
         text_column("metric", f"{' or '.join(LENGTHS)}, or the depth of debris at a place"),
-        number_column("exceeded", "m", "the length: 0, and each that a run has"),
+        number_column("exceeded", "m", "the length that may be exceeded: 0, and the value of each run"),
         count_column("motions", "runs at this intensity, one of every motion or other value"),
         count_column("exceeding", "those with a larger value"),
         count_column("diverged", "diverged ones, whose value is not known"),
         count_column("still_moving", "others that are still moving at their end: their value may become larger"),
-        number_column("share_lower", "1", "exceeding over motions: no diverged run exceeds the length"),
-        number_column("share_upper", "1", "exceeding and diverged over motions: all of them do"),
+        number_column("share_lower", "1", "exceeding over motions, as if no diverged run exceeded the length"),
+        number_column("share_upper", "1", "exceeding plus diverged over motions, as if all of them did"),
     )
 
 
@@ -45,7 +45,7 @@ EXCEEDANCE = tuple(names(exceedance_columns("1")))
 
 
 def exceedance(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
-    """One row a case, intensity, metric and length, from the points of a search (``read_points``).
+    """One row per case, intensity, metric and length, from the points of a search (``read_points``).
 
     No rows for a metric that runs of a case lack without having diverged, as the run-out of a shape without a slope.
     """
@@ -89,9 +89,9 @@ def width_columns(units: str) -> tuple[Variable, ...]:
     """The columns of the widths, with the unit of the intensity."""
     return (
         CASE_COLUMN,
-        number_column("intensity", units, "intensity of the shaking, one at which all values of the search were run"),
+        number_column("intensity", units, "intensity of the shaking at which all values of the search were run"),
         count_column("motions", "runs at this intensity, one of every motion or other value"),
-        count_column("diverged", "diverged ones, which count as if they went on without end"),
+        count_column("diverged", "diverged ones, which count as if their run-out were unlimited"),
         count_column("still_moving", "others that are still moving at their end: their run-out may become larger"),
         *(
             number_column(width_name(share), "m", f"smallest run-out that {share:.0%} of the runs do not pass; infinite: too many diverged")
@@ -102,7 +102,7 @@ def width_columns(units: str) -> tuple[Variable, ...]:
 
 
 def widths(points: pd.DataFrame, searched: Searched) -> pd.DataFrame:
-    """One row a case and intensity at which all values were run; none for a case without run-out."""
+    """One row per case and intensity at which all values were run; none for a case without run-out."""
     at, rows = names(label_columns(searched.others)), []
     for case, line in points.groupby("case", sort=False):
         values = len(line[at].drop_duplicates())

@@ -52,7 +52,7 @@ class Mapped(NamedTuple):
 MAPPED = {
     "displacement": Mapped("displacement_magnitude", "displacement of A (m)"),
     "runout": Mapped("runout", "run-out (m)"),
-    "failed": Mapped("failed_fraction", "failed part of the soil"),
+    "failed": Mapped("failed_fraction", "failed fraction of the soil"),
 }
 """The quantities that are mapped, by name."""
 
@@ -169,8 +169,8 @@ def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
 
 @styled
 def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
-    """Class over a dimension and the intensity, a column a value of the rest and a row a case; dots are the points that were run, crosses
-    those that diverged.
+    """Class over a dimension and the intensity, a column per value of the rest and a row per case; dots are the points that were run,
+    crosses those that diverged.
 
     ``points`` as from ``read_points``.  Between the points the ground has the class nearest to the interpolated rank.  Raises
     ValueError for an empty table.
@@ -191,7 +191,7 @@ def figure_class_map(points: pd.DataFrame, searched: Searched, note: str = "") -
 
 @styled
 def figure_map(points: pd.DataFrame, searched: Searched, mapped: Mapped, note: str = "") -> Figure:
-    """A quantity over a dimension and the intensity, a column a value of the rest and a row a case, linear between the points.
+    """A quantity over a dimension and the intensity, a column per value of the rest and a row per case, linear between the points.
 
     ``points`` as from ``read_points``, drawn as dots; crosses diverged.  Raises ValueError for an empty table.
     """
@@ -208,7 +208,7 @@ def figure_map(points: pd.DataFrame, searched: Searched, mapped: Mapped, note: s
 
 
 def _panels(points: pd.DataFrame, searched: Searched) -> tuple[Figure, list[tuple[Axes, pd.DataFrame]]]:
-    """A panel a case and value of the dimensions beside the first on the undivided lattice, and the points in its plane."""
+    """A panel per case and value of the dimensions beside the first on the undivided lattice, and the points in its plane."""
     if points.empty:
         raise ValueError("points: no point to draw")
     across, *rest = searched.others
@@ -275,7 +275,7 @@ def _mapped(mapped: Mapped, points: pd.DataFrame, searched: Searched, note: str)
 
 @styled
 def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
-    """Share of the values searched with which a class, or a worse one, is reached, against the intensity, a panel a class.
+    """Share of the values searched with which a class, or a worse one, is reached, against the intensity, a panel per class.
 
     ``shares`` as from ``read_shares``.  A band lies between the lower and the upper bound that the points leave.  It is a share of values
     of parameters, not a probability of a ground motion.  Raises ValueError for an empty table.
@@ -295,10 +295,10 @@ def figure_shares(shares: pd.DataFrame, searched: Searched, note: str = "") -> F
             for bound in (low, high):
                 ax.step(at, bound, where="post", color=colour, linestyle=line, linewidth=1.0)
         ax.set(xlabel=plain(searched.intensity.label), xlim=(at[0], at[-1]), ylim=(0.0, 1.02))
-    axes[0].set_ylabel(written(f"share of {' and '.join(found.symbol for found in searched.others)} searched"))
+    axes[0].set_ylabel(written(f"share of the values of {' and '.join(found.symbol for found in searched.others)} searched"))
     label_panels(axes, [f"at least {name}" if name != CLASSES[-1] else name for name in CLASSES[1:]])
     handles = [
-        Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between its bounds")
+        Patch(facecolor=(*colour[:3], 0.25), edgecolor=colour, linestyle=line, label=f"{plain(case)}: between the bounds")
         for case, colour, line in looks
     ]
     figure.legend(handles=handles, loc="outside upper center", ncols=2)

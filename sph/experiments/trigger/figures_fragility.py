@@ -14,7 +14,7 @@ from sph.measures.metrics import CLASSES
 
 @styled
 def figure_fragility(critical: pd.DataFrame, fits: pd.DataFrame, curves: pd.DataFrame, searched: Searched, note: str = "") -> Figure:
-    """Probability of reaching a class against the intensity, a panel a case: curve, interval band, and the brackets as bars.
+    """Probability of reaching a class against the intensity, a panel per case: curve, interval band, and the brackets as bars.
 
     ``critical``, ``fits`` and ``curves`` as from their readers (``read_critical`` and so on).  Brackets stand at the share of the
     motions up to their middle; those that are open count in the shares and are given in the legend.  Raises ValueError for an empty table.
@@ -56,6 +56,6 @@ def _words(fit: dict[str, object], unit: str) -> str:
     """Class, parameters and counts of a fit."""
     name = in_words(str(fit["collapse_class"])).removeprefix("class ")
     found = "no fit" if fit["median"] != fit["median"] else plain(f"θ = {fit['median']:.3g} {unit}, β = {fit['dispersion']:.2g}")
-    others = {"never": "never reached", "at_lowest": "at the lowest", "undecided": "diverged", "not_monotone": "not monotone"}
+    others = {"never": "never reached", "at_lowest": "reached at the lowest", "undecided": "diverged", "not_monotone": "not monotone"}
     counted = [f"{fit[column]} {words}" for column, words in others.items() if fit[column]]
     return "\n".join([name, found, f"{fit['motions']} motions" + "".join(f", {each}" for each in counted[:1]), *counted[1:]])

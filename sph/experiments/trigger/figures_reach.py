@@ -1,4 +1,4 @@
-"""How far the slope goes over many motions: share of the runs that exceed a run-out or a displacement, and how far along the section."""
+"""How far the slope moves under many motions: share of the runs that exceed a run-out or a displacement, and how far along the section."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ PANEL, OUTSIDE = 2.4, 0.75
 
 @styled
 def figure_reach(table: pd.DataFrame, searched: Searched, scenes: Mapping[str, Scene], note: str = "") -> Figure:
-    """Share of the motions that exceed a run-out and a displacement, a line an intensity, for each case; bands are diverged runs.
+    """Share of the motions that exceed a run-out and a displacement, a line per intensity, for each case; bands are diverged runs.
 
     ``table`` as from ``exceedance``.  Below, for a case with a scene, the share of the motions whose debris reaches a place, above
     the section.  Raises ValueError for an empty table.

@@ -209,7 +209,7 @@ def fit_columns(units: str) -> tuple[Variable, ...]:
         count_column("at_lowest", f"those with outcome {AT_LOWEST}: only an upper end is known"),
         count_column("never", f"those with outcome {NEVER}: censored, only a lower end is known"),
         count_column("undecided", f"those with outcome {UNDECIDED}, which say nothing of the fit"),
-        count_column("not_monotone", "motions at which the class is reached, and not at a higher intensity"),
+        count_column("not_monotone", "motions for which the class is reached, but not at a higher intensity"),
         count_column("diverged", "diverged runs at all motions"),
         number_column("median", units, "theta, the intensity at which half of the motions reach the class; NaN where there is no fit"),
         number_column("median_lower", units, f"lower end of its {share}"),
@@ -217,7 +217,7 @@ def fit_columns(units: str) -> tuple[Variable, ...]:
         number_column("dispersion", "1", "beta, standard deviation of the logarithm of the critical intensity"),
         number_column("dispersion_lower", "1", "lower end of its interval, likewise"),
         number_column("dispersion_upper", "1", "upper end"),
-        count_column("resamples_without_fit", "samples that determine no distribution, which the intervals leave out"),
+        count_column("resamples_without_fit", "samples that do not determine a distribution, which the intervals leave out"),
         number_column(
             "distance", "1", "Kolmogorov-Smirnov distance of the bracket midpoints from a lognormal distribution; NaN if any is open"
         ),
@@ -254,7 +254,7 @@ def curve_columns(units: str) -> tuple[Variable, ...]:
 
 
 def fragility(critical: pd.DataFrame, unit: str, seed: int = SEED) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Fits, one row a case and class, and their curves, from critical intensities (``read_critical``) in a ``unit`` as printed."""
+    """Fits, one row per case and class, and their curves, from critical intensities (``read_critical``) in a ``unit`` as printed."""
     rows, curves = [], list[pd.DataFrame]()
     highest = 1.2 * float(critical[["lower", "upper"]].max().max())
     for (case, name, intensity), found in critical.groupby(["case", "collapse_class", "intensity"], sort=False):
@@ -294,13 +294,13 @@ def sentence(row: dict[str, object], unit: str) -> str:
     counted = f"{row['motions']} motions, {row['never']} of which never reach it up to the highest intensity"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
     if math.isnan(median):
-        return f"The brackets of {counted}, do not determine the shaking at which {who} has a 50 % chance to reach {what}."
+        return f"The brackets of {counted}, do not determine the shaking at which {who} has a 50 % chance of reaching {what}."
     level = f"{median:.3g} {unit}".rstrip()
     if unit == shown_unit("m/s2"):
         low, high, unit = low / GRAVITY, high / GRAVITY, "g"
         level = f"{level} or {median / GRAVITY:.3g} g"
     span = f"{low:.3g} to {high:.3g} {unit}".rstrip()
-    return f"Under these assumptions {who} has a 50 % chance to reach {what} at {level} ({span}, {CONFIDENCE:.0%} interval); {counted}."
+    return f"Under these assumptions {who} has a 50 % chance of reaching {what} at {level} ({span}, {CONFIDENCE:.0%} interval); {counted}."
 
 
 def steps(lower: np.ndarray, upper: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

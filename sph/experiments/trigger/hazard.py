@@ -74,15 +74,15 @@ def read_hazard(path: Path | str, unit: str) -> Hazard:
     size = _size(path, head[0], unit)
     if NO_ANNUAL.search(head[1]) or PROBABILITY.search(head[1]) and not OF_A_YEAR.search(head[1]):
         raise ValueError(
-            f"{path}: the name of the second column, {head[1]!r}, must be of an annual frequency: -ln(1 - p) / t of a probability p in t "
-            "years, 1 / T of a return period T"
+            f"{path}: the name of the second column, {head[1]!r}, must be that of an annual frequency: -ln(1 - p) / t for a probability "
+            "p in t years, 1 / T for a return period T"
         )
     rows = list[tuple[float, float]]()
     for line in lines[1:]:
         try:
             intensity, frequency = map(float, cells(line))
         except ValueError as error:
-            raise ValueError(f"{path}: {one_line(line, 60)!r}: two numbers are wanted, intensity and annual frequency") from error
+            raise ValueError(f"{path}: {one_line(line, 60)!r}: must be two numbers, intensity and annual frequency") from error
         if not (0.0 < intensity < math.inf and 0.0 < frequency < math.inf):
             raise ValueError(f"{path}: {one_line(line, 60)!r}: both numbers must be above 0")
         if rows and not (size * intensity > rows[-1][0] and frequency <= rows[-1][1]):
@@ -103,7 +103,7 @@ def _size(path: Path | str, name: str, unit: str) -> float:
     except ValueError as error:
         raise ValueError(f"{path}: {error}") from error
     if size is None:
-        raise ValueError(f"{path}: the name of the first column, {name!r}, must say the unit, as {example}")
+        raise ValueError(f"{path}: the name of the first column, {name!r}, must state the unit, as in {example}")
     return size
 
 

@@ -31,8 +31,8 @@ def cell_columns(searched: Searched) -> tuple[Variable, ...]:
     return (
         CASE_COLUMN,
         *(number_column(f"{axis.name}_{end}", axis.units, f"{axis.text}: {end} end of the cell") for axis in axes for end in ENDS),
-        number_column("share", "1", f"part of the range of {others} that the cell covers, by their scales"),
-        text_column("least_class", f"least class of the points in the cell and on its faces; {UNDETERMINED} if all diverged"),
+        number_column("share", "1", f"share of the range of {others} that the cell covers, on their scales"),
+        text_column("least_class", f"mildest class of the points in the cell and on its faces; {UNDETERMINED} if all diverged"),
         text_column("worst_class", "worst class of these points, likewise"),
         count_column("points", "number of these points"),
         count_column("diverged", "diverged ones among them"),
@@ -46,15 +46,15 @@ def share_columns(searched: Searched) -> tuple[Variable, ...]:
         CASE_COLUMN,
         text_column("collapse_class", "the class, or a worse one, that is reached"),
         *(number_column(f"{axis.name}_{end}", axis.units, f"{end} end of the interval of intensities") for end in ENDS),
-        number_column("share_lower", "1", f"part of the range of {others} in cells all of whose points reach the class"),
-        number_column("share_upper", "1", "the same with cells of which some point reaches it or diverged"),
+        number_column("share_lower", "1", f"share of the range of {others} in cells of which all points reach the class"),
+        number_column("share_upper", "1", "the same in cells of which at least one point reaches it or diverged"),
     )
 
 
 def map_cells(
     lattices: Sequence[Lattice], points: pd.DataFrame, boundaries: Sequence[str], levels: int, searched: Searched
 ) -> pd.DataFrame:
-    """One row a cell that is not divided, with the columns ``cell_columns``."""
+    """One row per cell that is not divided, with the columns ``cell_columns``."""
     runs = runs_found(points)
     rows = []
     for lattice in lattices:
@@ -100,6 +100,6 @@ def class_shares(cells: pd.DataFrame, searched: Searched) -> pd.DataFrame:
 
 
 def read_shares(path: Path | str) -> pd.DataFrame:
-    """Table of shares from its CSV; ValueError names a file that is none."""
+    """Table of shares from its CSV; ValueError names a file that is not one."""
     intensity = next((name.removesuffix("_lower") for name in columns_of(path)[2:3]), "")
     return read_csv(path, share_columns(Searched((Dimension(intensity, "-", "", False),), intensity)), "shares of classes")

@@ -81,7 +81,7 @@ def trigger_table(
 
 def fragility_table(critical: pd.DataFrame, searched: Searched, note: str) -> tuple[pd.DataFrame, pd.DataFrame, Figure]:
     """Probability that the slope reaches a class at an intensity, over the motions of the search: lognormal fits to the brackets, with
-    intervals, and how many motions never reach the class, diverged or are not monotone. Every column is defined in
+    intervals, and the number of motions that never reach the class, diverged or are not monotone. Every column is defined in
     docs/reference/files.md.
     """
     fits, curves = fragility(critical, searched.intensity.shown_unit)
@@ -109,7 +109,7 @@ def fragility_annual(critical: pd.DataFrame, hazard: Hazard, span: tuple[float, 
 
 def reach(points: pd.DataFrame, scenes: Mapping[Key, Planned], searched: Searched, note: str) -> tuple[pd.DataFrame, pd.DataFrame, Figure]:
     """Share of the motions whose run-out or displacement exceeds a length, at every intensity at which all motions were run; a diverged run
-    counts in the upper share alone. Every column is defined in docs/reference/files.md.
+    counts in the upper share only. Every column is defined in docs/reference/files.md.
 
     The figure has the section of the cases whose scenes, by case and other values, have one ground.
     """
@@ -134,8 +134,8 @@ def confirm_ends(ends: pd.DataFrame, points: pd.DataFrame, settings: Settings, s
 def map_tables(
     points: pd.DataFrame, lattices: Sequence[Settings], classes: Sequence[str], levels: int, searched: Searched
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Share of the values searched, by their scales, with which a class or a worse one is reached: its lower and its upper bound over
-    intervals of the intensity. It is no probability, neither of soils nor of ground motions.
+    """Share of the values searched, on their scales, with which a class or a worse one is reached: its lower and its upper bound over
+    intervals of the intensity. It is not a probability, neither of soils nor of ground motions.
     """
     cells = map_cells([Lattice(**data) for data in lattices], points, classes, levels, searched)
     return cells, class_shares(cells, searched)
@@ -151,16 +151,16 @@ def draw_trigger(critical: pd.DataFrame, searched: Searched, note: str) -> Figur
 
 
 def draw_map(name: str, searched: Searched, note: str, **tables: pd.DataFrame) -> Figure:
-    """Over a dimension of the search and the intensity, linear between the runs (dots), of the class between its ranks. Crosses diverged
-    and have no value.
+    """Map over a dimension of the search and the intensity, linear between the runs (dots); for the class, between its ranks. Crosses are
+    runs that diverged and have no value.
     """
     (table,) = tables.values()
     return MAPS[name][1](table, searched, note)
 
 
 def draw_shares(shares: pd.DataFrame, searched: Searched, note: str) -> Figure:
-    """Share of the searched values, by their scales, with which a class or a worse one is reached, against the intensity. The band lies
-    between the lower and the upper bound that the runs leave. It is a share of values of parameters, not a probability of a ground motion.
+    """Share of the values searched, on their scales, with which a class or a worse one is reached, against the intensity. The band lies
+    between the lower and the upper bound that the runs leave. It is a share of parameter values, not a probability of a ground motion.
     """
     return MAPS["shares"][1](shares, searched, note)
 

@@ -102,12 +102,12 @@ def measured_points(
 
 
 def read_points(path: Path | str) -> pd.DataFrame:
-    """Table of points that were run, from its CSV; ValueError names a file that is none."""
+    """Table of points that were run, from its CSV; ValueError names a file that is not one."""
     return read_csv(path, columns_in(path, point_columns((), places_in(columns_of(path)))), "the points of a search")
 
 
 def read_wanted(path: Path | str) -> pd.DataFrame:
-    """Table of points to be run, from its CSV; ValueError names a file that is none."""
+    """Table of points to be run, from its CSV; ValueError names a file that is not one."""
     return read_csv(path, columns_in(path, wanted_columns(())), "the points of a round")
 
 

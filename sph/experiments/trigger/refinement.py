@@ -31,9 +31,9 @@ class Span(Section):
     @model_validator(mode="after")
     def _in_order(self) -> Span:
         if not self.lowest < self.highest:
-            raise ValueError(f"lowest ({self.lowest:g}) < highest ({self.highest:g}) does not hold")
+            raise ValueError(f"lowest ({self.lowest:g}) must be less than highest ({self.highest:g})")
         if self.scale == "logarithmic" and self.lowest == 0.0:
-            raise ValueError("lowest: 0 has no place on a logarithmic scale")
+            raise ValueError("lowest: 0 is not possible on a logarithmic scale; choose a value above 0")
         return self
 
     def value(self, place: float) -> float:

@@ -13,7 +13,7 @@
 * ``elements``: V11 Newmark block, V13 simple shear, V14 Mohr-Coulomb return
 * ``conservation``: V15 momentum and energy
 * ``cases``: what is measured and drawn for every case
-* ``measure``: errors, orders of convergence, verdicts; ``book``: a page a case
+* ``measure``: errors, orders of convergence, verdicts; ``book``: a page per case
 
 A case's measure takes the results of one level and gives numbers beside their references; its picture shows all levels.
 """

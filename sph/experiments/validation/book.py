@@ -1,4 +1,4 @@
-"""The verification book: what is missed, then a page a reference case, as Markdown and PDF, from the results of the suite."""
+"""The verification book: what is missed, then a page per reference case, as Markdown and PDF, from the results of the suite."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def code_of(paths: Sequence[Path | str]) -> Code:
     for path in paths:
         with netCDF4.Dataset(path) as data:
             versions.add(str(getattr(data, "source", "sph unknown")).removeprefix("sph "))
-            solvers.add(str(getattr(data, "solver_digest", "not noted")))
+            solvers.add(str(getattr(data, "solver_digest", "not recorded")))
         written.append(Path(path).stat().st_mtime)
     return Code(" and ".join(sorted(versions)), " and ".join(sorted(solvers)), datetime.fromtimestamp(max(written), UTC).date().isoformat())
 
@@ -151,7 +151,7 @@ def _said(page: Page) -> list[str]:
         f"{REFERENCES[page.case['reference']]}: {page.case['source']}.",
         f"Ours: {page.case['ours']}.",
         f"Result by {by}. Resolutions: {page.rows['levels'].iloc[0]}.",
-        f"Made by {page.code}." if page.code is not None else "Computed by functions alone, as the book was made.",
+        f"Made by {page.code}." if page.code is not None else "Computed by functions alone when the book was made.",
         f"Cost on one core: {took or 'under a second'}.",
         f"Verdict: {missed} of {len(page.rows)} missed." if missed else "Verdict: holds.",
         f"Figure: {caption}",
@@ -236,7 +236,7 @@ def draw_page(page: Page, picture: Path | str) -> Figure:
 
 
 def save_book(pages: Sequence[Page], pictures: Sequence[Path | str], path_to_markdown: Path | str, path_to_pdf: Path | str) -> None:
-    """Write the book, whole or not at all; a picture a page."""
+    """Write the book, whole or not at all; a picture per page."""
     with whole(path_to_markdown) as temporary:
         temporary.write_text(markdown_book(pages), encoding="utf-8")
     with (

@@ -59,7 +59,7 @@ def _settled(result: Result) -> tuple[float, float]:
 
 
 def measure_gravity_column(level: Level) -> dict[str, Found]:
-    """Stress over its closed form, in the inner half of the column, and the settlement of those that are a hundred times softer."""
+    """Stress over its closed form, in the inner half of the column, and the settlement of columns that are a hundred times softer."""
     found = {
         "worst_vertical_stress": Found("σ_yy/(ρ g z) of the worst particle", "1", _worst(level["run"]), 1.0),
         "worst_from_geostatic": Found("σ_yy/(ρ g z) of the worst particle, from geostatic stress", "1", _worst(level["geostatic"]), 1.0),

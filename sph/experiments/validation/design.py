@@ -43,10 +43,11 @@ class Case(Section):
         "what the source gives: published values, a published formula or method with our numbers in it, or a closed form of our own",
         default="own",
     )
-    ours: str = key("which numbers of the problem are not of the source", min_length=1, default="all")
+    ours: str = key("which numbers of the problem are not from the source", min_length=1, default="all")
     size: Literal["numerics.spacing", "numerics.time_step"] = key("key by which levels differ", default="numerics.spacing")
     compared: Literal["finest", "extrapolated"] = key(
-        "what is compared: the finest level, or what the two finest give at spacing 0, as sph fos extrapolates", default="finest"
+        "value that is compared: that of the finest level, or that of the two finest extrapolated to spacing 0, as by sph fos",
+        default="finest",
     )
     runs: dict[Name, Overrides] = key("scene keys of each variant, by name", min_length=1, default={"run": {}})
     levels: dict[Label, Overrides] = key("scene keys of each resolution, by label, from coarse to fine", min_length=1, default={"only": {}})

@@ -60,6 +60,6 @@ Draw = Callable[[Mapping[str, Level]], Figure]
 
 
 def read_result(path: Path | str) -> Result:
-    """Result of a run from its trajectory; ValueError names a file that is none."""
+    """Result of a run from its trajectory; ValueError names a file that is not one."""
     data = trajectory.read(path)
     return Result(trajectory.scene_of(data, str(path)), data, trajectory.read_restart(path))

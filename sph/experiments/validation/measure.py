@@ -123,14 +123,14 @@ def verdict(found: Found, tolerance: float) -> str:
 
 
 def read_validation(path: Path | str) -> pd.DataFrame:
-    """Table of a suite from its CSV; ValueError names a file that is none."""
+    """Table of a suite from its CSV; ValueError names a file that is not one."""
     return read_csv(path, VALIDATION, "a validation")
 
 
 def measure_case(plan: Mapping[str, Any], runs: Runs) -> tuple[pd.DataFrame, Figure]:
     """A reference case: what is computed at every resolution beside the value that it has to meet.
 
-    One row a quantity, and the picture; the runs in the plan's order, none for a case of functions alone.
+    One row per quantity, and the picture; the runs in the plan's order, none for a case of functions alone.
     """
     case = Case(**plan["case"])
     levels: dict[str, Level] = {}
@@ -153,7 +153,7 @@ def join_cases(cases: Sequence[pd.DataFrame]) -> pd.DataFrame:
 
 
 def write_book(plans: Sequence[Mapping[str, Any]], table: pd.DataFrame, pictures: Sequence[str], runs: Runs) -> Callable[..., None]:
-    """The verification book: what is missed, then a page a reference case, as Markdown and PDF.
+    """The verification book: what is missed, then a page per reference case, as Markdown and PDF.
 
     The runs of all plans in their order, none for a case of functions alone, and a picture a plan.
     """

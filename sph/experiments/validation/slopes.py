@@ -29,7 +29,7 @@ LIMITS = {"factor_of_safety": limit_factor, "critical_strength_ratio": limit_str
 
 
 def read_search(path: Path | str) -> Result:
-    """Result of a search from its file; ValueError names a file that is none."""
+    """Result of a search from its file; ValueError names a file that is not one."""
     data = trajectory.read(path)
     return Result(trajectory.scene_of(data, str(path)), data)
 

@@ -48,7 +48,7 @@ def _ladder(level: Level) -> tuple[np.ndarray, np.ndarray]:
 
 
 def measure_slow_sine(level: Level) -> dict[str, Found]:
-    """Amplitude over g at which the slope goes, beside its critical seismic coefficient."""
+    """Amplitude over g at which the slope collapses, beside its critical seismic coefficient."""
     return {"slow_sine": Found("amplitude of a sine of 8 natural periods over g", "1", limit_between(*_ladder(level)), LIMIT)}
 
 

@@ -310,9 +310,9 @@ def test_what_the_command_refuses(records: Path) -> None:
     for arguments, word in (
         ((plain,), "does not say its unit"),
         ((plain, "--unit", "feet"), "--unit: 'feet'"),
-        ((plain, "--set", "motion.amplitude=2"), "is a record and has no keys"),
+        ((plain, "--set", "motion.amplitude=2"), "is a record, in which --set has no keys"),
         ((scene, "--unit", "g"), "--unit g"),
-        ((still, "--plot", records / "s.png"), "stands still"),
+        ((still, "--plot", records / "s.png"), "does not move"),
         ((still, "--plot", records / "absent" / "s.png"), "--plot"),
         ((records / "absent.yaml",), "absent.yaml"),
     ):

@@ -19,7 +19,7 @@ GALLERY = Path("results/gallery")
 
 
 def write_api(folder: Path) -> None:
-    """Write the public interface, then a page a module, into a folder; UserWarning for a docstring or annotation that pdoc cannot read."""
+    """Write the public interface and a page per module into a folder; UserWarning for a docstring or annotation that pdoc cannot read."""
     import pdoc
 
     warnings.filterwarnings("error", module="pdoc")

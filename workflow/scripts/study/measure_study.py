@@ -22,7 +22,7 @@ def measure_study(
     layout: Layout,
     settings: Mapping[str, Any],
 ) -> None:
-    """One row a run: its point, as written, and its metrics; planned scenes and ``points``, by the name of the run, in the order of the
+    """One row per run: its point, as written, and its metrics; planned scenes and ``points``, by the name of the run, in the order of the
     paths; ``searches`` of the yield accelerations of their slopes, by run, where there are any."""
     chosen = MetricSettings(**settings)
     yields = yield_accelerations(searches)

@@ -1,4 +1,4 @@
-"""Look at the scenes of a study and test its slope unshaken, before any run."""
+"""Check the scenes of a study and test its slopes without shaking, before any run."""
 
 import sys
 from collections.abc import Iterable, Mapping, Sequence
@@ -11,13 +11,13 @@ from sph.study.preflight import Row, study_findings, study_stability, write_pref
 
 
 def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], size: int, searches: Sequence[str]) -> None:
-    """One row a finding of the planned scenes, by run; ``size`` runs has the study, of whose slopes the limits ``searches`` are searched.
+    """One row per finding of the planned scenes, by run; ``size`` runs has the study, of whose slopes the limits ``searches`` are searched.
 
     Errors and warnings are said at once.
     """
     scenes = {run: each.build() for run, each in planned.items()}
     if len(scenes) < size:
-        print(f"looks at {len(scenes)} of {size} runs, evenly through the study", file=log)
+        print(f"checks {len(scenes)} of {size} runs, spread evenly through the study", file=log)
     rows = study_findings(scenes)
     for row in rows:
         print(f"{row.worst_run}: {row.finding.line()}", file=log)
