@@ -370,11 +370,12 @@ def trust_text() -> str:
     strong = known[~held & known["text"].str.startswith(("F,", "amplitude")) & (known["error"] > 0)]  # resists more than it should
     lines = [
         f"* **Known answers:** {held.sum()} of {len(held)} results (waves, columns, factors of safety, yield accelerations, flows, water) "
-        f"are within a tolerance that was written before the runs. Missed: {missed} "
+        f"are within their tolerance, set before the runs but for [a few](docs/experiments/validation.md). Missed: {missed} "
         "([which, and why](docs/evidence/validation.md#what-is-missed-and-why)); on the unsafe side "
         f"{', '.join(strong['case'].unique())}, by up to {percent(strong['error'].max())}. No case is a "
         "[displacement measured on a shaking table](docs/evidence/validation.md#shaking-table-tests-that-we-do-not-reproduce-and-why). "
-        "[A dam that slid in 1971](docs/gallery/lower-san-fernando.md) fails too early here; what is left of it depends on the spacing.",
+        "[A dam that slid in 1971](docs/gallery/lower-san-fernando.md) fails too early here, and the shape of what remains depends on "
+        "the spacing.",
         f"* **The paper's claims:** {len(claims) - len(failed)} of {len(claims)} hold; failed: {', '.join(map(str, failed)) or 'none'} "
         "([each with its numbers](docs/evidence/claims.md)).",
     ]
@@ -389,8 +390,8 @@ def trust_text() -> str:
             1,
             "* **Resolution:** the error is known for [one slope](docs/evidence/cost-accuracy.md#ones-own-slopes), 60° steep, "
             f"{height:g} m high and above rock. With 25 rows of particles over its height, the displacement of the crest is within "
-            f"{near[0]} of the finest runs, the run-out within {near[1]}. With {ROWS} rows, as `sph new` writes, it is {far[0]} and "
-            f"{far[1]}. For a slope unlike that one (`sph info` says so) no error is known: run it at two spacings.",
+            f"{near[0]} of the finest runs, the run-out within {near[1]}. With {ROWS} rows, as `sph new` writes, the errors are {far[0]} "
+            f"and {far[1]}. For a slope unlike that one (`sph info` says so) no error is known: run it at two spacings.",
         )
     return "\n".join(lines)
 
@@ -428,7 +429,7 @@ SLIP_CASES = ("2.5 m", "5/3 m", "1.5 m", "1.25 m", "1 m", "0.75 m", "0.5 m")
 SLIP_LEVEL_HEAD = ("study", "S_R", "residual strength after", *SLIP_CASES)
 SLIP_CHOICE_HEAD = ("changed", "critical amplitude, m/s²", "change")
 SLOW_SINE_HEAD = (
-    "period over T", "S_R", "slip at peak and residual strength", "amplitude at which the slope goes", "over k_c", "rigid block over k_c",
+    "period over T", "S_R", "slip at peak and residual strength", "amplitude at which the slope fails", "over k_c", "rigid block over k_c",
     "amplification of a column",
 )  # fmt: skip
 BLOCK_HEAD = (

@@ -31,7 +31,7 @@ Name = Annotated[str, Field(pattern=NAME)]
 class Cases(Section):
     """A scene in some cases: what an experiment runs everything in."""
 
-    scene: str = key("scene file, relative to the working folder or the workflow's")
+    scene: str = key("scene file, relative to the working folder or the workflow's folder")
     overrides: Overrides = key("scene keys of every run", default={})
     cases: dict[Label, Overrides] = key("scene keys of each case, by label", min_length=1)
 

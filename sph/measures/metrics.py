@@ -3,7 +3,7 @@
 Conventions
 -----------
 * Displacements are relative to the box and *since the end of the gravity stage*, so that the settlement while
-  gravity is brought on does not count; ``gravity_stage_displacement`` is what they leave out.  Vertical is positive upwards
+  gravity is applied does not count; ``gravity_stage_displacement`` is what they leave out.  Vertical is positive upwards
   (a settlement is negative), horizontal positive to the right (towards the back wall; a slope that fails moves to negative x).
 * "At the end" means the last sample for probes and series, and the last frame for particle fields.
 * A particle is a square of one spacing: its edge lies half a spacing from its centre.  Thus a slope that is
@@ -88,7 +88,7 @@ class MetricSettings(Section):
     )
     damaged_limit: float = key(
         "class 'damaged' below this, over the height, and 'collapse' from it on; 0.1 is 2.5 m at 25 m: "
-        "the crest edge has moved by a tenth of the height, the profile is another one",
+        "the crest edge has moved by a tenth of the height, the slope has a different profile",
         gt=0,
         le=10,
         default=0.1,

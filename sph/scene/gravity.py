@@ -62,11 +62,11 @@ class VelocityGradient(Section):
 
 
 class GravityStage(Section):
-    """How gravity is brought on before the failure criterion is armed."""
+    """How gravity is applied before the failure criterion takes effect."""
 
     ramp: float = key("duration of the linear increase of gravity; 0 applies it at once", "s", ge=0, le=100, default=1.0)
     duration: float = key(
-        "length of the stage; failure counts from its end on, and soil at yield then has failed",
+        "length of the stage; failure counts from its end, and soil at yield then counts as failed",
         "s",
         "Sec. 3.2",
         gt=0,

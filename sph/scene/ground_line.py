@@ -69,7 +69,7 @@ class GroundLine(FileSection, Shape):
             toe, crest = (self.in_survey(*place) for place in (self.toe, self.crest))
             raise ValueError(
                 f"downhill: {self.downhill}: no slope falls to the {self.downhill}: its toe would be ({toe[0]:.10g}, {toe[1]:.10g}) m "
-                f"and its crest ({crest[0]:.10g}, {crest[1]:.10g}) m; look at downhill, toe_at and crest_at"
+                f"and its crest ({crest[0]:.10g}, {crest[1]:.10g}) m; check downhill, toe_at and crest_at"
             )
         return self
 

@@ -33,8 +33,8 @@ class TaperedSine(Section):
     def _in_order(self) -> TaperedSine:
         if not self.start + self.ramp <= self.decay_start <= self.end:
             raise ValueError(
-                f"motion: start + ramp ({self.start + self.ramp} s) <= decay_start ({self.decay_start} s) "
-                f"<= end ({self.end} s) does not hold"
+                f"motion: start + ramp ({self.start + self.ramp} s), decay_start ({self.decay_start} s) and "
+                f"end ({self.end} s) must not decrease in this order"
             )
         return self
 
@@ -81,7 +81,7 @@ class Ricker(Section):
 
 
 class ConstantAcceleration(Section):
-    """An acceleration that is brought on and stays: the pseudo-static earthquake load."""
+    """An acceleration that is applied gradually and stays: the pseudo-static earthquake load."""
 
     kind: Literal["constant"] = key("constant acceleration")
     amplitude: Acceleration = key("acceleration of the box, horizontal; positive drives the soil towards the toe", "m/s2", ge=-1e3, le=1e3)

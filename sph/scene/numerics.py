@@ -51,8 +51,8 @@ class Numerics(Section):
 
     spacing: float = key("initial particle spacing", "m", "Sec. 4", ge=1e-6, le=100, default=1.0)
     lattice_shift: float = key(
-        "horizontal shift of the lattice of particles against the shape of the soil, over the spacing: which particles lie on the edge "
-        "is chance, and runs with other shifts show its effect",
+        "horizontal shift of the lattice of particles against the shape of the soil, over the spacing: which particles are at the edge "
+        "is arbitrary, and runs with other shifts show the effect",
         ge=-0.5,
         lt=0.5,
         default=0.0,
@@ -71,7 +71,7 @@ class Numerics(Section):
     neighbour_skin: float = key("margin of the neighbour list over the spacing", gt=0, le=2, default=0.3)
     reference: Literal["current", "initial"] = key(
         "arrangement to which the strain of soil that has not failed refers: initial (total Lagrangian, rotated with the soil) or "
-        "current (updated Lagrangian), as always for failed soil; only with the initial one is soft soil under a steady load at rest",
+        "current (updated Lagrangian), as always for failed soil; only with initial does soft soil under a steady load come to rest",
         source="Sec. 2.1",
         default="current",
     )

@@ -292,8 +292,7 @@ class Scene(Section):
             if np.abs(felt).max() < (1.0 - MISSED) * abs(samples[peak]):
                 raise ValueError(
                     f"numerics.time_step: {step:g} s misses {1.0 - np.abs(felt).max() / abs(samples[peak]):.1%} of the peak of motion, "
-                    f"a record every {interval:.6g} s from {record.start:g} s on; choose a step of which both are whole multiples, or a "
-                    "shorter one"
+                    f"a record every {interval:.6g} s from {record.start:g} s on; choose a step that divides both, or a shorter one"
                 )
 
     def _check_at_rest(self) -> None:
@@ -301,8 +300,8 @@ class Scene(Section):
         for path, soil in zip(self.soil_keys, self.soils, strict=True):
             if soil.K0 is not None and self.gravity.initial_stress != "geostatic":
                 raise ValueError(
-                    f"{path}.K0: {soil.K0:g} with gravity.initial_stress: {self.gravity.initial_stress}, which brings gravity on in soil "
-                    "without stress; leave out gravity.initial_stress and gravity.ramp, or set them to geostatic and 0, or K0 to null"
+                    f"{path}.K0: {soil.K0:g} with gravity.initial_stress: {self.gravity.initial_stress}, which ramps gravity up in "
+                    "stress-free soil; leave out gravity.initial_stress and gravity.ramp, or set them to geostatic and 0, or K0 to null"
                 )
 
     @property

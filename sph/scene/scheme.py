@@ -79,7 +79,7 @@ def missing(data: Mapping[str, Any], origin: str) -> list[str]:
     if not is_resolved(data):
         return []
     lines = [
-        f"{origin}: {name}: must be written, since it decides the answer: {text}"
+        f"{origin}: {name}: must be given, since the results depend on it: {text}"
         for name, text in NEEDED.items()
         if not has_key(data, name) and not all(has_key(data, other, set_there=True) for other in INSTEAD.get(name, (name,)))
     ]

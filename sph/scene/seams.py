@@ -98,7 +98,7 @@ def check_seams(scene: Scene) -> None:
     if not scene.seams:
         return
     if scene.numerics.gradient_correction is not None:
-        raise ValueError("numerics.gradient_correction: takes the soil on both sides of a seam for one body; set it to null with seams")
+        raise ValueError("numerics.gradient_correction: treats the soil beside a seam as one body; set it to null in a scene with seams")
     if scene.prescribed_velocity_gradient is not None:
         raise ValueError("prescribed_velocity_gradient: moves the soil as one body, which seams cut; leave one of them out")
     for name, seam in scene.seams.items():

@@ -16,7 +16,7 @@ from sph.scene.places import Coordinate
 class CohesionGrowth(Section):
     """Growth of the cohesion with depth, vertically below the top of the soil or of its layer as it lies at the start."""
 
-    gradient: float = key("growth of the cohesion in a metre of depth", "kPa/m", ge=0, le=1e4)
+    gradient: float = key("increase of the cohesion per metre of depth", "kPa/m", ge=0, le=1e4)
     datum: Coordinate | None = key(
         "elevation from which the depth counts, such as that of the ground before a cut; null: the top of the soil, below "
         "the layers that lie on it, or of its layer",
@@ -43,8 +43,8 @@ class Soil(Section):
     density: float = key("density", "kg/m3", "Table 1", ge=1e-3, le=1e5, default=1964.0)
     youngs_modulus: float = key("Young's modulus", "kPa", "Table 1", ge=1e-6, le=1e9, default=1.675e6)
     poisson_ratio: float = key("Poisson's ratio", source="Table 1", ge=0, le=0.499, default=0.346)
-    cohesion: float = key("cohesion of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
-    friction_angle: float = key("internal friction angle of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
+    cohesion: float = key("peak cohesion, that of the solid state", "kPa", "Table 1", ge=0, le=1e6, default=150.0)
+    friction_angle: float = key("peak angle of internal friction, that of the solid state", "degree", "Table 1", ge=0, le=50, default=20.0)
     dilation_angle: float = key(
         "dilation angle of the solid state, at most the friction angle; if both are equal the flow is associated, as in limit analysis",
         "degree",

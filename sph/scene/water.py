@@ -59,7 +59,7 @@ class Water(FileSection):
     def _drained_or_not(cls, keys: Any) -> Any:
         if isinstance(keys, Mapping) and keys.get("pressure") is None:
             choices = "; or ".join(f"pressure: {name} ({text})" for name, text in PRESSURES.items())
-            raise ValueError(f"pressure: must be written, since it decides the strength of soil that moves: {choices}")
+            raise ValueError(f"pressure: must be given, since it decides the strength of moving soil: {choices}")
         return keys
 
     @model_validator(mode="after")

@@ -91,7 +91,7 @@ def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path 
         if not is_among(name, free)
     ]
     if bad:
-        raise ValueError(f"{path}: cannot go on from this run at {time:g} s, its scene differs in\n  " + "\n  ".join(bad))
+        raise ValueError(f"{path}: cannot continue from this run at {time:g} s, since its scene differs in\n  " + "\n  ".join(bad))
     if time > new.duration:
         raise ValueError(f"{path}: the run is already at {time:g} s, later than duration: {new.duration} s")
 

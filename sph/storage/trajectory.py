@@ -50,7 +50,7 @@ VARIABLES: tuple[Variable, ...] = (
         ("frame",),
         "f8",
         "s",
-        "limit of the time step for the particles as they lie, measured at every outputs.frame_interval",
+        "stability limit of the time step for the present particle positions, measured at every outputs.frame_interval",
     ),
     Variable("x0", ("particle",), "f8", "m", "initial horizontal position"),
     Variable("y0", ("particle",), "f8", "m", "initial height"),
@@ -82,8 +82,14 @@ VARIABLES: tuple[Variable, ...] = (
     Variable("kinetic_energy", SERIES, "f8", "J m-1", "kinetic energy relative to the box"),
     Variable("elastic_energy", SERIES, "f8", "J m-1", "stored energy of stress and repulsion"),
     Variable("potential_energy", SERIES, "f8", "J m-1", "energy of position minus its initial value; work done by the gravity ramp"),
-    Variable("dissipated_energy", SERIES, "f8", "J m-1", "energy taken by yield, damping, friction, artificial viscosity and stress"),
-    Variable("viscous_energy", SERIES, "f8", "J m-1", "of it, the part taken by artificial viscosity and stress"),
+    Variable(
+        "dissipated_energy",
+        SERIES,
+        "f8",
+        "J m-1",
+        "energy dissipated by yielding, damping, friction, artificial viscosity and stress",
+    ),
+    Variable("viscous_energy", SERIES, "f8", "J m-1", "part of dissipated_energy due to artificial viscosity and stress"),
     Variable("shaking_work", SERIES, "f8", "J m-1", "work of the inertial force of the shaking, or of a prescribed motion"),
     Variable("failed_fraction", SERIES, "f8", "1", "failed soil particles over all soil particles"),
     Variable("maximum_speed", SERIES, "f8", "m s-1", "largest speed of a soil particle relative to the box"),
@@ -223,7 +229,7 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
     except FileNotFoundError as error:
         raise ValueError(f"{path}: cannot be read as {what}: there is no such file") from error
     except Exception as error:  # damaged data have raised RuntimeError, AttributeError and KeyError, too
-        raise ValueError(f"{path}: cannot be read as {what}: {error}; if it was one, delete it and run again what wrote it") from error
+        raise ValueError(f"{path}: cannot be read as {what}: {error}; if it was one, delete it and repeat its command") from error
     check_format(loaded, path)
     return loaded
 

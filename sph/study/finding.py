@@ -73,15 +73,15 @@ CODES: dict[str, Code] = {
     "rigid-box": Code(WARNING, "a rigid box reflects waves: the slope is shaken harder than on a site where they radiate away"),
     "no-dilation": Code(NOTE, "frictional soil does not dilate: its dilation angle is 0"),
     "own-strength-ratio": Code(
-        WARNING, "the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that no soil feels"
+        WARNING, "the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that affects no soil"
     ),
     "short-process-zone": Code(WARNING, "the width over which slip is averaged is narrower than three spacings"),
     "lost-by-time": Code(NOTE, "strength falls with time after failure, however little the soil moves; a warning beside a loss by slip"),
     "progressive-failure": Code(
-        WARNING, "slip develops over a zone shorter than the slope, so that the shaking at which it fails may depend on the spacing"
+        WARNING, "slip develops over less than three slope heights, so the shaking at failure may depend on the spacing"
     ),
-    "back-wall": Code(WARNING, "the back wall is near the crest"),
-    "little-room": Code(WARNING, "little room for the debris between the toe and the front wall"),
+    "back-wall": Code(WARNING, "the side of the model behind the crest is near"),
+    "little-room": Code(WARNING, "little room for the debris between the toe and the side of the model"),
     "debris-at-wall": Code(WARNING, "after the run: failed soil has reached an end of the box, so the box decides how far it goes"),
     "thin-debris": Code(WARNING, "after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable"),
     "energy-open": Code(WARNING, "after the run: its energy budget does not close within the limit, so its results are not reliable"),

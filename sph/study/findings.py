@@ -284,7 +284,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
         found.append(
             finding(
                 "back-wall",
-                "the back wall is near the crest",
+                "the side of the model behind the crest is near",
                 f"{behind:.3g} m",
                 f"at least H = {ROOM_BEHIND * height:.3g} m",
                 key,
@@ -297,7 +297,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
         found.append(
             finding(
                 "little-room",
-                "little room for the run-out between the toe and the front wall",
+                "little room for the run-out between the toe and the side of the model",
                 f"{toe_x:.3g} m",
                 f"at least {room:.3g} m, {room / height:.2g} H, for the residual strength of the soil",
                 key,

@@ -432,7 +432,7 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
             )
     soils = [soil for scene in scenes for soil in (scene.soil, *(layer.soil for layer in scene.layers.values() if layer.S_R is None))]
     if len({scene.coupling.S_R for scene in scenes}) > 1 and all(soil.residual(0.0) == soil.residual(1.0) for soil in soils):
-        what = "the study varies S_R, which no soil feels: runs that differ in it alone are the same"
+        what = "the study varies S_R, which affects no soil: runs that differ only in it are identical"
         measured, wanted = "residual strengths are given", "a dimension soil.residual_friction_angle, or no residual strengths"
         found.append(finding("own-strength-ratio", what, measured, wanted, "soil.residual_cohesion and soil.residual_friction_angle"))
     return found

@@ -67,7 +67,7 @@ class Study(Section):
     """The configuration of the workflow."""
 
     study: str = key("name; results go to results/<study>/<fidelity>", pattern=NAME)
-    scene: str = key("scene file, relative to the working folder or the workflow's")
+    scene: str = key("scene file, relative to the working folder or the workflow's folder")
     fidelity: str = key("name of the fidelity to run at", default=OWN)
     grid: Annotated[dict[str, Values], BeforeValidator(_dimensions_kept), Field(min_length=1)] | None = key(
         "values of each dimension, every combination is run; quote them to keep trailing zeros; dimensions: S_R, gamma, amplitude "

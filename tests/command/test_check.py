@@ -63,7 +63,7 @@ def test_a_sound_scene_has_no_warning() -> None:
         (
             {"geometry.points": [[100, 440], [160, 440], [180, 460], [195, 460]]},
             "back-wall",
-            "back wall is near the crest",
+            "side of the model behind the crest is near",
             "geometry.window",
         ),
         ({"geometry.points": [[140, 440], [160, 440], [180, 460], [220, 460]]}, "little-room", "room for the run-out", "geometry.window"),

@@ -126,7 +126,7 @@ def test_the_table_counts_all_motions_and_says_it_in_words() -> None:
     in_g = [f"{row[name] / 9.81:.3g}" for name in ("median", "median_lower", "median_upper")]
     level = f"{row['median']:.3g} m/s² or {in_g[0]} g ({in_g[1]} to {in_g[2]} g, 90% interval)"
     assert f"50 % chance of reaching class collapse at {level}" in row["sentence"]
-    assert "12 motions, 1 of which never reach it" in row["sentence"]
+    assert "12 motions, 1 of them never reaching it" in row["sentence"]
 
 
 def test_probability_at_the_median_and_a_dispersion_above() -> None:

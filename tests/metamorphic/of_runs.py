@@ -78,7 +78,7 @@ def restart_of_another_scene(case: Case, chance: np.random.Generator) -> None:
     try:
         result = run(make_scene(second), restart=path)
     except ValueError as error:
-        assert "cannot go on from this run" in str(error), error
+        assert "cannot continue from this run" in str(error), error
         return
     same_bits(run(make_scene(second)), result)
 

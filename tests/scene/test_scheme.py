@@ -58,7 +58,7 @@ def test_what_decides_the_answer_must_be_written(name: str) -> None:
         make_scene(without(name), "own.yaml")
     lines = str(raised.value).splitlines()
     assert lines == [
-        f"own.yaml: {name}: must be written, since it decides the answer: {NEEDED[name]}",
+        f"own.yaml: {name}: must be given, since the results depend on it: {NEEDED[name]}",
         "own.yaml: scheme: paper would take what is not written from the paper's scene",
     ]
 

@@ -70,7 +70,7 @@ EDITED_WORDS = (
     ("study/tables.py", "Column of words of a flat table.", "A column of words."),
     # messages of errors
     ("scene/schema.py", "would skip samples of", "does not see all samples of"),
-    ("solver/restart.py", "cannot go on from this run", "this run cannot be gone on from"),
+    ("solver/restart.py", "cannot continue from this run", "this run cannot be continued"),
     # descriptions, labels, sentences
     ("scene/walls.py", "lid of the box", "cover of the box"),
     ("scene/walls.py", "Sec. 2.4; no_slip", "Section 2.4; no_slip"),

@@ -31,7 +31,7 @@ class Sweep(Section):
     """One key and its values."""
 
     scene_key: str = key("scene key, dotted", pattern=r"^[A-Za-z_][A-Za-z0-9_.]*$")
-    values: Annotated[tuple[Any, ...] | dict[Label, Any], Field(min_length=1)] = key("its values, by label where they are sections")
+    values: Annotated[tuple[Any, ...] | dict[Label, Any], Field(min_length=1)] = key("its values; with labels if they are sections")
     cases: tuple[str, ...] | None = key("cases to run; null: all", default=None)
     repeats: int | None = key("number of runs of every value; null: as for all sweeps", ge=1, le=10, default=None)
     scene: str | None = key("another scene file; null: that of all sweeps, with its overrides", default=None)

@@ -37,7 +37,11 @@ EXTREMES: tuple[Variable, ...] = (
     number_column("time_step_ratio", "1", "largest time step over its limit measured during the run"),
     number_column("energy_gap", "1", "largest gap in the energy budget over the largest sum of its parts"),
     number_column("area_change", "1", "area inside the outline of the largest mass at the end over that of all soil at the start, minus 1"),
-    number_column("nearest_p05", "1", "5th percentile of the distance to the nearest soil particle at the end over the spacing: pairing"),
+    number_column(
+        "nearest_p05",
+        "1",
+        "5th percentile of the distance to the nearest soil particle at the end over the spacing; small for pairs",
+    ),
     number_column("nearest_least", "1", "smallest such distance over the spacing"),
     number_column("penetration", "1", "largest depth of soil behind the face of a wall, over all frames, over the spacing"),
     number_column("stragglers", "1", "share of the soil that is not in the largest mass at the end"),

@@ -48,7 +48,7 @@ class Parameter(Extent):
     )
     base: Overrides = key("scene keys of all its variants", default={})
     variants: dict[Label, Overrides] = key("scene keys of each variant, by label", min_length=1)
-    exceptions: dict[Label, Extent] = key("variants that are run less than the others, by label", default={})
+    exceptions: dict[Label, Extent] = key("variants that are run fewer times or in fewer cases than the others, by label", default={})
 
     @model_validator(mode="after")
     def _known(self) -> Parameter:

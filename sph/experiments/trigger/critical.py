@@ -76,7 +76,7 @@ def critical_columns(searched: Searched) -> tuple[Variable, ...]:
             "extrapolated_intensity",
             units,
             "critical intensity at spacing 0, extrapolated as by sph fos from this case and another that differs only in a coarser "
-            "spacing; NaN without such a case, without a bracket of either, and where strength falls over no width (coupling.softening)",
+            "spacing; NaN without such a case, without a bracket of either, and where softening has no width (coupling.softening)",
         ),
         number_column(
             "extrapolation_error", units, "estimate of its error: half the step to it, and the brackets as magnified by the extrapolation"

@@ -291,7 +291,7 @@ OUTCOMES = {"bracketed": BRACKETED, "at_lowest": AT_LOWEST, "never": NEVER, "und
 def sentence(row: dict[str, object], unit: str) -> str:
     """What a row says, with the ``unit`` as it is printed; accelerations in g as well."""
     who, what = who_reaches_what(str(row["collapse_class"]))
-    counted = f"{row['motions']} motions, {row['never']} of which never reach it up to the highest intensity"
+    counted = f"{row['motions']} motions, {row['never']} of them never reaching it up to the highest intensity"
     median, low, high = (float(str(row[name])) for name in ("median", "median_lower", "median_upper"))
     if math.isnan(median):
         return f"The brackets of {counted}, do not determine the shaking at which {who} has a 50 % chance of reaching {what}."

@@ -33,9 +33,9 @@ class Case(Section):
     """A problem with a known answer."""
 
     title: str = key("what is tested", min_length=1)
-    scene: str = key("scene file, relative to the working folder or the workflow's")
+    scene: str = key("scene file, relative to the working folder or the workflow's folder")
     by: Literal["simulation", "factor_of_safety", "critical_strength_ratio", "yield_acceleration", "computation"] = key(
-        "how its result is found: runs of the scene, a search for the strength or the load at which it just stands, or functions alone",
+        "how its result is found: runs of the scene, a search for the strength or load at which the slope just stands, or functions alone",
         default="simulation",
     )
     source: str = key("where the reference comes from", min_length=1)
@@ -44,7 +44,7 @@ class Case(Section):
         default="own",
     )
     ours: str = key("which numbers of the problem are not from the source", min_length=1, default="all")
-    size: Literal["numerics.spacing", "numerics.time_step"] = key("key by which levels differ", default="numerics.spacing")
+    size: Literal["numerics.spacing", "numerics.time_step"] = key("key in which the levels differ", default="numerics.spacing")
     compared: Literal["finest", "extrapolated"] = key(
         "value that is compared: that of the finest level, or that of the two finest extrapolated to spacing 0, as by sph fos",
         default="finest",

@@ -46,7 +46,7 @@ VALIDATION: tuple[Variable, ...] = (
     number_column(
         "order",
         "1",
-        "observed order of convergence, from the two finest levels; NaN where the error is rounding or changes its sign, or a run diverged",
+        "observed order of convergence, from the two finest levels; NaN if the error is only rounding or changes sign, or a run diverged",
     ),
     number_column("cost", "s", "computing time of all runs of the case on one core"),
     text_column("reason", "why this tolerance"),

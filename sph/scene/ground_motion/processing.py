@@ -108,7 +108,7 @@ def arias_window(acceleration: np.ndarray, start_share: float, end_share: float)
     """First and last sample between which an acceleration (n,) goes from one share of its Arias intensity to another."""
     square = integral(acceleration**2, 1.0)
     if not square[-1] > 0:
-        raise ValueError("trim: the record stands still")
+        raise ValueError("trim: the record is zero throughout")
     first = int(np.searchsorted(square, start_share * square[-1], side="right")) - 1
     last = int(np.searchsorted(square, end_share * square[-1], side="left"))
     return max(first, 0), min(last, acceleration.size - 1)

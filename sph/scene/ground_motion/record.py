@@ -209,7 +209,7 @@ def _scale(record: Record, acceleration: np.ndarray, interval: float) -> float:
 
 def _ratio(name: str, wanted: float, own: float) -> float:
     if wanted > 0.0 and not own > 0.0:
-        raise ValueError(f"{name}: {wanted:g} {SCALES[name]} cannot be reached, the record stands still")
+        raise ValueError(f"{name}: {wanted:g} {SCALES[name]} cannot be reached, since the record is zero throughout")
     return wanted / own if own > 0.0 else 0.0
 
 
