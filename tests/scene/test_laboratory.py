@@ -74,11 +74,11 @@ def test_a_speed_without_density_is_refused_with_what_it_needs() -> None:
     with pytest.raises(ValueError) as raised:
         make_scene(merge(without("youngs_modulus", "density"), {"soil": {"shear_wave_speed": 250.0}}), "scene.yaml")
     assert "shear_wave_speed: 250 m/s needs density and poisson_ratio" in str(raised.value)
-    assert "scene.yaml: soil.density: must be written" in str(raised.value) and "soil.youngs_modulus: must" not in str(raised.value)
+    assert "scene.yaml: soil.density: must be given" in str(raised.value) and "soil.youngs_modulus: must" not in str(raised.value)
 
 
 def test_without_either_the_refusal_names_both() -> None:
-    with pytest.raises(ValueError, match="soil.youngs_modulus: must be written.*or write soil.shear_wave_speed"):
+    with pytest.raises(ValueError, match="soil.youngs_modulus: must be given.*or write soil.shear_wave_speed"):
         make_scene(without("youngs_modulus"), "scene.yaml")
 
 

@@ -48,7 +48,7 @@ def test_values_are_numbers_words_or_nothing() -> None:
 def test_a_dimension_has_the_unit_and_meaning_of_its_key() -> None:
     scene = make_scene({"scheme": "paper", "name": "s", "geometry": {"shape": "slope"}, "motion": {"kind": "tapered_sine"}})
     cohesion, rate = dimension("soil.cohesion", ["20"], scene), dimension("gamma", ["1"], scene)
-    assert cohesion == Dimension("soil.cohesion", "kPa", "cohesion of the solid state", False)
+    assert cohesion == Dimension("soil.cohesion", "kPa", "peak cohesion, that of the solid state", False)
     assert (rate.label, dimension("motion.amplitude", ["1"], scene).label) == ("γ (s⁻¹)", "amplitude of the motion (m/s²)")
     kernel = dimension("numerics.kernel", ["cubic_spline", "wendland_c2"], scene)
     assert kernel.words and kernel.variable(False).dtype == "str" and kernel.variable(False).units == "1"

@@ -354,7 +354,7 @@ def test_a_failed_job_tells_its_reason(copied: Path) -> None:
     assert reason in result.stderr + result.stdout
     log = (folder / "logs" / Path(RUN).with_suffix(".log").name).read_text()
     first, *_, said, last = log.splitlines()
-    assert json.loads(first)["record"] == "process" and reason in said and "delete it and run again" in said
+    assert json.loads(first)["record"] == "process" and reason in said and "delete it and repeat its command" in said
     assert reason in json.loads(last)["reason"] and json.loads(last)["record"] == "failed"
     assert before and all(path.read_bytes() == data for path, data in before.items())
     # The remedy is the one that the line names.
