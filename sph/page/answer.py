@@ -309,7 +309,8 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
         lengths = [runs[name].dropna() for name in ("displacement_magnitude", "runout", "newmark_displacement")]
         spans = [_span(each.min(), each.max(), metres) if len(each) else NOTHING for each in lengths]
         if runs["reached_side"].map(is_bounded).any():
-            spans[:2] = [AT_LEAST + span for span in spans[:2]]
+            parts = [span.rpartition(" to ") for span in spans[:2]]
+            spans[:2] = [f"{least}{to}{AT_LEAST}{most}" for least, to, most in parts]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
     notes = ["Smallest to largest value over the other dimensions of the study."] if len(table) > len(groups) else []
