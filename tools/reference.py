@@ -196,7 +196,7 @@ def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
             reference = change == table["change"].iloc[0]
             for name in LIMIT_QUANTITIES:
                 value = f"{row[name]:.3g} m"
-                cells.append(value if reference else f"{value} ({round(100 * row[f'{name}_change']):+} %)".replace("+0 %", "0 %"))
+                cells.append(value if reference else f"{value} ({100 * row[f'{name}_change']:+z.0f} %)")
         yield str(change), *cells
 
 
@@ -222,14 +222,24 @@ def sweep_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         yield str(sweep), ", ".join(dict.fromkeys(rows["value"])), f"{len(sound)} of {len(rows)}", diverged, refused, *worst
 
 
-def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
-    """Rows (scheme, largest sound step, the first above it) of the time steps, over the limit from theory.
+def too_long(steps: pd.DataFrame) -> pd.Series:
+    """Which time steps are too long: the run diverges, or its slope, which stands at short steps, fails under gravity alone."""
+    return steps["status"].isin((Status.DIVERGED, Status.FAILED_UNSHAKEN))
 
-    A step is too long if the run diverges or its slope, which stands at short steps, fails under gravity alone.
-    """
+
+def outcome_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (section of the configuration, settings, sound, diverged, falsely fallen, refused) of the robustness study."""
+    for section, rows in (("sweeps", table[table["sweep"] != TIME_STEP]), ("time_steps", table[table["sweep"] == TIME_STEP])):
+        diverged, refused = ((rows["status"] == status).sum() for status in (Status.DIVERGED, REFUSED))
+        fallen = too_long(rows).sum() - diverged if section == "time_steps" else 0
+        yield section, *(str(count) for count in (len(rows), len(rows) - diverged - fallen - refused, diverged, fallen, refused))
+
+
+def step_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
+    """Rows (scheme, largest sound step, the first that is too long) of the time steps, over the limit from theory."""
     for scheme, rows in table[table["sweep"] == TIME_STEP].groupby("case", sort=False):
-        factors, bad = rows["value"].astype(float), rows["status"].isin((Status.DIVERGED, Status.FAILED_UNSHAKEN))
-        first = factors[bad].min()
+        factors = rows["value"].astype(float)
+        first = factors[too_long(rows)].min()
         sound = factors[~(factors >= first)].max()
         yield str(scheme), f"{sound:g}", "none" if math.isnan(first) else f"{first:g}"
 
@@ -408,6 +418,7 @@ SWEEP_HEAD = (
     "key", "values", "sound", "diverged", "refused", "energy gap up to", "area of the deposit",
     "5th percentile of nearest distance, at least", "depth in walls up to", "apart from the mass up to",
 )  # fmt: skip
+OUTCOME_HEAD = ("section", "settings", "sound", "diverged", "failed under gravity alone, unlike at shorter steps", "refused")
 STEP_HEAD = ("scheme", "largest sound step over the limit", "first that is too long")
 VARIANT_HEAD = ("variant", "particle-steps/s", "one run", "A's displacement within", "run-out within", "same class as the reference")
 FIDELITY_ERROR_HEAD = (
@@ -535,6 +546,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     ),
     "limits": lambda: _limits_table(read_limits()),
     "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),
+    "outcomes": lambda: Reference(OUTCOME_HEAD, list(outcome_lines(read_extremes()))),
     "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_extremes()))),
     "findings": lambda: Reference(("code", "severity", "meaning"), [(name, code.severity, code.text) for name, code in CODES.items()]),
     "preflight_variables": lambda: _variables(PREFLIGHT),

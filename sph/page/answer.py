@@ -306,11 +306,9 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
     rows = []
     for value, runs in groups:
         reached = [name for name in CLASSES if (runs["collapse_class"] == name).any()] or [NOTHING]
-        lengths = [runs[name].dropna() for name in ("displacement_magnitude", "runout", "newmark_displacement")]
-        spans = [_span(each.min(), each.max(), metres) if len(each) else NOTHING for each in lengths]
-        if runs["reached_side"].map(is_bounded).any():
-            parts = [span.rpartition(" to ") for span in spans[:2]]
-            spans[:2] = [f"{least}{to}{AT_LEAST}{most}" for least, to, most in parts]
+        met = runs["reached_side"].map(is_bounded)
+        columns = (("displacement_magnitude", met), ("runout", met), ("newmark_displacement", met & False))
+        spans = [_lengths(runs[name], bounds) for name, bounds in columns]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
     head = ("shaking (m/s²)", "class", f"displacement of {probe} (m)", "run-out (m)", "Newmark block (m)")
     notes = ["Smallest to largest value over the other dimensions of the study."] if len(table) > len(groups) else []
@@ -321,6 +319,16 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
         rigid = "; where the slope is not rigid, the slip of the block is not an upper bound" if soft else ""
         notes.append(f"The Newmark block is rigid and uses the yield acceleration above{rigid}.")
     return Table("By the amplitude of shaking", head, rows, " ".join(notes))
+
+
+def _lengths(values: pd.Series, bounds: pd.Series) -> str:
+    """The smallest to the largest of some lengths in m, some of which are lower bounds."""
+    values = values.dropna()
+    if values.empty:
+        return NOTHING
+    low, high = values.min(), values.max()
+    ends = ((low, bounds[values.index][values == low].all()), (high, bounds.any()))
+    return " to ".join(dict.fromkeys(AT_LEAST * bool(bound) + metres(end) for end, bound in ends))
 
 
 def _span(low: float, high: float, words: Callable[[float], str]) -> str:

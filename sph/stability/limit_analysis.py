@@ -9,7 +9,8 @@ turns about its pole.  The work of its weight equals the energy dissipated along
     gamma integral x dA = c r_0^2 (exp(2 (theta_h - theta_0) tan(phi)) - 1) / (2 tan(phi)),
 
 with x the distance from the pole towards the crest and theta the angle below the horizontal, from theta_0 where the spiral meets the
-crest to theta_h where it leaves at the toe or before it.  The least gamma H / c of all spirals is the stability number; without friction
+crest to theta_h where it leaves at the toe or before it; spirals that leave on the face, which rock close below the toe makes the worst
+without friction, are not tried.  The least gamma H / c of all spirals is the stability number; without friction
 the spiral is Taylor's (1937) circle.
 
 Water adds to the work (Michalowski 1995): that of the pore pressure u on the spiral, which opens by v sin(phi), and that of standing

@@ -406,9 +406,10 @@ def test_the_shaking_is_bracketed_by_the_weakest_slope() -> None:
     many = many.assign(displacement_magnitude=2.0, runout=np.nan, newmark_displacement=np.inf, reached_side="back", findings="")
     shown = levels(many, [shaking], "A")
     assert [tuple(row) for row in shown.rows] == [("all", "minor", "2.00", "–", "unlimited")] and "upper bound" not in shown.note
-    further = [9.0, *[1.0] * 19]
-    met = levels(many.assign(reached_side="front back", runout=further, findings="thin-box block-not-rigid"), [shaking], "A")
-    assert met.rows[0][2:4] == ("≥ 2.00", "1.00 to ≥ 9.00") and "would have gone further" in met.note and "upper bound" in met.note
+    further = many.assign(runout=[9.0, *[1.0] * 19], findings="thin-box block-not-rigid")
+    assert levels(further.assign(reached_side="front back"), [shaking], "A").rows[0][2:4] == ("≥ 2.00", "≥ 1.00 to ≥ 9.00")
+    met = levels(further.assign(reached_side=["front back", *["back"] * 19]), [shaking], "A")
+    assert met.rows[0][2:4] == ("2.00 to ≥ 2.00", "1.00 to ≥ 9.00") and "would have gone further" in met.note and "upper bound" in met.note
 
 
 def test_a_search_says_at_which_intensity_the_slope_goes(tmp_path: Path) -> None:

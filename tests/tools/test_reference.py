@@ -5,15 +5,17 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 from sph.command.cli import app
+from sph.experiments.extremes.design import REFUSED, TIME_STEP
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.trade.design import Trade
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
-from tools.reference import MARKED, TABLES, Reference, Strong, commands_text, filled, key_rows, markdown
+from tools.reference import MARKED, TABLES, Reference, Strong, commands_text, filled, key_rows, markdown, outcome_lines, step_lines
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -65,3 +67,12 @@ def test_every_key_says_what_it_is(model: type[Section], keys: int) -> None:
 @pytest.mark.parametrize("path", sorted((ROOT / "config" / "scenes").glob("**/*.yaml")), ids=lambda p: p.stem)
 def test_shipped_scenes_are_valid(path: Path) -> None:
     assert load_scene(path).name == path.stem
+
+
+def test_a_step_at_which_the_slope_fails_under_gravity_alone_is_too_long() -> None:
+    steps = [("0.5", "complete"), ("0.8", "failed_unshaken"), ("0.95", "complete"), ("1.2", "diverged")]
+    rows = [(TIME_STEP, value, "h 1.3", status) for value, status in steps]
+    rows += [("cohesion (kPa)", "0", "weak", "failed_unshaken"), ("sides", "none", "weak", "diverged"), ("K0", "9", "weak", REFUSED)]
+    table = pd.DataFrame(rows, columns=["sweep", "value", "case", "status"])
+    assert list(step_lines(table)) == [("h 1.3", "0.5", "0.8")]
+    assert list(outcome_lines(table)) == [("sweeps", "3", "1", "1", "0", "1"), ("time_steps", "4", "2", "1", "1", "0")]
