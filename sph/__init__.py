@@ -52,7 +52,7 @@ searches, `sph.figures` draws, `sph.page` writes the report, `sph.command` is th
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.2.0"
+__version__ = "0.3.0"
 
 _HOMES = {
     name: module
