@@ -199,7 +199,7 @@ def test_an_untrusted_surrogate_is_said_to_be() -> None:
     indices, validation = sobol_tables(sample, axes, [METRIC], SETTINGS, 1)
     problem = problem_of(axes, ["S_R"], [Observation(METRIC, 0.0, 1.0)])
     row = back_tables(problem, axes, sample, indices, validation)[0].iloc[0]
-    assert row["verdict"].startswith("run-out: not to be trusted: Q2 below") and row["sentence"].endswith("Q2 below 0.5.")
+    assert row["verdict"].startswith("run-out: not to be trusted: Q² below") and row["sentence"].endswith("Q² below 0.5.")
     same = sample.assign(runout=0.0)
     rows = back_tables(problem, axes, same, *sobol_tables(same, axes, [METRIC], SETTINGS, 1))[0]
     assert "all runs have the same value" in rows["verdict"][0] and rows["determined"][0] == OPEN

@@ -275,7 +275,7 @@ def test_a_surrogate_that_predicts_nothing_is_not_trusted() -> None:
     shares = space_filling(3, 64)
     noise = np.random.default_rng(1).standard_normal(64)
     table, validation = sobol_tables(sample_of(shares, noise), unit_axes(3), [METRIC], SobolSettings(folds=4, draws=50, points=64), 1)
-    assert table["q2"].max() < 0.5 and (table["verdict"] == "not to be trusted: Q2 below 0.8").all()
+    assert table["q2"].max() < 0.5 and (table["verdict"] == "not to be trusted: Q² below 0.8").all()
     pictures = [figure_sobol(table, unit_axes(3), "note"), figure_cross_validation(validation, table, "note")]
     for picture in pictures:
         assert any("not to be trusted" in text.get_text() for ax in picture.axes for text in ax.texts)

@@ -534,8 +534,12 @@ def test_figures(tmp_path: Path) -> None:
     write_csv(table, tmp_path / "table.csv")
     pd.testing.assert_frame_equal(read_critical(tmp_path / "table.csv"), table)
     assert list(table.columns) == names(critical_columns(SEARCHED))
-    axes = figure_critical(table, SEARCHED).axes
+    figure = figure_critical(table, SEARCHED)
+    axes = figure.axes
     assert len(axes) == 2 and {line.get_marker() for line in axes[0].lines} >= {"v", "^"}
+    assert not overprints(figure)
+    words = {text.get_text() for text in figure.legends[0].get_texts()}
+    assert {"reached at the lowest shaking", "not reached at the highest shaking"} <= words
     for draw, empty in ((figure_critical, table), (figure_class_map, points), (figure_shares, shares)):
         with pytest.raises(ValueError, match="no "):
             draw(empty.iloc[:0], SEARCHED)

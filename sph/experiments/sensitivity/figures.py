@@ -78,7 +78,7 @@ def figure_tornado(table: pd.DataFrame, factors: Sequence[Axis], note: str) -> F
 
     ``table`` with the columns ``TORNADO``.  A run that diverged is a cross on the base line.  Raises ValueError for an empty one.
     """
-    figure, axes = _panels(table, 0.9 + 0.26 * len(factors))
+    figure, axes = _panels(table, 1.3 + 0.26 * len(factors))
     first = table[table["metric"] == table["metric"].iloc[0]]
     order = list(first.sort_values("swing", na_position="first")["factor"])
     by_name = {factor.name: factor for factor in factors}

@@ -191,7 +191,7 @@ def _rows(
         "q2": q2,
         "rmse": float(np.sqrt(np.mean((values - predicted) ** 2))),
         "noise_share": float(np.median([process.kernel_.k2.noise_level for process in processes])),
-        "verdict": TRUSTED if q2 >= settings.least_q2 else f"{UNTRUSTED}: Q2 below {settings.least_q2:g}",
+        "verdict": TRUSTED if q2 >= settings.least_q2 else f"{UNTRUSTED}: Q² below {settings.least_q2:g}",
     }
     lengths = np.median([np.atleast_1d(process.kernel_.k1.k2.length_scale) for process in processes], axis=0)
     for place, length in enumerate(lengths):

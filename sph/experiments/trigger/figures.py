@@ -125,8 +125,9 @@ def figure_critical(table: pd.DataFrame, searched: Searched, note: str = "") -> 
         for (column, label), style in zip(_estimates(searched).items(), LINE_STYLES[1:], strict=False)
         if table[column].notna().any()
     ]
+    handles += [Line2D([], [], linestyle="", color=GREY, label=words, **look) for where, _, look, words in _marked(table) if where.any()]
     if handles:
-        figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 4), handlelength=3.0)
+        figure.legend(handles=handles, loc="outside upper center", ncols=min(len(handles), 3), handlelength=3.0)
     write_note(figure, note)
     return figure
 
@@ -161,10 +162,22 @@ def _draw_brackets(ax: Axes, rows: pd.DataFrame, look: dict[str, Any]) -> None:
     found = rows[rows["outcome"] == BRACKETED]
     error = found["resolution_error"].to_numpy()
     ax.errorbar(found["x"], found["critical_intensity"], yerr=error, markersize=4, capsize=2, elinewidth=0.8, linewidth=1.0, **look)
-    marks = [(rows["outcome"] == outcome, end, marker, 7) for outcome, end, marker in ((AT_LOWEST, "upper", "v"), (NEVER, "lower", "^"))]
-    marks.append(((rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0)), "critical_intensity", "o", 10))
-    for where, column, marker, size in marks:
-        _draw_marks(ax, rows[where], column, marker=marker, markersize=size, markerfacecolor="none", color=look["color"])
+    for where, column, look_of_mark, _ in _marked(rows):
+        _draw_marks(ax, rows[where], column, **look_of_mark, color=look["color"])
+
+
+def _marked(rows: pd.DataFrame) -> list[tuple[pd.Series, str, dict[str, Any], str]]:
+    """What a bracket does not show: the rows that it concerns, the column of their heights, the mark and its words."""
+    doubtful = (rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0))
+    marks = [
+        (rows["outcome"] == AT_LOWEST, "upper", "v", 7, "reached at the lowest shaking"),
+        (rows["outcome"] == NEVER, "lower", "^", 7, "not reached at the highest shaking"),
+        (doubtful, "critical_intensity", "o", 10, "diverged inside, or changes again"),
+    ]
+    return [
+        (where, column, {"marker": marker, "markersize": size, "markerfacecolor": "none"}, words)
+        for where, column, marker, size, words in marks
+    ]
 
 
 @styled
