@@ -603,7 +603,7 @@ def cost(
         float | None,
         typer.Option(help="speed of a core relative to the reference machine; by default taken from finished runs, or measured here"),
     ] = None,
-    start: Annotated[float, typer.Option(min=0, max=3600, help="start-up time of each job, s; about 10 on a cluster")] = 1.5,
+    start: Annotated[float, typer.Option(min=0, max=3600, help="start-up time of each job, s; about 10 on a cluster")] = 5.0,
     as_json: Annotated[bool, typer.Option("--json", help="machine-readable: times in s, memory and disk in MiB")] = False,
 ) -> None:
     """Predict the cost of a study: core-hours, wall time, memory and disk, in total and for the remaining runs."""

@@ -2,7 +2,7 @@
 
 Computing time is a sum of four parts, each with a constant of the reference machine (one core of the machine that measured
 the cost-accuracy study, two runs side by side).  The constants were fitted to the 78 timed variants of ``measured/trade.csv``: half of
-them are met within 5 %, eight in ten between -11 % and +9 %; the worst are 0.62 and 1.21 times the measured time.  Steps that an adaptive
+them are met within 4 %, eight in ten between -7 % and +9 %; the worst are 0.77 and 1.19 times the measured time.  Steps that an adaptive
 step adds are counted in whole parts of the scene's step: with h of 2.3 spacings on ten and fifteen rows
 of particles that was 40 and 27 % too many.
 
@@ -31,7 +31,7 @@ from sph.stability.standing import FailureRule, static_scene
 
 RECONSTRUCTED = 1.95
 """Times that a step takes with linear reconstruction in the artificial viscosity (measured: 1.96 and 1.94 with 19 and 60 neighbours)."""
-NEIGHBOUR, PARTICLE, RENEWAL, SAMPLE = 1.33e-9, 34.7e-9, 5.0e-9, 170e-6
+NEIGHBOUR, PARTICLE, RENEWAL, SAMPLE = 1.26e-9, 34.8e-9, 4.66e-9, 126e-6
 """Seconds of a directed neighbour, a particle, the renewal of a neighbour's gradient, and a sample."""
 STIFFENING = 0.75
 """Frequency of debris over that of the lattice, times spacing over smoothing length: 1.7 at h = 2.3 spacings, the mean over a collapse."""
@@ -45,7 +45,7 @@ TRIALS = 13
 """Static tests of a search to 1 % (measured on the paper's slope)."""
 TRIALS_NEAR, TRIALS_STRONGER = 6, 9
 """Static tests at the fine spacing, around what the coarse search found, and of the search for the sensitivity (measured, as above)."""
-START, COMPILE = 1.5, 45.0
+START, COMPILE = 5.0, 15.0
 """Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
 MIB = 2.0**20
 ON_REFERENCE = "on one core of the reference machine"

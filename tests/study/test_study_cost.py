@@ -20,7 +20,7 @@ from sph.scene.schema import make_scene
 from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import static_scene
-from sph.study.cost import cost
+from sph.study.cost import START, cost
 from sph.study.preflight import (
     QUICK_SENSITIVITY,
     QUICK_TRIALS,
@@ -76,7 +76,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     slow = predicted(config, "--speed", 0.5, "--cores", 1)
     assert slow["run"] == 2 * one["run"] and slow["computing"] > one["computing"]
     assert slow["shared"] == 2 * one["shared"] == 2 * two["shared"] and 0 < one["shared"] < one["computing"]
-    queued = predicted(config, "--speed", 1, "--cores", 1, "--start", 11.5)
+    queued = predicted(config, "--speed", 1, "--cores", 1, "--start", START + 10.0)
     assert queued["computing"] == pytest.approx(one["computing"] + 13 * 10.0), "twelve simulations and the preflight"
     many = predicted(config, "--speed", 1, "--cores", 1000)
     assert many["wall"] >= one["run"], "no run is shorter for all the cores"
