@@ -45,7 +45,7 @@ TRIALS = 13
 """Static tests of a search to 1 % (measured on the paper's slope)."""
 TRIALS_NEAR, TRIALS_STRONGER = 6, 9
 """Static tests at the fine spacing, around what the coarse search found, and of the search for the sensitivity (measured, as above)."""
-START, COMPILE = 5.0, 15.0
+START, COMPILE = 5.0, 8.0
 """Seconds that a job takes beside its computing (libraries, compiled code, files), and that a variant takes to be compiled (measured)."""
 MIB = 2.0**20
 ON_REFERENCE = "on one core of the reference machine"

@@ -539,7 +539,7 @@ def test_figures(tmp_path: Path) -> None:
     assert len(axes) == 2 and {line.get_marker() for line in axes[0].lines} >= {"v", "^"}
     assert not overprints(figure)
     words = {text.get_text() for text in figure.legends[0].get_texts()}
-    assert {"reached at the lowest shaking", "not reached at the highest shaking"} <= words
+    assert {"at or below the lowest tried", "above the highest tried"} <= words
     for draw, empty in ((figure_critical, table), (figure_class_map, points), (figure_shares, shares)):
         with pytest.raises(ValueError, match="no "):
             draw(empty.iloc[:0], SEARCHED)

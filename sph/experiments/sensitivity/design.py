@@ -121,7 +121,7 @@ class SobolSettings(Section):
         "the screening finds a factor whose mu* is at least this part of the largest mu* of some metric", gt=0, le=1, default=0.2
     )
     folds: int = key("number of parts (folds) of the cross-validation", ge=2, le=100, default=8)
-    least_q2: float = key("the indices of a metric whose Q2 lies below this are not to be trusted", ge=0, lt=1, default=0.8)
+    least_q2: float = key("the indices of a metric whose Q² lies below this are not to be trusted", ge=0, lt=1, default=0.8)
     draws: int = key("number of functions drawn from the surrogate's posterior for the intervals", ge=50, le=10_000, default=400)
     points: int = key("number of points of the estimator of the indices, a power of 2", ge=64, le=65_536, default=1024)
 

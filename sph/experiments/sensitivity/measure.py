@@ -90,7 +90,7 @@ def fit_surrogate(
     sample: pd.DataFrame, factors: Sequence[str], axes: Axes, quantities: Quantities, settings: Mapping[str, Any], seed: int
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Sobol' indices through a Gaussian process, with 95 % intervals that hold the uncertainty of the surrogate and of the estimator, and
-    with the surrogate's cross-validation (Q2, RMSE). The verdict says where they are not to be trusted.
+    with the surrogate's cross-validation (Q², RMSE). The verdict says where they are not to be trusted.
     """
     return sobol_tables(sample, [axis for axis in axes if axis.name in factors], quantities, SobolSettings(**settings), seed)
 
@@ -117,7 +117,7 @@ def draw_tornado(sample: pd.DataFrame, tornado: pd.DataFrame, axes: Axes, quanti
 
 
 def draw_sobol(sample: pd.DataFrame, indices: pd.DataFrame, axes: Axes, quantities: Quantities, fidelity: str) -> Figure:
-    """Sobol' indices with 95 % intervals, and the Q2 of the surrogate behind them; what is not to be trusted is pale and says so."""
+    """Sobol' indices with 95 % intervals, and the Q² of the surrogate behind them; what is not to be trusted is pale and says so."""
     return figure_sobol(indices, axes, _note(sample, fidelity))
 
 

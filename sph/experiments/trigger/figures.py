@@ -170,9 +170,9 @@ def _marked(rows: pd.DataFrame) -> list[tuple[pd.Series, str, dict[str, Any], st
     """What a bracket does not show: the rows that it concerns, the column of their heights, the mark and its words."""
     doubtful = (rows["outcome"] == BRACKETED) & ((rows["changes"] > 1) | (rows["diverged_inside"] > 0))
     marks = [
-        (rows["outcome"] == AT_LOWEST, "upper", "v", 7, "reached at the lowest shaking"),
-        (rows["outcome"] == NEVER, "lower", "^", 7, "not reached at the highest shaking"),
-        (doubtful, "critical_intensity", "o", 10, "diverged inside, or changes again"),
+        (rows["outcome"] == AT_LOWEST, "upper", "v", 7, "at or below the lowest tried"),
+        (rows["outcome"] == NEVER, "lower", "^", 7, "above the highest tried"),
+        (doubtful, "critical_intensity", "o", 10, "uncertain bracket"),
     ]
     return [
         (where, column, {"marker": marker, "markersize": size, "markerfacecolor": "none"}, words)
