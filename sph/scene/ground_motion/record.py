@@ -90,7 +90,8 @@ class Record(Section):
     kind: Literal["record"] = key("recorded motion, or a synthetic one in its place")
     file: str | None = key(
         "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS and CSMIP .V1 .V2, ESM .ASC, GeoNet .V2A, AFAD "
-        "and UNAM .txt, .csv), relative to the scene's folder or the working folder; with data the name of their source",
+        "and UNAM .txt, samples without times .th .acc, .csv), relative to the scene's folder or the working folder; with data the name of "
+        "their source",
         default=None,
         min_length=1,
         max_length=1000,
@@ -288,7 +289,7 @@ def read_even(
     ValueError if it is not evenly sampled.
     """
     time, *columns = read_components(path, unit, wanted, component)
-    _check_gaps(path, time)
+    check_gaps(path, time)
     interval = float(f"{(time[-1] - time[0]) / (time.size - 1):.{DIGITS}g}")
     uneven = np.abs(time - time[0] - interval * np.arange(time.size)) > UNEVEN * interval
     if uneven.any():
@@ -297,7 +298,7 @@ def read_even(
     return interval, float(time[0]), columns[: 1 + third_column]
 
 
-def _check_gaps(path: str, time: np.ndarray) -> None:
+def check_gaps(path: str, time: np.ndarray) -> None:
     """Refuse a record in which samples are missing between others, with the first place."""
     steps = np.diff(time)
     usual = float(np.median(steps))

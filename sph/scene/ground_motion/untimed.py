@@ -55,7 +55,7 @@ def is_untimed(lines: list[str]) -> bool:
     below = [line.replace(",", " ").split() for line in lines[head.at + 1 :] if line.strip()]
     if all(len(row) == 2 for row in below):
         first = number(below[0][0]) if below else None
-        return len(below) == head.number and first is not None and 0.0 <= first <= 1.5 * head.interval
+        return len(below) == head.number and first is not None and 0.0 <= first <= 1.51 * head.interval
     return sum(map(len, below)) == head.number or len(below[0]) not in (2, 3)
 
 

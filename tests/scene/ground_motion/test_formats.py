@@ -23,6 +23,7 @@ TEXTS = {
     "none.SMC": smc(SINE, INTERVAL, comments=0),
     "a.V2": cosmos(SINE, INTERVAL),
     "bare.v2c": cosmos(SINE, INTERVAL, "cm/s^2 (4)", "1F15.6", further=False),
+    "points.v1": cosmos(SINE, INTERVAL, "cm/sec2. (04) ").replace(",Format", "Format").replace(",  Format", "  Format"),
     "touching.V1": cosmos(SINE, INTERVAL, "cm/sec/sec", "8F10.5"),
     "a.csv": "time (s), ax (cm/s2)\n" + "\n".join(f"{t:.2f},{100 * float(a)!r}" for t, a in zip(TIME, SINE, strict=True)),
     "g.csv": "t [s],g\n" + "\n".join(f"{t:.2f},{float(a) / 9.81!r}" for t, a in zip(TIME, SINE, strict=True)),
@@ -47,6 +48,13 @@ def test_a_record_of_k_net_keeps_the_offset_of_its_recorder(tmp_path: Path, endi
     count = 2000 / 8388608 / 100  # m/s2
     np.testing.assert_allclose(time, TIME, atol=1e-12)
     np.testing.assert_allclose(acceleration, SINE + 1234 * count, atol=0.5001 * count)
+
+
+def test_the_head_of_a_cosmos_file_needs_no_comma(tmp_path: Path) -> None:
+    path = tmp_path / "a.V2"
+    path.write_text(cosmos(SINE / 981.0, INTERVAL, "g.     (02)").replace("(02),Format", "(02)Format"))
+    assert "units=g.     (02)Format=(" in path.read_text()
+    np.testing.assert_allclose(read_record(path).acceleration, SINE, atol=0.5e-5 * 9.81 * 1.001)
 
 
 @pytest.mark.parametrize("factor", ["2000(gal)/8388608", "3920(gal)/6182761", "7845(gal)/8223790"])
@@ -203,6 +211,10 @@ BAD = [
     (*replaced("a.V2", "Corrected", "Response"), ("line 1", "'Corrected acceleration'")),
     (*replaced("a.V2", "Real-header", "Rare-header"), ("not in COSMOS format",)),
     (*replaced("a.V2", "cm/sec2(04)", "counts (50)"), ("line 45", "'counts'", "no unit of acceleration")),
+    (*replaced("a.V2", "cm/sec2(04)", "g (04)"), ("line 45", "'g (04)'", "of different units")),
+    (*replaced("a.V2", "cm/sec2(04)", "cm/sec2 x 10 (04)"), ("line 45", "'cm/sec2 x 10'", "no unit of acceleration")),
+    (*replaced("new.AT2", "OF G", "OF G X 1000"), ("line 3", "'G X 1000'", "no unit", "without a factor")),
+    (*replaced("new.AT2", "UNITS OF G", "G / 100"), ("line 3", "/ 100'", "without a factor")),
     (*replaced("a.V2", "    1000 acceleration", "    1001 acceleration"), ("line 171", "finite numbers")),
     (*replaced("a.V2", "velocity     pts", "acceleration pts"), ("holds 2 components", "lines 45, 171")),
     ("unknown.V2", TEXTS["a.V2"].replace("     5.000000", "  -999.000000").replace("    10.000000", "  -999.000000"), ("lines 26-42",)),
