@@ -78,12 +78,12 @@ MARK = "¤"
 """Stands in a head in place of its unit."""
 OPERATED = re.compile(
     r"[*×·⋅∙✕]|(?<![a-z])x[\s_]*(?:\d{2,}|\d*[.,]\d|\d\s*[e^])|¤[\s_)\]}(\[{]*x[\s_]*\d|(?<![a-z\d])\d+[\s_]*x(?![a-z])"  # x 10, 10 x
-    r"|/\s*\d|(?<![a-z\d])\d+\s*/|\d\s*\^|(?<![a-z\d])10\s*[-+−]\s*\d"  # /100, 1/100, 10^-3
+    r"|/\s*\d|(?<![a-z\d])\d+\s*/|\^|(?<![a-z\d])10\s*[-+−]\s*\d"  # /100, 1/100, 10^-3
     r"|(?<![a-z\d])\d[\d.,]*\s*[ed]\s*[-+−]?\d|(?<![a-z\d])e[-+−]\d"  # 1E-3
     r"|%|‰|(?<![a-z])(?:ten|tens|tenths?|hundred\w*|thousand\w*|[mb]illion\w*|per ?mille|promille|ppm"
-    r"|milli|micro|centi|kilo|deci|de[ck]a|hecto|mega|giga|(?:times|factors?)\W*\d\w*)(?![a-z])"
+    r"|milli|micro|centi|kilo|deci|de[ck]a|hecto|mega|giga|log(?:10)?|ln|lg|sqrt|(?:times|factors?|scaled?)\W*(?:by\W*)?\d\w*)(?![a-z])"
 )
-"""What multiplies or divides the numbers of a column."""
+"""What multiplies or divides the numbers of a column, or takes another function of them."""
 BESIDE = re.compile(
     r"(?<![a-z\d.,])(?:\d+[.,]\d+|[.,]\d+|10+)(?![a-z\d.,])"  # a decimal or a power of ten by itself
     r"|(?<![a-z\d])\d+[\s_]*¤|¤[\s_^]*\d|¤\s*/\s*[a-z]|[(\[{]\s*[-+−±~]\s*¤"  # 2 g, g 2, g/s, (-g)

@@ -59,6 +59,9 @@ def test_a_factor_of_any_quantity_is_refused(units: Units, head: str, factor: st
     "head",
     [
         "acc (-g)",
+        "log acc (g)",
+        "acc (g) scaled by 2",
+        "acc^2 (g)",
         "acc (g/s)",
         "acc (m/s2/s)",
         "acc g*",

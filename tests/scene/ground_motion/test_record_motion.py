@@ -159,6 +159,9 @@ def test_a_gap_is_named_where_it_is(records: Path) -> None:
     )
     with pytest.raises(ValueError, match=message):
         make_scene(shaken(file=str(records / "gap.csv")))
+    for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
+        result = CliRunner().invoke(app, [command[0], str(records / "gap.csv"), *command[1:]])
+        assert result.exit_code == 2 and "has a gap of 0.105 s between sample 100" in result.stderr
 
 
 KIK_NET = {str(channel): (f"{name}{1 if channel < 4 else 2}", channel) for channel, name in enumerate(2 * ("NS", "EW", "UD"), 1)}
