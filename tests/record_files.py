@@ -7,6 +7,11 @@ from collections.abc import Sequence
 import numpy as np
 
 GRAVITY = 9.81
+FACTORS = (
+    "x 10", "x1000", "*100", "* 0.01", "×10", "x 1E-3", "x 10^-3", "10^3", "10⁻³", "1e-3", "1.0E+02", "/1000", "/ 100", "times 10", "x0.1",
+    "·10⁻²", "thousandths", "hundredths", "factor 100", "1000", "0.001", "‰", "milli", "1/100", "9.81",
+)  # fmt: skip
+"""Factors as people write them into the head of a column."""
 
 
 def lines_of(values: Sequence[float], form: str, each: int) -> str:
@@ -28,8 +33,8 @@ def smc(acceleration: np.ndarray, interval: float, comments: int = 2, first: str
     return head + "| a comment with 1 2 3\n" * comments + lines_of(100.0 * acceleration, "{:10.4f}", 8)
 
 
-def knet(acceleration: np.ndarray, rate: int, offset: int = 1234) -> str:
-    """K-NET: counts, eight a line, with the recorder's offset."""
+def knet(acceleration: np.ndarray, rate: int, offset: int = 1234, direction: str = "E-W") -> str:
+    """K-NET and KiK-net: counts, eight a line, with the recorder's offset; the peak in the head is that without their mean."""
     counts = np.rint(acceleration * 100.0 / 2000.0 * 8388608).astype(int) + offset
     return f"""Origin Time       2000/01/01 00:00:00
 Lat.              38.920
@@ -43,9 +48,9 @@ Station Height(m) 34
 Record Time       2000/01/01 00:00:39
 Sampling Freq(Hz) {rate}Hz
 Duration Time(s)  {acceleration.size / rate:.0f}
-Dir.              E-W
+Dir.              {direction}
 Scale Factor      2000(gal)/8388608
-Max. Acc. (gal)   4.383
+Max. Acc. (gal)   {np.abs(counts - counts.mean()).max() * 2000.0 / 8388608:.3f}
 Last Correction   2000/01/01 00:00:00
 Memo.
 """ + lines_of(counts.tolist(), "{:9d}", 8)  # fmt: skip

@@ -13,7 +13,7 @@ from sph.command.repeat import earlier_run, read_given
 from sph.scene.configuration import merge, validated
 from sph.scene.ground_motion import RECORDS, SCENES, GroundMotion, check_record, loading_of, read_components
 from sph.scene.ground_motion.measures import Measures, measure
-from sph.scene.ground_motion.record import Record, processed, read_even
+from sph.scene.ground_motion.record import Record, check_gaps, processed, read_even
 from sph.scene.units import in_both
 from sph.study.finding import Finding
 from sph.study.motion_findings import drifting, implausible, of_motion, one_sided, sparse
@@ -40,6 +40,7 @@ def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, 
     that is not processed may be unevenly sampled.  ValueError as from the readers, and for processing that the record does not allow.
     """
     time, *columns = read_components(path, treatment.get("unit"), component=treatment.get("component"))
+    check_gaps(str(path), time)
     if not set(treatment) - READING:
         return time, columns
     section = {"kind": "record", "file": str(path), "start": 0.0, "vertical": {} if len(columns) > 1 else None, **treatment}

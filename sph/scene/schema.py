@@ -278,6 +278,12 @@ class Scene(Section):
                 )
 
     def _check_record(self, record: Record) -> None:
+        if record.data is not None and record.data.instrument == "borehole" and self.walls.kinds.base.absorbs:
+            raise ValueError(
+                f"motion.file: {record.file} was recorded in a borehole, within the ground, and walls.base: {self.walls.base} needs the "
+                "motion of an outcrop; name the record of the instrument at the surface (.EW2, .NS2), if the ground there is that below "
+                "the base, or let the model end at the depth of the borehole with walls.base: no_slip, whose motion is that within it"
+            )
         step, made = self.numerics.time_step, processed(record)
         interval = float(made.time[1])
         if step > interval * (1 + 1e-6):

@@ -156,7 +156,7 @@ def test_the_highest_frequency_does_not_depend_on_the_samples_of_the_run() -> No
 
 def test_the_peak_acceleration_is_shown_and_told_where_it_is_implausible(tmp_path: Path) -> None:
     # A record in g that is read as m/s2 beside one that is 9.81 times too large.
-    (tmp_path / "a.csv").write_text("t,a\n" + "\n".join(f"{0.01 * n},{353.0 * np.sin(0.1 * n)}" for n in range(600)))
+    (tmp_path / "a.csv").write_text("t,a (m/s2)\n" + "\n".join(f"{0.01 * n},{353.0 * np.sin(0.1 * n)}" for n in range(600)))
     motion = {"kind": "record", "file": "a.csv", "start": 3.0}
     file = tmp_path / "own.yaml"
     file.write_text(yaml.safe_dump(SOUND | {"motion": motion}))

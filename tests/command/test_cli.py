@@ -292,7 +292,7 @@ def test_a_scene_that_is_not_there_is_refused(tmp_path: Path) -> None:
 def record_file(tmp_path: Path) -> Path:
     """A rectangular pulse of 0.6 g over 0.2 s."""
     path = tmp_path / "pulse.csv"
-    path.write_text("time,acceleration\n0,5.886\n0.2,5.886\n")
+    path.write_text("time,acceleration (m/s2)\n0,5.886\n0.2,5.886\n")
     return path
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import tempfile
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,9 @@ import numpy as np
 import pandas as pd
 import pytest
 import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+from record_files import FACTORS
 from scipy.integrate import quad  # type: ignore[import-untyped]
 
 from sph.experiments.registry import load_study
@@ -17,7 +21,7 @@ from sph.experiments.trigger.annual import annual_columns, annual_table, frequen
 from sph.experiments.trigger.critical import AT_LOWEST, BRACKETED, NEVER, UNDECIDED
 from sph.experiments.trigger.design import TriggerPlan, load_trigger
 from sph.experiments.trigger.fragility import Lognormal
-from sph.experiments.trigger.hazard import Hazard, annual_frequency, read_hazard
+from sph.experiments.trigger.hazard import INTENSITIES, Hazard, annual_frequency, read_hazard
 from sph.scene.configuration import read_yaml
 from sph.study.tables import read_csv, write_csv
 
@@ -127,51 +131,144 @@ def test_a_search_beyond_the_hazard_curve_leaves_its_last_frequency_possible() -
 
 def test_a_curve_in_g_is_read_in_si(tmp_path: Path) -> None:
     (tmp_path / "site.csv").write_text("# of the code's map\namplitude (g),annual frequency\n0.1,0.01\n0.2,0.002\n")
-    found = read_hazard(tmp_path / "site.csv", "m/s2")
+    found = read_hazard(tmp_path / "site.csv", "amplitude")
     np.testing.assert_allclose(found.intensity, [0.981, 1.962])
     assert found.frequency.tolist() == [0.01, 0.002]
     (tmp_path / "arias.csv").write_text("Arias (m/s);frequency\n0,5;0,01\n2;0,001\n")
-    assert read_hazard(tmp_path / "arias.csv", "m/s").intensity.tolist() == [0.5, 2.0]
+    assert read_hazard(tmp_path / "arias.csv", "motion.arias_intensity").intensity.tolist() == [0.5, 2.0]
+
+
+VELOCITY, SPECTRAL = "motion.peak_velocity", "motion.spectral_acceleration.value"
 
 
 def test_a_velocity_in_cm_s_is_read_in_m_s(tmp_path: Path) -> None:
     """Maps of PGV are in cm/s."""
-    for name, size in (
-        ("PGV (cm/s)", 0.01),
-        ("PGV (m/s)", 1.0),
-        ("pgv_cm_s", 0.01),
-        ("Arias intensity [m/s]", 1.0),
+    for name, size, dimension in (
+        ("PGV (cm/s)", 0.01, VELOCITY),
+        ("PGV (m/s)", 1.0, VELOCITY),
+        ("pgv_cm_s", 0.01, VELOCITY),
+        ("Arias intensity [m/s]", 1.0, "motion.arias_intensity"),
     ):
         (tmp_path / "site.csv").write_text(f"{name},annual frequency (1/year)\n5,0.02\n150,0.0001\n")
-        np.testing.assert_allclose(read_hazard(tmp_path / "site.csv", "m/s").intensity, [5.0 * size, 150.0 * size], err_msg=name)
+        np.testing.assert_allclose(read_hazard(tmp_path / "site.csv", dimension).intensity, [5.0 * size, 150.0 * size], err_msg=name)
     for name in ("PGV (mm/s)", "PGA (g)", "PGV (in/s)"):
         (tmp_path / "site.csv").write_text(f"{name},annual frequency\n5,0.02\n150,0.0001\n")
         with pytest.raises(ValueError, match="it must be m/s or cm/s"):
-            read_hazard(tmp_path / "site.csv", "m/s")
+            read_hazard(tmp_path / "site.csv", VELOCITY)
     (tmp_path / "site.csv").write_text("peak velocity,annual frequency\n5,0.02\n150,0.0001\n")
     with pytest.raises(ValueError, match=r"must state the unit, as in 'PGV \(cm/s\)'"):
-        read_hazard(tmp_path / "site.csv", "m/s")
+        read_hazard(tmp_path / "site.csv", VELOCITY)
 
 
 @pytest.mark.parametrize(
-    "name", ["probability in 50 years", "PoE", "P(50yr)", "exceedance in 50 yr", "probability of exceedance", "rate (%)"]
+    "name",
+    [
+        *[
+            "probability in 50 years",
+            "PoE",
+            "P(50yr)",
+            "exceedance in 50 yr",
+            "probability of exceedance",
+            "rate (%)",
+            "return period",
+            "RP",
+        ],
+        *["AFE (1e-3/yr)", "rate per century", "Tr (years)", "T (yr)", "MRI", "rate (per 1000 yr)", "annual rate x 1000", "frequency (Hz)"],
+        *["log10 AFE", "annual rate / 100", "AFE * 10", "annual frequency (percent)", "rate 10⁻³", "annual probability of non-exceedance"],
+        *["H2", "annual frequency of PGA"],
+    ],
 )
 def test_what_is_no_annual_frequency_is_refused(tmp_path: Path, name: str) -> None:
     """10 % in 50 years are -ln(0.9) / 50 = 0.0021 a year, not 0.1."""
+    (tmp_path / "site.csv").write_text(f"amplitude (g),{name}\n0.1,0.3\n0.4,0.02\n", encoding="utf-8")
+    with pytest.raises(ValueError, match="must be the name of an annual frequency") as refused:
+        read_hazard(tmp_path / "site.csv", "amplitude")
+    assert f"site.csv, line 1, second column: {name!r}" in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "name", ["rate", "frequency (1/yr)", "AFE", "lambda (1/a)", "H", "annual rate of exceedance [yr⁻¹]", "rate per year"]
+)
+def test_an_annual_frequency_is_read_as_it_is(tmp_path: Path, name: str) -> None:
+    (tmp_path / "site.csv").write_text(f"amplitude (g),{name}\n0.1,0.3\n0.4,0.02\n", encoding="utf-8")
+    assert read_hazard(tmp_path / "site.csv", "amplitude").frequency.tolist() == [0.3, 0.02]
+
+
+@pytest.mark.parametrize("name", ["annual probability of exceedance", "APOE", "annual PoE", "probability of exceedance in 1 year"])
+def test_a_probability_in_a_year_is_turned_into_a_frequency(tmp_path: Path, name: str) -> None:
     (tmp_path / "site.csv").write_text(f"amplitude (g),{name}\n0.1,0.3\n0.4,0.02\n")
-    with pytest.raises(ValueError, match="must be that of an annual frequency"):
-        read_hazard(tmp_path / "site.csv", "m/s2")
-    for good in ("annual probability of exceedance", "rate", "frequency (1/yr)", "AFE", "lambda (1/a)", "H2"):
-        (tmp_path / "site.csv").write_text(f"amplitude (g),{good}\n0.1,0.3\n0.4,0.02\n")
-        assert read_hazard(tmp_path / "site.csv", "m/s2").frequency.tolist() == [0.3, 0.02]
+    np.testing.assert_allclose(read_hazard(tmp_path / "site.csv", "amplitude").frequency, [-math.log(0.7), -math.log(0.98)], rtol=1e-12)
+    (tmp_path / "site.csv").write_text(f"amplitude (g),{name}\n0.1,1.0\n0.4,0.02\n")
+    with pytest.raises(ValueError, match=r"line 2: '0.1,1.0': both numbers must be above 0, a probability below 1"):
+        read_hazard(tmp_path / "site.csv", "amplitude")
+
+
+@pytest.mark.parametrize("name", ["SA(0.2) (g)", "Sa(0.2s) [g]", "PSA 0.2 s (g)", "SA(T=0.2 s) in g", "spectral acceleration (0.2 s) (g)"])
+def test_a_spectral_acceleration_is_none_of_the_ground(tmp_path: Path, name: str) -> None:
+    (tmp_path / "site.csv").write_text(f"{name},AFE\n0.1,0.3\n0.4,0.02\n")
+    found = read_hazard(tmp_path / "site.csv", SPECTRAL)
+    assert found.period == 0.2
+    np.testing.assert_allclose(found.intensity, [0.981, 3.924])
+    for dimension in INTENSITIES:
+        if dimension != SPECTRAL:
+            with pytest.raises(ValueError, match=r"site.csv, line 1, first column: "):
+                read_hazard(tmp_path / "site.csv", dimension)
+
+
+@pytest.mark.parametrize(
+    "name", ["PGA (g)", "SA (g)", "SA(g)", "SA(0.2)", "SA(0.2 s) (g x 10)", "SA(T1) (g)", "SA(200 ms) (g)", "SA(0.2 s 5%) (g)"]
+)
+def test_a_spectral_acceleration_states_period_and_unit(tmp_path: Path, name: str) -> None:
+    (tmp_path / "site.csv").write_text(f"{name},AFE\n0.1,0.3\n0.4,0.02\n")
+    with pytest.raises(ValueError, match=r"site.csv, line 1, first column: .*'SA\(0.5 s\) \(g\)'"):
+        read_hazard(tmp_path / "site.csv", SPECTRAL)
+
+
+WRITTEN = {
+    "amplitude": (
+        ["PGA", "peak ground acceleration", "Acceleration", "amplitude"],
+        {"g": 9.81, "m/s2": 1.0, "cm/s^2": 0.01, "Gal": 0.01, "%g": 0.0981},
+    ),
+    VELOCITY: (["PGV", "peak velocity"], {"m/s": 1.0, "cm/s": 0.01}),
+    "motion.arias_intensity": (["Arias intensity", "Ia"], {"m/s": 1.0, "cm/s": 0.01}),
+    SPECTRAL: (["SA(1.0)", "Sa(0.3 s)"], {"g": 9.81, "m/s2": 1.0}),
+}
+"""Names of each intensity, and units with their sizes in SI."""
+RATES = ["AFE", "annual frequency", "rate (1/yr)", "annual rate of exceedance"]
+
+
+@given(st.data())
+def test_heads_at_random_give_the_right_number_or_are_refused(data: st.DataObject) -> None:
+    """Quantity, unit, factor and spelling: a factor in either head is refused with the file, the column and a remedy."""
+    dimension, quantity = (data.draw(st.sampled_from(sorted(WRITTEN))) for _ in range(2))
+    names, sizes = WRITTEN[quantity]
+    name, unit = data.draw(st.sampled_from(names)), data.draw(st.sampled_from(sorted(sizes)))
+    factor, rate_factor = (data.draw(st.sampled_from(["", "", *FACTORS])) for _ in range(2))
+    head = data.draw(st.sampled_from(["{} ({})", "{} [{}]", "{} in {}"])).format(name, unit)
+    head = data.draw(st.sampled_from([f"{head} {factor}", f"{name} {factor} ({unit})", f"{name} ({unit} {factor})"])) if factor else head
+    rate = f"{data.draw(st.sampled_from(RATES))} {rate_factor}".strip()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "site.csv"
+        path.write_text(f"{head};{rate}\n0.1;0.02\n0.4;0.001\n", encoding="utf-8")
+        if quantity == dimension and not factor and not rate_factor:
+            found = read_hazard(path, dimension)
+            np.testing.assert_allclose(found.intensity, [0.1 * sizes[unit], 0.4 * sizes[unit]])
+            assert found.frequency.tolist() == [0.02, 0.001]
+            return
+        with pytest.raises(ValueError) as refused:
+            read_hazard(path, dimension)
+        first = quantity != dimension or factor
+        message = str(refused.value)
+        assert f"{path}, line 1, {'first' if first else 'second'} column: " in message
+        assert (INTENSITIES[dimension].example if first else "convert the numbers") in message
 
 
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("amplitude,rate\n1,0.1\n2,0.01\n", "'amplitude', must state the unit, as in 'amplitude"),
+        ("amplitude,rate\n1,0.1\n2,0.01\n", "line 1, first column: 'amplitude' must state the unit, as in 'PGA (g)'"),
         ("amplitude (g),rate\n1,0.1\n", "1 row; a hazard curve has at least two"),
-        ("amplitude (g),rate\n1,0.1\n1,0.01\n", "'1,0.01': intensities must increase"),
+        ("amplitude (g),rate\n1,0.1\n1,0.01\n", "line 3: '1,0.01': intensities must increase"),
         ("amplitude (g),rate\n1,0.1\n2,0.2\n", "'2,0.2': intensities must increase"),
         ("amplitude (g),rate\n0,0.1\n2,0.01\n", "'0,0.1': both numbers must be above 0"),
         ("amplitude (g),rate\n1,0.1\n2,none\n", "'2,none': must be two numbers"),
@@ -182,8 +279,8 @@ def test_what_is_no_annual_frequency_is_refused(tmp_path: Path, name: str) -> No
 def test_what_is_no_hazard_curve_is_refused(tmp_path: Path, text: str, wanted: str) -> None:
     (tmp_path / "site.csv").write_text(text)
     with pytest.raises(ValueError) as refused:
-        read_hazard(tmp_path / "site.csv", "m/s2")
-    assert "site.csv: " in str(refused.value) and wanted in str(refused.value)
+        read_hazard(tmp_path / "site.csv", "amplitude")
+    assert "site.csv" in str(refused.value) and wanted in str(refused.value)
 
 
 def search(folder: Path, hazard: str | None) -> TriggerPlan:
@@ -203,3 +300,18 @@ def test_the_curve_of_a_search_is_checked_before_any_run(tmp_path: Path) -> None
     (tmp_path / "site.csv").write_text("amplitude (m/s2),rate\n0.1,0.01\n0.4,0.0002\n")
     with pytest.raises(ValueError, match=r"0\.1 to 0\.4 m/s² of amplitude.*1 to 4"):
         search(tmp_path, "site.csv")
+
+
+def test_the_curve_is_of_the_period_of_the_search(tmp_path: Path) -> None:
+    study = load_study(read_yaml(ROOT / "config" / "studies" / "gentle_layered.yaml"), [ROOT])
+    (tmp_path / "site.csv").write_text("SA(0.2 s) (g),rate\n0.1,0.01\n0.4,0.0002\n")
+    for period, right in ((0.2, True), (0.5, False)):
+        case = {"motion": {"amplitude": None, "spectral_acceleration": {"period": period}}}
+        span = {"dimension": SPECTRAL, "lowest": 1.0, "highest": 4.0, "cells": 2}
+        keys = {"cases": {"as it is": case}, "intensity": span, "tolerance": 0.5, "hazard": "site.csv"}
+        (tmp_path / "mine.yaml").write_text(yaml.safe_dump(keys))
+        if right:
+            assert load_trigger("mine.yaml", study, [tmp_path, ROOT]).hazard_file
+        else:
+            with pytest.raises(ValueError, match=r"spectral acceleration at 0.2 s, the search of that at 0.5 s; .*period to 0.2"):
+                load_trigger("mine.yaml", study, [tmp_path, ROOT])

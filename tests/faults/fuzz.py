@@ -309,7 +309,7 @@ def survey(text: str, folder: Path) -> str:
 def line(arguments: list[str], folder: Path) -> str:
     """A command line; searches are answered without simulating."""
     tiny = write(folder / "tiny.yaml", SCENES[1])
-    (folder / "record.csv").write_text("t,a\n0,5.886\n0.2,5.886\n")
+    (folder / "record.csv").write_text("t,a (m/s2)\n0,5.886\n0.2,5.886\n")
     places = {"SCENE": str(tiny), "RECORD": str(folder / "record.csv"), "FOLDER": str(folder)}
 
     def stand(_scene: Scene, _rule: FailureRule, value: float) -> Trial:

@@ -135,10 +135,10 @@ def test_a_table_that_is_none_is_refused(tmp_path: Path, content: bytes) -> None
 @pytest.mark.parametrize(
     ("content", "wanted"),
     [
-        ("t,a\n0,1e200\n1,0\n", "line 2: must not exceed"),
-        ("t,a\n-1e300,1\n1e300,1\n", "line 2: must not exceed"),
-        ("t,a\n0,1\n5e-324,2\n", "line 3: time 5e-324 s"),
-        ("t,a\n0,1\n" + "1," * 100_000, "line 3"),
+        ("t,a (m/s2)\n0,1e200\n1,0\n", "line 2: must not exceed"),
+        ("t,a (m/s2)\n-1e300,1\n1e300,1\n", "line 2: must not exceed"),
+        ("t,a (m/s2)\n0,1\n5e-324,2\n", "line 3: time 5e-324 s"),
+        ("t,a (m/s2)\n0,1\n" + "1," * 100_000, "line 3"),
     ],
 )
 def test_a_record_beyond_all_measure_is_refused(tmp_path: Path, content: str, wanted: str) -> None:

@@ -41,7 +41,7 @@ def folder(tmp_path: Path, run_file: Path, monkeypatch: pytest.MonkeyPatch) -> I
     (tmp_path / "inputs").mkdir()
     time = np.arange(0.0, 0.5, 0.02)
     for name in ("h", "v"):
-        (tmp_path / "inputs" / f"{name}.csv").write_text("t,a\n" + "".join(f"{t:.2f},{np.sin(40 * t):.4f}\n" for t in time))
+        (tmp_path / "inputs" / f"{name}.csv").write_text("t,a (m/s2)\n" + "".join(f"{t:.2f},{np.sin(40 * t):.4f}\n" for t in time))
     (tmp_path / "inputs" / "ground.csv").write_text("x,z\n0,0\n20,0\n40,20\n60,20\n")
     record = {"kind": "record", "file": "inputs/h.csv", "vertical": {"file": "inputs/v.csv"}, "start": 1.0}
     ground_line = {"shape": "ground_line", "file": "inputs/ground.csv", "base": -10.0}
@@ -181,7 +181,7 @@ def test_names_that_are_not_utf8(tmp_path: Path, run_file: Path, monkeypatch: py
         (tmp_path / f"{NOT_UTF8}{name}").touch()
     copyfile(run_file, f"{NOT_UTF8}run.nc")
     Path(f"{NOT_UTF8}slope.yaml").write_text(yaml.safe_dump(SLOPE))
-    Path(f"{NOT_UTF8}record.csv").write_text("t,a\n" + "".join(f"{0.02 * i:.2f},{np.sin(i):.3f}\n" for i in range(50)))
+    Path(f"{NOT_UTF8}record.csv").write_text("t,a (m/s2)\n" + "".join(f"{0.02 * i:.2f},{np.sin(i):.3f}\n" for i in range(50)))
     refused = {
         ("metrics", f"{NOT_UTF8}run.nc"): "is not utf-8",
         ("run", f"{NOT_UTF8}slope.yaml", "--out", f"{NOT_UTF8}out.nc"): "is not utf-8",

@@ -14,12 +14,12 @@ from sph.scene.ground_motion import GroundMotion, motion_of, read_record
 @pytest.mark.parametrize(
     "text",
     [
-        "t,a\n0,0\n0.5,-2e0\n2,1\n",
-        "t\ta\n0\t0\n0,5\t-2,0\n2\t1\n",
+        "t,a (m/s2)\n0,0\n0.5,-2e0\n2,1\n",
+        "t\ta (m/s2)\n0\t0\n0,5\t-2,0\n2\t1\n",
         "time (s)  acc (m/s2)\n0 0\n0.5   -2\n 2 1\n",
         "t;a (m/s2)\n0;0\n0,5;-2,0\n2;1\n",
         "time (s),acceleration (m/s2)\n0,0\n0.5,-2\n2,1",
-        "\ufefft;a\n 0 , 0\r\n0.50, -2.0\r\n\r\n2, 1\r\n\r\n",
+        "\ufefft;a (m/s2)\n 0 , 0\r\n0.50, -2.0\r\n\r\n2, 1\r\n\r\n",
     ],
 )
 def test_a_record_with_and_without_names(tmp_path: Path, text: str) -> None:
@@ -33,19 +33,19 @@ def test_a_record_with_and_without_names(tmp_path: Path, text: str) -> None:
 @pytest.mark.parametrize(
     ("text", "wanted"),
     [
-        ("t,a\n0,0\n1\n", ("line 3", "2 columns", "has 1", "'1'")),
+        ("t,a (m/s2)\n0,0\n1\n", ("line 3", "2 columns", "has 1", "'1'")),
         ("0,0,0\n1,0,0\n", ("line 1", "2 columns", "has 3")),
         ("0,0\n1,0\n", ("line 1 (no names of columns): does not say its unit", "--unit of a command")),
-        ("t,a\n0,0\n1,1_0\n", ("line 3", "two finite numbers", "1_0")),
-        ("t a\n0 0\n1,5 2,5\n", ("line 3", "2 columns", "has 3")),
-        ("t,a\n0,0\n1,nan\n", ("line 3", "two finite numbers", "'1,nan'")),
-        ("t,a\nnan,0\n1,0\n", ("line 2", "two finite numbers")),
-        ("t,a\n0,0\ninf,0\n", ("line 3", "two finite numbers")),
+        ("t,a (m/s2)\n0,0\n1,1_0\n", ("line 3", "two finite numbers", "1_0")),
+        ("t a (m/s2)\n0 0\n1,5 2,5\n", ("line 3", "2 columns", "has 3")),
+        ("t,a (m/s2)\n0,0\n1,nan\n", ("line 3", "two finite numbers", "'1,nan'")),
+        ("t,a (m/s2)\nnan,0\n1,0\n", ("line 2", "two finite numbers")),
+        ("t,a (m/s2)\n0,0\ninf,0\n", ("line 3", "two finite numbers")),
         ("0,zero\n1,0\n", ("line 1", "two finite numbers", "'0,zero'")),
-        ("t,a\ns,m/s2\n0,0\n", ("line 2", "two finite numbers")),
-        ("t,a\n0,0\n1,\n", ("line 3", "2 columns", "has 1")),
-        ("t,a\n0,0\n1,0\n\n1,5\n", ("line 5", "time 1.0 s must be greater than 1.0 s")),
-        ("t,a\n0,0\n", ("at least two samples", "found 1")),
+        ("t,a (m/s2)\ns,m/s2\n0,0\n", ("line 2", "two finite numbers")),
+        ("t,a (m/s2)\n0,0\n1,\n", ("line 3", "2 columns", "has 1")),
+        ("t,a (m/s2)\n0,0\n1,0\n\n1,5\n", ("line 5", "time 1.0 s must be greater than 1.0 s")),
+        ("t,a (m/s2)\n0,0\n", ("at least two samples", "found 1")),
         ("", ("at least two samples", "found 0")),
     ],
 )

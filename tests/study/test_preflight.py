@@ -103,7 +103,7 @@ def test_samples_far_apart_are_told(interval: float, told: bool, tmp_path: Path)
     found = {each.code: each for each in findings(scene(motion=sparse, duration=45.0))}
     assert ("record-sparse" in found) == told
     path = tmp_path / "a.csv"
-    path.write_text("time,acc\n" + "".join(f"{interval * at:.2f},{value}\n" for at, value in enumerate((0, 1, -1, 0))))
+    path.write_text("time,acc (m/s2)\n" + "".join(f"{interval * at:.2f},{value}\n" for at, value in enumerate((0, 1, -1, 0))))
     for command in (["motion", str(path)], ["newmark", str(path), "--ay", "0.5m/s2"]):
         assert ("samples of the record are so far apart" in CliRunner().invoke(app, command).stderr) == told
 

@@ -23,6 +23,7 @@ from sph.experiments.trigger.boundaries import Boundary, DamageClass, place_of
 from sph.experiments.trigger.hazard import Hazard, read_hazard
 from sph.experiments.trigger.refinement import Place, Span
 from sph.scene.configuration import Section, found_file, key, read_yaml, validated
+from sph.scene.ground_motion.record import Record
 from sph.scene.names import check_known
 from sph.scene.scheme import has_key
 from sph.scene.units import acceleration
@@ -264,15 +265,24 @@ class TriggerPlan:
     def _validate(self) -> None:
         """Build every scene at the ends of the lattices."""
         searches = [search for search in SEARCHED.values() if search != "maps" or self.trigger.maps]
+        periods = set[float]()
         for plan in self.plans.values():
             for line in (line for search in searches for line in self.lattices(search)):
                 for ends in itertools.product(*((0.0, float(span.cells)) for span in line.spans.values())):
-                    plan.built(**dict(zip(self.names, line.labels(ends), strict=True)))
+                    motion = plan.built(**dict(zip(self.names, line.labels(ends), strict=True))).motion
+                    if isinstance(motion, Record) and motion.spectral_acceleration is not None:
+                        periods.add(motion.spectral_acceleration.period)
         if self._hazard_file:
-            self._check_hazard(read_hazard(self.hazard_file, self.dimensions.intensity.unit))
+            self._check_hazard(read_hazard(self.hazard_file, self.trigger.intensity.dimension), periods)
 
-    def _check_hazard(self, hazard: Hazard) -> None:
-        """ValueError for a curve of which no part was searched: it is in another unit, or of another intensity."""
+    def _check_hazard(self, hazard: Hazard, periods: set[float]) -> None:
+        """ValueError for a curve of which no part was searched, or of another period than those (s) of the scenes."""
+        others = [period for period in sorted(periods) if hazard.period is not None and abs(period / hazard.period - 1.0) > 1e-3]
+        if others:
+            raise ValueError(
+                f"{self.origin}: hazard: {self.hazard_file}: is of the spectral acceleration at {hazard.period:g} s, the search of that at "
+                f"{others[0]:g} s; give the curve of that period, or set motion.spectral_acceleration.period to {hazard.period:g}"
+            )
         span, ends = self.trigger.intensity, (hazard.intensity[0], hazard.intensity[-1])
         if not (ends[0] < span.highest and ends[1] > span.lowest):
             unit = self.dimensions.intensity.shown_unit

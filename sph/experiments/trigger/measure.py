@@ -185,7 +185,7 @@ READERS: dict[str, Callable[[str, Mapping[str, Any]], Any]] = {
     "critical": lambda path, given: read_critical(path),
     "ends": lambda path, given: read_ends(path),
     "shares": lambda path, given: read_shares(path),
-    "hazard": lambda path, given: read_hazard(path, given["searched"].intensity.unit),
+    "hazard": lambda path, given: read_hazard(path, given["searched"].intensity_name),
 }
 STEPS = (
     Step(

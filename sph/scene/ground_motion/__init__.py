@@ -2,7 +2,7 @@
 
 ``text``, ``units``, ``direction``                  what all formats share
 ``columns``                                       columns of a CSV by their names
-``comma_separated``, ``peer``, ``knet``, ``smc``, ``cosmos``, ``esm``  a format each, of one component
+``comma_separated``, ``untimed``, ``peer``, ``knet``, ``smc``, ``cosmos``, ``esm``  a format each, of one component
 ``csmip``, ``geonet``, ``afad``, ``unam``         a format each, of several components
 ``component``                                     which of several components is meant
 ``record``                                        a record in a scene: the section ``motion`` of kind ``record``
@@ -24,19 +24,19 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from sph.scene.ground_motion import afad, csmip, unam
+from sph.scene.ground_motion import afad, csmip, knet, unam
 from sph.scene.ground_motion.comma_separated import read_csv
 from sph.scene.ground_motion.component import Component, chosen
 from sph.scene.ground_motion.cosmos import read_cosmos
 from sph.scene.ground_motion.direction import Direction, check_name
 from sph.scene.ground_motion.esm import read_esm
 from sph.scene.ground_motion.geonet import read_geonet
-from sph.scene.ground_motion.knet import read_knet
 from sph.scene.ground_motion.peer import OTHER_HISTORIES, read_at2
 from sph.scene.ground_motion.smc import read_smc
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION as LARGEST_ACCELERATION
 from sph.scene.ground_motion.text import read_lines
 from sph.scene.ground_motion.units import Unit
+from sph.scene.ground_motion.untimed import read_untimed
 
 if TYPE_CHECKING:
     from sph.scene.loading import Loading
@@ -51,7 +51,9 @@ READERS = {
     ".at2": read_at2,
     ".smc": read_smc,
     ".asc": read_esm,
-    **dict.fromkeys(KNET, read_knet),
+    ".th": read_untimed,
+    ".acc": read_untimed,
+    **dict.fromkeys(KNET, knet.read_knet),
     **dict.fromkeys(COSMOS, read_cosmos),
 }
 """Readers of files with one component, by their endings."""
@@ -141,6 +143,11 @@ def read_components(
     return read
 
 
+def in_borehole(path: Path | str) -> bool:
+    """Whether a record is, by its own words, of an instrument in a borehole: KiK-net says so."""
+    return Path(path).suffix.lower() in KNET and knet.in_borehole(path)
+
+
 def _several(path: Path | str) -> Several | None:
     """The reader of a file with several components, by its ending or its first lines; None for another file."""
     ending = Path(path).suffix.lower()
@@ -162,6 +169,7 @@ def check_record(path: Path, others: tuple[str, ...] = ()) -> None:
         scene = f"a scene ({', '.join(others)}) or " if others else ""
         raise ValueError(
             f"{path}: must be {scene}a record, by its ending (found {path.suffix!r}): PEER .at2, K-NET and KiK-net .ew .ns .ud or .knet, "
-            "SMC .smc, COSMOS .v1 .v2 .v1c .v2c, CSMIP .v1 .v2 .raw, ESM .asc, GeoNet .v1a .v2a, AFAD .txt, UNAM .asa .txt, or .csv and "
-            ".txt; give the file the ending of its format, or write it as .csv below a line 'time (s),acceleration (m/s2)'"
+            "SMC .smc, COSMOS .v1 .v2 .v1c .v2c, CSMIP .v1 .v2 .raw, ESM .asc, GeoNet .v1a .v2a, AFAD .txt, UNAM .asa .txt, samples "
+            "without times .th .acc, or .csv and .txt; give the file the ending of its format, or write it as .csv below a line "
+            "'time (s),acceleration (m/s2)'"
         )

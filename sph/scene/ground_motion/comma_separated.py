@@ -1,7 +1,7 @@
 """Records as columns (``.csv``): time (s), horizontal and, if there is a third column, vertical acceleration.
 
 A first line may name the columns with their units: ``time (s), ax (cm/s2), ay (cm/s2)``; then the names decide which columns are read, in
-any order and beside others, and names without units mean s and m/s2.  A file without names does not say its unit: the user must.
+any order and beside others.  A time without a unit is in s; where a file does not say the unit of an acceleration the user must.
 Columns stand between commas, semicolons, tabs or blanks, as those of ground lines.  Lines with '#' are left out, but the last one before
 the samples may hold the names.
 """
@@ -19,9 +19,9 @@ from sph.scene.cells import COMMENT, cells, check_commas, names
 from sph.scene.ground_motion.columns import columns_of, quantity
 from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
 from sph.scene.ground_motion.text import LARGEST_ACCELERATION, LARGEST_TIME, SHORTEST_INTERVAL, number, read_lines
-from sph.scene.ground_motion.units import ACCELERATIONS, Unit, size_of, unit_of_column
-from sph.scene.units import SECONDS, SIZES, unit_of
-from sph.scene.units import named as units_in
+from sph.scene.ground_motion.units import Unit, size_of, unit_of_column
+from sph.scene.ground_motion.untimed import REMEDY, is_untimed, read_untimed
+from sph.scene.units import SECONDS, unit_of
 
 NAMES = {2: "time (s) and acceleration (m/s2)", 3: "time (s), horizontal and vertical acceleration (m/s2)"}
 
@@ -40,6 +40,8 @@ def read_csv(path: Path | str, unit: Unit | None = None, wanted: Direction = "ho
     ``third`` says whether a file without names may have a third column.  Raises ValueError with file, line and what is expected.
     """
     lines = read_lines(path)
+    if is_untimed(lines):
+        return read_untimed(path, unit, wanted)
     try:
         check_commas(lines)
     except ValueError as error:
@@ -106,7 +108,8 @@ def _table(
     if head is None:
         if width not in counts:
             expected = " or ".join(f"{count} columns, {NAMES[count]}" for count in counts)
-            raise ValueError(f"{path}, line {at}: must have {expected}, has {width} (found {line[:80]!r})")
+            untimed = "" if width in (2, 3) else f"; if these are samples without times, {REMEDY}"
+            raise ValueError(f"{path}, line {at}: must have {expected}, has {width} (found {line[:80]!r}){untimed}")
         _finite(f"{path}, line {at}", line, range(width))
         size = size_of(f"{path}, line {at} (no names of columns)", None, unit)
         places = (0, 1, 2)[:width]
@@ -127,19 +130,5 @@ def _table(
         seconds, stated = unit_of(named[time], SECONDS), [unit_of_column(named[place]) for place in places]
     except ValueError as error:
         raise ValueError(f"{where}: {error}") from error
-    if all(size is None for size in stated):
-        _check_comments(path, comments, unit)
-        sizes = [SIZES[unit or "m/s2"]] * len(stated)
-    else:
-        sizes = [size_of(f"{where}: {named[place]!r}", size, unit) for place, size in zip(places, stated, strict=True)]
+    sizes = [size_of(f"{where}: {named[place]!r}", size, unit) for place, size in zip(places, stated, strict=True)]
     return Table(width, (time, *places), (1.0 if seconds is None else seconds, *sizes))
-
-
-def _check_comments(path: Path | str, comments: list[tuple[int, str]], unit: Unit | None) -> None:
-    """Refuse a unit of acceleration that only a comment names, unless the user states it."""
-    for at, text in comments:
-        if unit is None and any(size and not beside_number for size, beside_number in units_in(text, ACCELERATIONS)):
-            raise ValueError(
-                f"{path}, line {at}: {text[:80]!r} may name a unit that the names of the columns do not; "
-                f"write it into the name, as in 'ax (cm/s2)', or state it by unit: {', '.join(SIZES)}"
-            )

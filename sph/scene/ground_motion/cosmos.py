@@ -21,12 +21,16 @@ import numpy as np
 from sph.scene.ground_motion.direction import Direction, check_direction, check_header
 from sph.scene.ground_motion.text import check_head, check_peak, fields, read_lines, samples
 from sph.scene.ground_motion.units import Unit, size_of, unit_in
+from sph.scene.units import SIZES
 
 FIRST = re.compile(r"\s*(un)?corrected\s+acceleration", re.I)
 FORMAT = r"format\s*=\s*\(\s*(\d*)\s*P?\s*[EFGI](\d+)"
-INTEGERS = re.compile(rf"\s*(\d+)\s+integer-header\s+values\s+follow\s+on\s+(\d+)\s+lines?\s*,\s*{FORMAT}", re.I)
-REALS = re.compile(rf"\s*(\d+)\s+real-header\s+values\s+follow\s+on\s+(\d+)\s+lines?\s*,\s*{FORMAT}", re.I)
-SAMPLES = re.compile(rf"\s*(\d+)\s+acceleration\s+pts.*?units\s*=\s*(.+?)\s*,\s*{FORMAT}", re.I)
+INTEGERS = re.compile(rf"\s*(\d+)\s+integer-header\s+values\s+follow\s+on\s+(\d+)\s+lines?\s*,?\s*{FORMAT}", re.I)
+REALS = re.compile(rf"\s*(\d+)\s+real-header\s+values\s+follow\s+on\s+(\d+)\s+lines?\s*,?\s*{FORMAT}", re.I)
+SAMPLES = re.compile(rf"\s*(\d+)\s+acceleration\s+pts.*?units\s*=\s*(.+?)\s*,?\s*{FORMAT}", re.I)
+CODE = re.compile(r"\(\s*(\d+)\s*\)")
+CODES = {2: SIZES["g"], 4: SIZES["cm/s2"]}
+"""Units of acceleration by the number behind their name in the line above the samples, m/s2."""
 EVERY = re.compile(r"(?:at|every|dt\s*=|interval\s*=?)\s*(\d*\.?\d+)\s*(m?)s(?:ec)?", re.I)
 DURATION = re.compile(r"(?:approx\w*\.?\s*)(\d*\.?\d+)\s*sec", re.I)
 AZIMUTHS: tuple[int, ...] = (53, 54)
@@ -58,10 +62,12 @@ def read_cosmos(path: Path | str, unit: Unit | None = None, wanted: Direction = 
         raise ValueError(f"{path}: holds {len(blocks)} components (lines {at}), must hold one; put each into a file of its own")
     found = SAMPLES.match(lines[blocks[0]])
     assert found is not None
-    count, words, each, width = int(found[1]), re.sub(r"\(\s*\d+\s*\)", "", found[2]), int(found[3] or 1), int(found[4])
+    count, words, each, width = int(found[1]), CODE.sub("", found[2]).strip(), int(found[3] or 1), int(found[4])
     stated = unit_in(words)
     if stated is None:
-        raise ValueError(f"{path}, line {blocks[0] + 1}: {words.strip()!r} is no unit of acceleration that is known here")
+        raise ValueError(f"{path}, line {blocks[0] + 1}: {words!r} is no unit of acceleration that is known here")
+    if (code := CODE.search(found[2])) and CODES.get(int(code[1]), stated) != stated:
+        raise ValueError(f"{path}, line {blocks[0] + 1}: {found[2]!r}: name and number are of different units; write the right one")
     check_header(path, lines[: heads[0]], wanted)
     integers = _header(path, lines, INTEGERS, heads[0])
     for index in (index for index in AZIMUTHS if index < len(integers)):

@@ -13,7 +13,8 @@ import numpy as np
 
 from sph.scene.ground_motion.direction import Direction, check_direction, direction_of
 from sph.scene.ground_motion.text import check_head, read_lines, samples
-from sph.scene.ground_motion.units import Unit, size_of, unit_in
+from sph.scene.ground_motion.units import ACCELERATIONS, Unit, size_of, unit_in
+from sph.scene.units import factor_in
 
 HEAD, WIDTH = 4, 15
 """Lines before the samples; columns of a sample (Fortran 5E15.7)."""
@@ -46,9 +47,12 @@ def read_at2(path: Path | str, unit: Unit | None = None, wanted: Direction = "ho
     component = re.split(r"[,\s]+", lines[1].strip(", "))[-1]
     said = direction_of(re.sub(r"(?<=\w)\d$", "", component))
     check_direction(f"{path}, line 2: its component {component!r}", said, wanted)
-    words = re.search(r"UNITS?\s+OF\s+(\S+)", title, re.I)
+    words = re.search(r"UNITS?\s+OF\s+([^,]+)", title, re.I)
     stated = unit_in(words[1] if words else title)
-    if words is not None and stated is None:
-        raise ValueError(f"{path}, line {HEAD - 1}: {words[1]!r} is no unit of acceleration that is known here")
+    if words is not None and stated is None or factor_in(title, ACCELERATIONS):
+        shown = (words[1] if words and stated is None else title).strip()[:80]
+        raise ValueError(
+            f"{path}, line {HEAD - 1}: {shown!r} is no unit of acceleration that is known here; convert the samples, without a factor"
+        )
     acceleration = samples(path, lines, HEAD, WIDTH, size_of(path, stated, unit), count)
     return interval * np.arange(count), acceleration

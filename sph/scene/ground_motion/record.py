@@ -17,7 +17,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
 from sph.scene.configuration import Section, check_file, key
-from sph.scene.ground_motion import read_components
+from sph.scene.ground_motion import in_borehole, read_components
 from sph.scene.ground_motion.direction import Direction
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.processing import MOST_SAMPLES, BandPass, Baseline, Resample, Trim, process
@@ -28,8 +28,9 @@ from sph.scene.ground_motion.units import Unit
 from sph.scene.units import Acceleration
 
 UNEVEN = 0.1
-"""Largest distance of a sample from an even spacing, over the interval: times are written with few digits.  Also the largest difference
-in length of two components."""
+"""Largest distance of a sample from an even spacing, over the interval: times are written with few digits."""
+MOST_GAPS = 0.1
+"""Largest share of steps longer than usual that are gaps in an even record, and no uneven record."""
 DIGITS = 9
 """Digits of the samples in a scene; recorders have six or seven."""
 
@@ -47,6 +48,9 @@ class RecordData(Section):
     interval: float = key("interval of the samples", "s", ge=1e-6, le=10)
     x: tuple[Sample, ...] = key("horizontal acceleration", "m/s2", min_length=2, max_length=MOST_SAMPLES)
     y: tuple[Sample, ...] | None = key("vertical acceleration, positive upwards", "m/s2", default=None)
+    instrument: Literal["borehole"] | None = key(
+        "borehole: the motion is that within the ground, at the depth of the instrument; null: at the surface, or not known", default=None
+    )
 
     @model_validator(mode="after")
     def _as_long(self) -> RecordData:
@@ -63,6 +67,11 @@ class Vertical(Section):
         "third column of a CSV",
         default=None,
         min_length=1,
+    )
+    unequal_length: Literal["cut", "pad"] | None = key(
+        "what is done where the files of the two components differ in length: cut, both end with the shorter one; pad, zeros follow the "
+        "shorter one, from which an offset must have been removed; null: they are refused",
+        default=None,
     )
     factor: float = key("factor on the vertical component, in addition to the scaling of the record", ge=-1e3, le=1e3, default=1.0)
 
@@ -81,7 +90,8 @@ class Record(Section):
     kind: Literal["record"] = key("recorded motion, or a synthetic one in its place")
     file: str | None = key(
         "file of the horizontal component (PEER .AT2, K-NET .EW .NS ..., SMC .smc, COSMOS and CSMIP .V1 .V2, ESM .ASC, GeoNet .V2A, AFAD "
-        "and UNAM .txt, .csv), relative to the scene's folder or the working folder; with data the name of their source",
+        "and UNAM .txt, samples without times .th .acc, .csv), relative to the scene's folder or the working folder; with data the name of "
+        "their source",
         default=None,
         min_length=1,
         max_length=1000,
@@ -125,14 +135,18 @@ class Record(Section):
         vertical = values.get("vertical")
         second = vertical.get("file") if isinstance(vertical, Mapping) else None
         unit, component = values.get("unit"), values.get("component")
+        unequal = vertical.get("unequal_length") if isinstance(vertical, Mapping) else None
         if unit not in (None, *get_args(Unit)) or not isinstance(second, str | None) or not isinstance(component, str | int | None):
             return values  # refused below, with its key
+        if unequal not in (None, "cut", "pad"):
+            return values  # likewise
         files = [name for name in (values["file"], second) if name]
         data = read_data(
             *(_identity(name) for name in files),
             unit=unit,
             third_column=vertical is not None and not second,
             component=None if component is None else str(component),
+            unequal=unequal,
         )
         named: dict[str, Any] = {"file": Path(values["file"]).name, "data": data}
         if second:
@@ -147,8 +161,8 @@ class Record(Section):
             raise ValueError("file: is required where there are neither data nor stochastic")
         if self.vertical is not None and (self.data is None or self.data.y is None):
             raise ValueError(
-                "vertical: there is neither a second file nor a vertical component in the first, as the third column of a CSV; "
-                "name one in vertical.file"
+                "vertical: there is neither a second file nor a vertical component as long as the horizontal one in the first, as the "
+                "third column of a CSV; name one in vertical.file, which may be the same file"
             )
         spectral = self.spectral_acceleration and self.spectral_acceleration.value
         asked = zip(SCALES.items(), (self.amplitude, self.peak_velocity, self.arias_intensity, spectral), strict=True)
@@ -235,8 +249,17 @@ def _samples(record: Record) -> tuple[list[np.ndarray], float]:
 
 
 @functools.lru_cache(maxsize=8)
-def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_column: bool, component: str | None = None) -> RecordData:
+def read_data(
+    *files: tuple[str, tuple[int, ...]], unit: Unit | None, third_column: bool, component: str | None = None, unequal: str | None = None
+) -> RecordData:
     """Samples in one or two files, each with what tells it from others and from what it was before; ValueError names it."""
+    below = [name for name, _ in files if in_borehole(name)]
+    if len(below) == 1 < len(files):
+        above = next(name for name, _ in files if name not in below)
+        raise ValueError(
+            f"vertical.file: {below[0]} was recorded in the borehole, {above} was not; name the two components of one instrument, as "
+            ".EW2 and .UD2 of the surface"
+        )
     interval, first, columns = read_even(files[0][0], unit, third_column, component=component)
     if len(files) > 1:
         other, begins, vertical = read_even(files[1][0], unit, False, "vertical")
@@ -244,14 +267,18 @@ def read_data(*files: tuple[str, tuple[int, ...]], unit: Unit | None, third_colu
             raise ValueError(f"vertical.file: {files[1][0]}: has a sample every {other:g} s, {files[0][0]} every {interval:g} s")
         if abs(begins - first) > UNEVEN * interval:
             raise ValueError(f"vertical.file: {files[1][0]}: begins at {begins:g} s, {files[0][0]} at {first:g} s")
-        shorter, longer = sorted((vertical[0].size, columns[0].size))
-        if shorter < (1.0 - UNEVEN) * longer:  # components may end some samples apart
-            raise ValueError(f"vertical.file: {files[1][0]}: holds {vertical[0].size:,} samples, {files[0][0]} {columns[0].size:,}")
-        columns = [columns[0][:shorter], vertical[0][:shorter]]
+        columns = [columns[0], vertical[0]]
+        shorter, longer = sorted(column.size for column in columns)
+        if shorter != longer and unequal is None:
+            raise ValueError(
+                f"vertical.file: {files[1][0]}: holds {columns[1].size:,} samples, {files[0][0]} {columns[0].size:,}; set "
+                "vertical.unequal_length to cut, so that both end with the shorter one, or to pad, so that zeros follow it"
+            )
+        columns = [column[:shorter] if unequal == "cut" else np.pad(column, (0, longer - column.size)) for column in columns]
     if columns[0].size > MOST_SAMPLES:
         raise ValueError(f"{files[0][0]}: holds {columns[0].size:,} samples, at most {MOST_SAMPLES:,} in a scene; cut or resample it")
     rounded = [tuple(float(f"{value:.{DIGITS}g}") for value in column) for column in columns]
-    return RecordData(interval=interval, x=rounded[0], y=rounded[1] if len(rounded) > 1 else None)
+    return RecordData(interval=interval, x=rounded[0], y=rounded[1] if len(rounded) > 1 else None, instrument="borehole" if below else None)
 
 
 def read_even(
@@ -262,12 +289,26 @@ def read_even(
     ValueError if it is not evenly sampled.
     """
     time, *columns = read_components(path, unit, wanted, component)
+    check_gaps(path, time)
     interval = float(f"{(time[-1] - time[0]) / (time.size - 1):.{DIGITS}g}")
     uneven = np.abs(time - time[0] - interval * np.arange(time.size)) > UNEVEN * interval
     if uneven.any():
         at = int(uneven.argmax())
         raise ValueError(f"{path}: sample {at + 1}, at {time[at]:g} s: samples must be evenly spaced, here by {interval:g} s")
     return interval, float(time[0]), columns[: 1 + third_column]
+
+
+def check_gaps(path: str, time: np.ndarray) -> None:
+    """Refuse a record in which samples are missing between others, with the first place."""
+    steps = np.diff(time)
+    usual = float(np.median(steps))
+    gaps = np.flatnonzero(steps > 1.5 * usual)
+    if 0 < gaps.size <= MOST_GAPS * steps.size:
+        at, others = int(gaps[0]), f", and {gaps.size - 1} more behind it" if gaps.size > 1 else ""
+        raise ValueError(
+            f"{path}: has a gap of {steps[at]:g} s between sample {at + 1}, at {time[at]:g} s, and the next, at {time[at + 1]:g} s"
+            f"{others}; elsewhere samples are {usual:g} s apart: fill in the missing samples, or use the part before or behind"
+        )
 
 
 def _identity(name: str) -> tuple[str, tuple[int, ...]]:

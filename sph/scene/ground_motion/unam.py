@@ -41,8 +41,7 @@ def read_unam(path: Path | str, unit: Unit | None = None) -> list[Component]:
     if counts[0] != int(counts[0]):
         raise ValueError(f"{path}, line {head}: must be whole numbers (found {lines[head - 1][:80]!r})")
     check_head(path, counts[0], intervals[0])
-    stated = next((unit_in(line.partition(":")[2]) for line in lines[:HEAD] if line.startswith(UNITS)), None) or SIZES["gal"]
-    scale = size_of(path, stated, unit)
+    scale = size_of(path, _unit(path, lines), unit)
     columns = rows(path, lines, HEAD, len(names), scale, int(counts[0]), head).T
     if any(line.startswith(PEAK) for line in lines[:HEAD]):
         at, peaks = _values(path, lines, PEAK)
@@ -50,6 +49,19 @@ def read_unam(path: Path | str, unit: Unit | None = None) -> list[Component]:
             if (peak := number(text)) is not None:
                 check_peak(f"{path}, line {at}: {PEAK}", 0.01 * abs(peak), column, 0.01 * last_digit(text))
     return [Component(name, _direction(name), intervals[0], column) for name, column in zip(names, columns, strict=True)]
+
+
+def _unit(path: Path | str, lines: list[str]) -> float:
+    """Unit (m/s2) that the header states; gal, that of the format, where it states none."""
+    for at, line in enumerate(lines[:HEAD], 1):
+        words = line.partition(":")[2].strip()
+        if line.startswith(UNITS) and words:
+            if (stated := unit_in(words)) is None:
+                raise ValueError(
+                    f"{path}, line {at}: {words[:80]!r} is no unit of acceleration that is known here; write the record as .csv"
+                )
+            return stated
+    return SIZES["gal"]
 
 
 def _direction(name: str) -> Direction | None:

@@ -184,6 +184,7 @@ BAD = [
     ("b.asa", replaced(UNAM, "ORIENTACION", "ORIENTATION"), "lines 1-109: must have a line 'ORIENTACION C1-C6'"),
     ("b.asa", replaced(UNAM, "ARCHIVO ESTANDAR", "ARCHIVO"), "lines 1-109: must be the header"),
     ("b.asa", replaced(UNAM, "*\n", "UNIDADES DE LOS DATOS : g\n"), "line 11:.*states a peak of 2 m/s2, its samples have 1962 m/s2"),
+    ("b.asa", replaced(UNAM, "*\n", "UNIDADES DE LOS DATOS : cuentas\n"), "line 1: 'cuentas' is no unit of acceleration"),
     ("b.asa", without(UNAM, 60), "line 10: must hold the 203 samples.*holds 202"),
     ("b.asa", UNAM + "1 2\n", "line 313: must be 3 finite numbers"),
     ("a.V2A", replaced(V2A, "203.0000203.0000203.0000", "204.0000203.0000203.0000"), "line 20: must hold the 204 samples.*holds 203"),

@@ -23,6 +23,7 @@ TEXTS = {
     "none.SMC": smc(SINE, INTERVAL, comments=0),
     "a.V2": cosmos(SINE, INTERVAL),
     "bare.v2c": cosmos(SINE, INTERVAL, "cm/s^2 (4)", "1F15.6", further=False),
+    "points.v1": cosmos(SINE, INTERVAL, "cm/sec2. (04) ").replace(",Format", "Format").replace(",  Format", "  Format"),
     "touching.V1": cosmos(SINE, INTERVAL, "cm/sec/sec", "8F10.5"),
     "a.csv": "time (s), ax (cm/s2)\n" + "\n".join(f"{t:.2f},{100 * float(a)!r}" for t, a in zip(TIME, SINE, strict=True)),
     "g.csv": "t [s],g\n" + "\n".join(f"{t:.2f},{float(a) / 9.81!r}" for t, a in zip(TIME, SINE, strict=True)),
@@ -49,6 +50,13 @@ def test_a_record_of_k_net_keeps_the_offset_of_its_recorder(tmp_path: Path, endi
     np.testing.assert_allclose(acceleration, SINE + 1234 * count, atol=0.5001 * count)
 
 
+def test_the_head_of_a_cosmos_file_needs_no_comma(tmp_path: Path) -> None:
+    path = tmp_path / "a.V2"
+    path.write_text(cosmos(SINE / 981.0, INTERVAL, "g.     (02)").replace("(02),Format", "(02)Format"))
+    assert "units=g.     (02)Format=(" in path.read_text()
+    np.testing.assert_allclose(read_record(path).acceleration, SINE, atol=0.5e-5 * 9.81 * 1.001)
+
+
 @pytest.mark.parametrize("factor", ["2000(gal)/8388608", "3920(gal)/6182761", "7845(gal)/8223790"])
 def test_counts_of_k_net_and_kik_net_are_scaled_as_the_head_says(tmp_path: Path, factor: str) -> None:
     """The first counts of AKT013, 11 August 1996, as ObsPy 1.5.1 scales them to m/s2."""
@@ -58,7 +66,8 @@ def test_counts_of_k_net_and_kik_net_are_scaled_as_the_head_says(tmp_path: Path,
         "7845(gal)/8223790": [-0.17366472757694446, -0.17166145414705386],
     }
     path = tmp_path / "AKT0139608110312.EW"
-    head, _ = knet(np.zeros(2), RATE, 0).replace("2000(gal)/8388608", factor).split("Memo.")
+    peak = 105.0 * float(factor.partition("(")[0]) / float(factor.partition("/")[2])
+    head, _ = knet(np.zeros(2), RATE, 0).replace("2000(gal)/8388608", factor).replace("(gal)   0.000", f"(gal)   {peak:.3f}").split("Memo.")
     path.write_text(head + "Memo.             A dummy comment\n  -18205   -17995 \n")
     np.testing.assert_allclose(read_record(path).acceleration, obspy[factor], rtol=1e-15)
 
@@ -76,11 +85,15 @@ UNITS = {
     "acc_g": 9.81, "acceleration in g": 9.81, "AccG": 9.81, "a(g)": 9.81, "g's": 9.81,
     "ACC (gal) NS": 0.01, "EW_gal": 0.01, "acc cm/s2": 0.01, "acc/cm/s2": 0.01, "acc_cm_s2": 0.01, "Accel_H1 [cm/s/s]": 0.01,
     "Acc. (m/s^2)": 1.0, "acc m s⁻²": 1.0, "a / (m/s²)": 1.0, "acc m per second squared": 1.0, "acc (NS) [gal]": 0.01,
-    "ax": 1.0, "NS": 1.0, "gx": 1.0, "gX": 1.0, "HNE": 1.0, "signal": 1.0, "acc_h": 1.0, "acc_max": 1.0, "level": 1.0,
+    "PGA in gal's": 0.01, "acc_H1_g": 9.81, "EW 2 (g)": 9.81, "%g": 0.0981, "acc (% g)": 0.0981, "acc (percent g)": 0.0981,
+    "acc pct of g": 0.0981,
 }  # fmt: skip
-"""Names of a column, and one of what is in it in m/s2; a name without a unit is in m/s2."""
+"""Names of a column, and one of what is in it in m/s2."""
+UNITLESS = [
+    "Acceleration", "ax", "NS", "gx", "gX", "HNE", "signal", "acc_h", "acc_max", "level", "AccX_1", "N90E", "E1",
+]  # fmt: skip
 REFUSED = [
-    "acc_mg", "%g", "acc (% g)", "milli-g", "acc (0.01 g)", "acc 10^-2 g", "acc g/100", "acc_2g", "a_g", "acc ft/s2", "acc (in/s2)",
+    "acc_mg", "milli-g", "acc (0.01 g)", "acc 10^-2 g", "acc g/100", "acc_2g", "a_g", "acc ft/s2", "acc (in/s2)",
     "acc mm/s2", "acc (m/s)", "acc_counts", "acc (volts)", "acc (NS)", "acc g gal", "displacement", "vel_x",
 ]  # fmt: skip
 
@@ -90,6 +103,15 @@ def test_a_unit_in_a_name_is_understood_wherever_it_stands(tmp_path: Path, name:
     path = tmp_path / "a.csv"
     path.write_text(f"time,{name}\n0,1\n1,2\n", encoding="utf-8")
     np.testing.assert_allclose(read_record(path).acceleration, [UNITS[name], 2 * UNITS[name]], rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", UNITLESS)
+def test_an_acceleration_without_a_unit_is_in_none_in_silence(tmp_path: Path, name: str) -> None:
+    path = tmp_path / "a.csv"
+    path.write_text(f"time,{name}\n0,1\n1,2\n")
+    with pytest.raises(ValueError, match=rf"a.csv, line 1: '{name}': does not say its unit; .*'ax \(cm/s2\)'.*--unit"):
+        read_record(path)
+    np.testing.assert_allclose(read_record(path, "gal").acceleration, [0.01, 0.02], rtol=1e-12)
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -114,8 +136,8 @@ def test_time_is_in_seconds_or_milliseconds(tmp_path: Path, name: str, second: f
 @pytest.mark.parametrize("name", ["time (min)", "t_us", "time h", "Sample", "t (0.01 s)"])
 def test_other_times_are_refused(tmp_path: Path, name: str) -> None:
     path = tmp_path / "a.csv"
-    path.write_text(f"{name},a\n0,1\n1,2\n")
-    with pytest.raises(ValueError, match="line 1.*must be s or ms"):
+    path.write_text(f"{name},a (g)\n0,1\n1,2\n")
+    with pytest.raises(ValueError, match="line 1.*s or ms"):
         read_record(path)
 
 
@@ -189,6 +211,10 @@ BAD = [
     (*replaced("a.V2", "Corrected", "Response"), ("line 1", "'Corrected acceleration'")),
     (*replaced("a.V2", "Real-header", "Rare-header"), ("not in COSMOS format",)),
     (*replaced("a.V2", "cm/sec2(04)", "counts (50)"), ("line 45", "'counts'", "no unit of acceleration")),
+    (*replaced("a.V2", "cm/sec2(04)", "g (04)"), ("line 45", "'g (04)'", "of different units")),
+    (*replaced("a.V2", "cm/sec2(04)", "cm/sec2 x 10 (04)"), ("line 45", "'cm/sec2 x 10'", "no unit of acceleration")),
+    (*replaced("new.AT2", "OF G", "OF G X 1000"), ("line 3", "'G X 1000'", "no unit", "without a factor")),
+    (*replaced("new.AT2", "UNITS OF G", "G / 100"), ("line 3", "/ 100'", "without a factor")),
     (*replaced("a.V2", "    1000 acceleration", "    1001 acceleration"), ("line 171", "finite numbers")),
     (*replaced("a.V2", "velocity     pts", "acceleration pts"), ("holds 2 components", "lines 45, 171")),
     ("unknown.V2", TEXTS["a.V2"].replace("     5.000000", "  -999.000000").replace("    10.000000", "  -999.000000"), ("lines 26-42",)),
@@ -236,7 +262,7 @@ def test_a_unit_is_the_users_only_where_the_file_says_none(tmp_path: Path) -> No
 
 # ---------------------------------------------------------------- what a file holds, by its own words
 
-ACCELERATION = {"acc": 1.0, "ax": 1.0, "EW": 1.0, "HNE": 1.0, "acc_g": 9.81, "Acc (gal)": 0.01}
+ACCELERATION = {"acc (m/s2)": 1.0, "ax m/s2": 1.0, "EW [m/s2]": 1.0, "HNE_m_s2": 1.0, "acc_g": 9.81, "Acc (gal)": 0.01}
 BESIDE = {
     "": [0, 1, 2], "index": [1, 2, 3], "Unnamed: 0": [0, 1, 2], "velocity": [7, 8, 9], "v": [7, 8, 9], "disp (m)": [7, 8, 9],
     "temperature": [7, 8, 9],
@@ -298,7 +324,7 @@ def test_lines_with_a_number_sign_are_left_out_or_hold_the_names(tmp_path: Path)
     path.write_text("# time,vel,acc_g\n0,5,1\n0.01,6,2\n")
     np.testing.assert_allclose(read_record(path).acceleration, [9.81, 19.62])
     path.write_text("# acceleration in cm/s2\ntime,acc\n0,1\n0.01,2\n")
-    with pytest.raises(ValueError, match=r"line 1: 'acceleration in cm/s2'.*ax \(cm/s2\)"):
+    with pytest.raises(ValueError, match=r"line 2: 'acc': does not say its unit; write it there, as in 'ax \(cm/s2\)'"):
         read_record(path)
     np.testing.assert_allclose(read_record(path, "gal").acceleration, [0.01, 0.02])
 
@@ -327,9 +353,10 @@ def test_a_comma_that_may_separate_thousands_is_refused(tmp_path: Path, values: 
 
 
 VERTICAL = {
-    "a.UD": knet(SINE, RATE), "a.ud2": knet(SINE, RATE), "RSN6_ELC-UP.AT2": TEXTS["new.AT2"], "ELC-DWN.at2": TEXTS["new.AT2"],
+    "a.UD": knet(SINE, RATE, direction="U-D"), "a.ud2": knet(SINE, RATE, direction="6"),
+    "RSN6_ELC-UP.AT2": TEXTS["new.AT2"], "ELC-DWN.at2": TEXTS["new.AT2"],
     "x_vert.csv": TEXTS["a.csv"], "x-Z.smc": TEXTS["a.smc"], "TAB-V.V2": TEXTS["a.V2"],
-    "head.knet": knet(SINE, RATE).replace("E-W", "U-D"), "long.knet": knet(SINE, RATE).replace("E-W", "Up-Down"),
+    "head.knet": knet(SINE, RATE, direction="U-D"), "long.knet": knet(SINE, RATE, direction="Up-Down"),
     "up.AT2": TEXTS["new.AT2"], "second.AT2": TEXTS["new.AT2"].replace("Nowhere, 0", "Nowhere, UP"),
     "first.AT2": TEXTS["new.AT2"].replace("Nowhere, 0", "Nowhere, V1"),
     "text.V2": TEXTS["a.V2"].replace("line 8 1 2 3", "Chan  3:  Up          (Sta Chn:  3)"),

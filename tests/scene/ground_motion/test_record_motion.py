@@ -138,10 +138,76 @@ def test_a_factor_and_no_amplitude(records: Path) -> None:
     assert not processed(load_scene(written(records, amplitude=0.0)).motion).horizontal.any()
 
 
-def test_components_of_other_lengths_end_together(records: Path) -> None:
-    (records / "records" / "v.AT2").write_text(at2(BURST[:390], INTERVAL))
-    data = load_scene(written(records, vertical=VERTICAL)).motion.data
-    assert len(data.x) == len(data.y) == 390
+@pytest.mark.parametrize("samples", [200, 399, 401, 600])
+def test_components_of_other_lengths_are_cut_or_padded_where_a_key_says_so(records: Path, samples: int) -> None:
+    vertical = np.resize(BURST, samples)
+    (records / "records" / "v.AT2").write_text(at2(vertical, INTERVAL))
+    with pytest.raises(ValueError, match=rf"v.AT2: holds {samples} samples, .*h.AT2 400; set vertical.unequal_length to cut, .* or to pad"):
+        load_scene(written(records, vertical=VERTICAL))
+    for how, length in (("cut", min(samples, 400)), ("pad", max(samples, 400))):
+        data = load_scene(written(records, vertical=VERTICAL | {"unequal_length": how})).motion.data
+        for found, recorded in ((data.x, BURST), (data.y, vertical)):
+            np.testing.assert_allclose(found, np.pad(recorded, (0, max(0, length - recorded.size)))[:length], atol=ROUNDING)
+
+
+def test_a_gap_is_named_where_it_is(records: Path) -> None:
+    """Samples 0.005 s apart, of which those from 0.5 to 0.6 s and one more are missing."""
+    times = np.delete(TIME, [*range(100, 120), 300])
+    (records / "gap.csv").write_text("t (s),a (m/s2)\n" + "\n".join(f"{time:.3f},1" for time in times))
+    message = (
+        r"gap.csv: has a gap of 0.105 s between sample 100, at 0.495 s, and the next, at 0.6 s, and 1 more behind it; .* 0.005 s apart"
+    )
+    with pytest.raises(ValueError, match=message):
+        make_scene(shaken(file=str(records / "gap.csv")))
+    for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
+        result = CliRunner().invoke(app, [command[0], str(records / "gap.csv"), *command[1:]])
+        assert result.exit_code == 2 and "has a gap of 0.105 s between sample 100" in result.stderr
+
+
+KIK_NET = {str(channel): (f"{name}{1 if channel < 4 else 2}", channel) for channel, name in enumerate(2 * ("NS", "EW", "UD"), 1)}
+
+
+@pytest.mark.parametrize(("direction", "ending", "channel"), [(direction, *each) for direction, each in KIK_NET.items()])
+@pytest.mark.parametrize("plain", [False, True], ids=["own ending", ".knet"])
+def test_the_directions_of_kik_net(records: Path, direction: str, ending: str, channel: int, plain: bool) -> None:
+    """1 to 3 are NS, EW and UD of the borehole, 4 to 6 those of the surface."""
+    path = records / f"ABSH060001010000.{'knet' if plain else ending}"
+    path.write_text(knet(BURST[::2], 100, direction=direction))
+    if channel in (3, 6):
+        with pytest.raises(ValueError, match="vertical component"):
+            make_scene(shaken(file=str(path)))
+        beside = records / f"a.{'NS1' if channel == 3 else 'NS2'}"
+        beside.write_text(knet(BURST[::2], 100, direction=str(channel - 2)))
+        assert make_scene(shaken(file=str(beside), vertical={"file": str(path)})).motion.data.y is not None
+        other = records / f"b.{'NS2' if channel == 3 else 'NS1'}"
+        other.write_text(knet(BURST[::2], 100, direction="4" if channel == 3 else "1"))
+        with pytest.raises(ValueError, match=r"vertical.file: .*was recorded in the borehole, .* was not"):
+            make_scene(shaken(file=str(other), vertical={"file": str(path)}))
+        return
+    scene = shaken(file=str(path))
+    assert (make_scene(scene).motion.data.instrument == "borehole") == (channel < 4)
+    absorbing = merge(scene, {"walls": {"base": "absorbing", "layers": 4}, "gravity": {"initial_stress": "geostatic", "ramp": 0.0}})
+    if channel < 4:
+        for data in (absorbing, merge(absorbing, {"motion": json.loads(make_scene(scene).motion.model_dump_json())})):
+            with pytest.raises(ValueError, match=r"recorded in a borehole.*walls.base: absorbing.*surface \(.EW2, .NS2\).*no_slip"):
+                make_scene(data)
+    else:
+        assert make_scene(absorbing).motion.data.instrument is None
+
+
+@pytest.mark.parametrize("direction", ["7", "0", "X", ""])
+def test_no_direction_of_k_net(records: Path, direction: str) -> None:
+    (records / "k.knet").write_text(knet(BURST[::2], 100, direction=direction))
+    with pytest.raises(ValueError, match=r"k.knet, line 13: must be a direction, N-S, E-W, U-D or 1 to 6"):
+        make_scene(shaken(file=str(records / "k.knet")))
+
+
+def test_the_peak_in_a_head_of_k_net_is_that_of_its_samples(records: Path) -> None:
+    text = knet(BURST[::2], 100, offset=20_000)
+    peak = next(line for line in text.split("\n") if line.startswith("Max. Acc."))
+    (records / "k.EW").write_text(text.replace(peak, "Max. Acc. (gal)   29.900"))
+    with pytest.raises(ValueError, match=r"k.EW, line 15: the head states a peak of 0.299 m/s2, its samples have 2"):
+        make_scene(shaken(file=str(records / "k.EW")))
 
 
 def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None:
@@ -176,7 +242,10 @@ BAD: list[tuple[dict[str, Any], list[str]]] = [
     ({"file": "records/h.AT2", "vertical": {"file": "absent"}}, ["motion: file: 'absent'", "No such file"]),
     ({"file": "records/h.AT2", "vertical": {"file": "slow.AT2"}}, ["vertical.file", "slow.AT2", "0.02 s", "0.005 s"]),
     ({"file": "records/h.AT2", "vertical": {"file": "late.csv"}}, ["vertical.file", "late.csv: begins at 2 s", "h.AT2 at 0 s"]),
-    ({"file": "records/h.AT2", "vertical": {"file": "short.AT2"}}, ["vertical.file", "short.AT2: holds 200 samples", "400"]),
+    (
+        {"file": "records/h.AT2", "vertical": {"file": "short.AT2"}},
+        ["vertical.file", "short.AT2: holds 200 samples", "400", "vertical.unequal_length"],
+    ),
     ({"file": "records/h.AT2", "vertical": 3}, ["motion.vertical: "]),
     ({"file": "records/h.AT2", "start": 0.5}, ["motion.start: 0.5 s", "gravity.duration: 1.0 s"]),
     ({"file": "records/h.AT2", "amplitude": 1.0, "factor": 2.0}, ["factor: 2", "amplitude: 1 m/s2", "1 or -1"]),
@@ -200,9 +269,9 @@ def test_bad_sections_are_named(records: Path, motion: dict[str, Any], words: li
     monkeypatch.chdir(records)
     (records / "slow.AT2").write_text(at2(BURST, 0.02))
     (records / "short.AT2").write_text(at2(BURST[:200], INTERVAL))
-    (records / "late.csv").write_text("t,a\n" + "\n".join(f"{t + 2.0:.3f},1" for t in TIME))
-    (records / "still.csv").write_text("t,a\n" + "\n".join(f"{t:.3f},0" for t in TIME))
-    (records / "uneven.csv").write_text("t,a\n0,1\n0.1,1\n0.12,1\n0.3,1\n")
+    (records / "late.csv").write_text("t,a (m/s2)\n" + "\n".join(f"{t + 2.0:.3f},1" for t in TIME))
+    (records / "still.csv").write_text("t,a (m/s2)\n" + "\n".join(f"{t:.3f},0" for t in TIME))
+    (records / "uneven.csv").write_text("t,a (m/s2)\n0,1\n0.1,1\n0.12,1\n0.3,1\n")
     with pytest.raises(ValueError) as raised:
         make_scene(shaken(**motion), "some.yaml")
     message = str(raised.value)
@@ -305,7 +374,7 @@ def test_what_the_command_refuses(records: Path) -> None:
     plain = records / "plain.at2"
     plain.write_text(at2(BURST, INTERVAL).replace(" IN UNITS OF G", ""))
     still = records / "still.csv"
-    still.write_text("t,a\n0,0\n1,0\n")
+    still.write_text("t,a (m/s2)\n0,0\n1,0\n")
     scene = written(records)
     for arguments, word in (
         ((plain,), "does not say its unit"),
