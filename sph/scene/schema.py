@@ -318,8 +318,8 @@ class Scene(Section):
         """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
 
         def inherited(layer: Layer) -> set[str]:
-            named = layer.soil.model_fields_set | ({*RESIDUALS} if layer.S_R is not None else set())
-            return {key for key, value in self.soil if key not in named and getattr(layer.soil, key) == value}
+            kept = {key for key, value in self.soil if key not in layer.soil.model_fields_set and getattr(layer.soil, key) == value}
+            return kept if layer.S_R is None else {key for key in kept if key not in RESIDUALS or getattr(self.soil, key) is None}
 
         return self.model_dump_json(exclude={"layers": {name: {"soil": inherited(layer)} for name, layer in self.layers.items()}})
 
