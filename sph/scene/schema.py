@@ -78,6 +78,11 @@ class RayleighDamping(Section):
         w1, w2 = (2 * math.pi * f for f in self.frequencies)
         return 2 * self.ratio / (w1 + w2)
 
+    def at(self, frequency: float | np.ndarray) -> Any:
+        """Damping ratio at a frequency, Hz, or an array of those at an array of any shape."""
+        omega = 2.0 * math.pi * frequency
+        return 0.5 * (self.mass_coefficient / omega + self.stiffness_coefficient * omega)
+
 
 class EarlyStop(Section):
     """When a run may end before its duration: after the shaking, once the soil has stood still and its loss of strength is over."""
