@@ -14,6 +14,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import scipy  # type: ignore[import-untyped]
 
 from sph.scene.layers import layer_at
@@ -47,6 +48,18 @@ class Column(NamedTuple):
     def impedance(self) -> np.ndarray:
         """Impedance (n,) rho V_s, kg/m2/s."""
         return self.density * self.speed
+
+
+class Transfer(NamedTuple):
+    """Complex amplitudes at frequencies (n,) for a unit displacement of the surface."""
+
+    base: np.ndarray  # (n,) displacement of the base
+    stress: np.ndarray  # (n,) shear stress there over 2 pi times the frequency, kg/m2/s
+    strain: np.ndarray  # (layers, n) shear strain in the middle of each layer, 1/m
+
+    def outcrop(self, below: float) -> np.ndarray:
+        """Displacement (n,) of an outcrop of a half-space of an impedance ``below``, kg/m2/s; an infinite one is a rigid base itself."""
+        return np.asarray(self.base - 1j * self.stress / below)
 
 
 class Peak(NamedTuple):
@@ -111,13 +124,27 @@ def natural_frequencies(column: Column, count: int = 1) -> np.ndarray:
     return np.array(found) / (2.0 * math.pi)
 
 
+def transfer(column: Column, frequency: np.ndarray, stiff: npt.ArrayLike = 1.0, heavy: npt.ArrayLike = 1.0) -> Transfer:
+    """What a vertical shear wave does in a column at frequencies (n,), Hz, for a unit displacement of the surface.
+
+    ``stiff`` and ``heavy`` multiply moduli and densities (broadcast to (layers, n)) with the complex factors of a damping: 1 + 2 i xi of
+    one that does not depend on the frequency, 1 + i omega beta and 1 - i alpha / omega of Rayleigh's.
+    """
+    omega = 2.0 * math.pi * frequency
+    shape = column.thickness.size, frequency.size
+    factors = (np.broadcast_to(np.asarray(each, complex), shape) for each in (stiff, heavy))
+    u, stress, strain = np.ones(frequency.size, complex), np.zeros(frequency.size, complex), []
+    for thickness, speed, impedance, g, m in zip(column.thickness, column.speed, column.impedance, *factors, strict=True):
+        theta, z = omega * thickness / speed * np.sqrt(m / g), impedance * np.sqrt(m * g)
+        middle = stress * np.cos(0.5 * theta) - z * u * np.sin(0.5 * theta)
+        strain.append(middle * omega / (impedance * speed * g))
+        u, stress = u * np.cos(theta) + stress / z * np.sin(theta), stress * np.cos(theta) - z * u * np.sin(theta)
+    return Transfer(u, stress, np.array(strain))
+
+
 def amplification(column: Column, below: float, frequency: np.ndarray) -> np.ndarray:
     """Motion of the surface over that of an outcrop of an elastic half-space of an impedance ``below`` (kg/m2/s), at frequencies (n,)."""
-    u, stress = np.ones_like(frequency), np.zeros_like(frequency)  # the stress over omega
-    for thickness, speed, impedance in zip(column.thickness, column.speed, column.impedance, strict=True):
-        theta = 2.0 * math.pi * frequency * thickness / speed
-        u, stress = u * np.cos(theta) + stress / impedance * np.sin(theta), stress * np.cos(theta) - impedance * u * np.sin(theta)
-    return np.asarray(1.0 / np.hypot(u, stress / below))
+    return np.asarray(1.0 / np.abs(transfer(column, frequency).outcrop(below)))
 
 
 def first_peak(column: Column, below: float) -> Peak | None:
