@@ -63,7 +63,7 @@ class Written(NamedTuple):
     scene: Scene
     wanted: Response  # of the sublayered column
     found: Response  # of the column of the scene, with its damping
-    untouched: list[str]  # layers that the column does not meet
+    untouched: list[str]  # the soil and layers that the column does not meet
     split: dict[str, list[str]]  # layers with the names of their bands
 
     @property
@@ -80,7 +80,7 @@ class Written(NamedTuple):
 def compatible(data: Mapping[str, Any], scene: Scene, found: Site) -> Written:
     """The scene with the strain-compatible stiffness and damping of a column; ValueError for what cannot be divided into bands."""
     for largest in RANGES:
-        made = _compared(_stiff(data, scene, found, largest), scene, found)
+        made = _compared(stiffened(data, scene, found, largest), scene, found)
         if made.within:
             break
     return made
@@ -112,23 +112,25 @@ def _thickness(parts: Sequence[Part]) -> float:
     return sum(each.bottom - each.top for each in parts)
 
 
-class _Stiff(NamedTuple):
+class Stiffened(NamedTuple):
+    """A scene's mapping with bands of stiffness, not damped yet; the names are those of ``Written``."""
+
     data: dict[str, Any]
     untouched: list[str]
     split: dict[str, list[str]]
 
 
-def _stiff(data: Mapping[str, Any], scene: Scene, found: Site, largest: float) -> _Stiff:
+def stiffened(data: Mapping[str, Any], scene: Scene, found: Site, largest: float) -> Stiffened:
     """The scene's mapping with the modulus of each band; layers that the column does not meet keep theirs."""
     bands, names = bands_of(scene, found, largest), list(scene.layers)
     ground = scene.geometry.in_survey(*place_of(scene, found.x))[1]
     written = data.get("layers") or {}
-    untouched = [name for number, name in enumerate(names, 1) if number not in bands]
+    untouched = [name for number, name in enumerate(["soil", *names]) if number not in bands]
     made, layers, split = merge({}, data), dict[str, Any](), dict[str, list[str]]()
     for number, name in enumerate(["", *names]):
         holder = data if number == 0 else written[name]
         own = bands.get(number, [])
-        _check_split(data, scene, number, own)
+        _check_split(scene, number, own)
         extra = _extra(scene, ground, holder, number, own, {*names, *layers})
         if number == 0:
             made["soil"] = _of_modulus(holder.get("soil") or {}, own[0].modulus) if own else holder.get("soil") or {}
@@ -147,14 +149,14 @@ def _stiff(data: Mapping[str, Any], scene: Scene, found: Site, largest: float) -
         lowest = scene.soils[found.layers[-1].stratum.number]
         rock = {"density": lowest.density, "s_wave_speed": lowest.s_wave_speed, "p_wave_speed": lowest.p_wave_speed}
         made = merge(made, {"walls": {"bedrock": {name: float(f"{value:.6g}") for name, value in rock.items()}}})
-    return _Stiff(made, untouched, split)
+    return Stiffened(made, untouched, split)
 
 
 def _of_modulus(soil: Mapping[str, Any], modulus: float) -> dict[str, Any]:
     return {name: value for name, value in soil.items() if name != SPEED} | {"youngs_modulus": modulus}
 
 
-def _check_split(data: Mapping[str, Any], scene: Scene, number: int, bands: Sequence[Band]) -> None:
+def _check_split(scene: Scene, number: int, bands: Sequence[Band]) -> None:
     """Refuse bands in which the soil would not be what it was."""
     if len(bands) < 2:
         return
@@ -218,7 +220,7 @@ def _digits(value: float, digits: int = 10) -> float:
     return float(f"{value:.{digits}g}")
 
 
-def _compared(stiff: _Stiff, scene: Scene, found: Site) -> Written:
+def _compared(stiff: Stiffened, scene: Scene, found: Site) -> Written:
     """The scene with the damping that fits best, compared with the sublayered column."""
     origin = f"{scene.name}, strain-compatible"
     made = make_scene(merge(stiff.data, {"damping": {"ratio": 0.0, "frequencies": [1.0, 2.0]}}), origin)

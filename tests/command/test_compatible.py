@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sph.command.compatible import WITHIN, Written, _stiff, bands_of, compatible, write_compatible
+from sph.command.compatible import WITHIN, Written, bands_of, compatible, stiffened, write_compatible
 from sph.command.site import GRAVITY, Part, Response, Site, Stratum, column, darendeli, place_of, respond, shaking
 from sph.scene.configuration import merge
 from sph.scene.natural_periods import Column, natural_frequencies, natural_frequency, strata_at
@@ -170,7 +170,7 @@ def test_bands_change_the_stiffness_alone(values: list[float], region: str, larg
     bands = bands_of(scene, found, largest)
     for inside in bands.values():
         assert all(band.bottom - band.top >= scene.numerics.spacing * (1.0 - 1e-9) for band in inside)
-    made = _stiff(data, scene, found, largest)
+    made = stiffened(data, scene, found, largest)
     new = make_scene(made.data)
     before, after = place_particles(scene), place_particles(new)
     np.testing.assert_array_equal(before.mass, after.mass)
@@ -191,7 +191,7 @@ BELOW = {"clay": {"region": {"kind": "elevation", "bottom": 40.0, "top": 57.0}, 
 def test_strength_that_grows_from_the_ground_stays_without_layers() -> None:
     data = merge({**DEEP, "layers": {}}, {"soil": GROWING})
     scene = make_scene(data)
-    made = make_scene(_stiff(data, scene, sublayered(scene, np.geomspace(1.0, 0.1, 60)), 1.5).data)
+    made = make_scene(stiffened(data, scene, sublayered(scene, np.geomspace(1.0, 0.1, 60)), 1.5).data)
     assert len(made.layers) > 3
     np.testing.assert_allclose(*(peak_strength(each, place_particles(each)) for each in (scene, made)), rtol=1e-7)
 
@@ -214,4 +214,4 @@ def test_bands_in_which_the_soil_would_not_be_what_it_was_are_refused(changes: d
     data = merge(DEEP, changes)
     scene = make_scene(data)
     with pytest.raises(ValueError, match=words):
-        _stiff(data, scene, sublayered(scene, np.geomspace(1.0, 0.1, 60)), 1.5)
+        stiffened(data, scene, sublayered(scene, np.geomspace(1.0, 0.1, 60)), 1.5)
