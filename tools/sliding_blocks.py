@@ -26,6 +26,7 @@ from sph.scene.configuration import merge, read_scene
 from sph.scene.ground_motion import GroundMotion, motion_of
 from sph.scene.ground_motion.measures import measure as measure_motion
 from sph.scene.ground_motion.record import Record
+from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest
 from sph.solver.particles import place_particles
@@ -36,7 +37,6 @@ from sph.storage.files import whole
 from sph.storage.trajectory import Variable
 from sph.study.baseline import baseline_metrics
 from sph.study.findings import level_ground
-from sph.study.motion_findings import natural_period
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
 from tools.slow_sine import damping_at
@@ -120,10 +120,10 @@ def compared(table: pd.DataFrame, block: str = "newmark_displacement") -> pd.Dat
 def column_motion(scene: Scene) -> GroundMotion:
     """Mean acceleration over the depth of the ground below the crest, an elastic column on a rigid base, in its first mode.
 
-    The relative displacement y of the mode follows y'' + 2 xi w y' + w^2 y = -a with w of the natural period, four travel times of a shear
-    wave, and the scene's damping there; the mean is a + 8 / pi^2 y'', as of soil of one stiffness.  An absorbing base is left out.
+    The relative displacement y of the mode follows y'' + 2 xi w y' + w^2 y = -a with w of the natural period and the scene's
+    damping there; the mean is a + 8 / pi^2 y'', as of soil of one stiffness.  An absorbing base is left out.
     """
-    motion, period = motion_of(scene), natural_period(scene, place_particles(scene))
+    motion, period = motion_of(scene), 1.0 / natural_frequency(scene, scene.geometry.crest)
     step = min(period / 40.0, float(np.diff(motion.time).min()))
     time = np.arange(motion.time[0], motion.time[-1] + 10.0 * period, step)
     base, w = np.interp(time, motion.time, motion.acceleration, right=0.0), 2.0 * math.pi / period

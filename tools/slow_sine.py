@@ -15,15 +15,14 @@ from sph.experiments.validation.slow_sine import COLLAPSE, LIMIT, collapsed
 from sph.scene.configuration import merge, read_scene
 from sph.scene.gravity import GRAVITY
 from sph.scene.motion import TaperedSine
+from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest
-from sph.solver.particles import place_particles
 from sph.solver.run import run
 from sph.stability.newmark import sliding_block
 from sph.stability.search import Trial, search
 from sph.stability.standing import displacements, slope_height
 from sph.storage.trajectory import Variable
-from sph.study.motion_findings import natural_period
 from sph.study.tables import number_column, read_csv, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
 
@@ -57,7 +56,7 @@ SLOW_SINE: tuple[Variable, ...] = (
 def shaken(scene: dict[str, Any], ratio: float, k: float) -> Scene:
     """The scene under a sine of a period over the natural one, of an amplitude k g, with ``CYCLES``."""
     built = make_scene(scene)
-    period, start = ratio * natural_period(built, place_particles(built)), built.gravity.duration
+    period, start = ratio / natural_frequency(built, built.geometry.crest), built.gravity.duration
     rise, fall, end = (start + cycles * period for cycles in CYCLES)
     motion = {"kind": "tapered_sine", "amplitude": k * GRAVITY, "frequency": 1.0 / period, "start": start}
     motion |= {"ramp": rise - start, "decay_start": fall, "end": end}
@@ -89,8 +88,7 @@ def mean_amplification(ratio: float, damping: float) -> float:
 def damping_at(scene: Scene, frequency: float) -> float:
     """Rayleigh damping ratio at a frequency (Hz)."""
     assert scene.damping is not None
-    low, high = scene.damping.frequencies
-    return scene.damping.ratio * (low * high / frequency + frequency) / (low + high)
+    return scene.damping.at(frequency)
 
 
 def measured(scene: dict[str, Any], ratio: float) -> dict[str, float]:

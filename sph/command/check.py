@@ -18,7 +18,7 @@ from sph.study.equilibrium import equilibrium_rows, found_equilibrium, slip_at_b
 from sph.study.finding import Finding
 from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.study.layer_findings import Layer, layers_of, seam_rows
-from sph.study.motion_findings import peak_accelerations
+from sph.study.motion_findings import frequency_rows, peak_accelerations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,6 +72,7 @@ def rows(found: Check) -> list[tuple[str, str]]:
         ("kernel radius", f"{2 * scene.numerics.smoothing_length:.3g} m, {expected.neighbours:.0f} neighbours"),
         *uncertain_rows(scene, particles),
         *water_rows(scene),
+        *frequency_rows(scene),
         ("motion", shaking),
         ("PGA", peak_accelerations(scene)),
         ("steps", f"{expected.steps:,} of {scene.duration / expected.steps:.3g} s to {scene.duration:g} s"),

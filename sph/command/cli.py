@@ -570,7 +570,7 @@ def site(
 ) -> None:
     """Find the strain-compatible stiffness and damping of each layer (equivalent-linear site response)."""
     with refusals("shaking a column of the scene"):
-        from sph.command.site import COLUMNS, darendeli, lines, respond, rows, write_compatible
+        from sph.command.site import COLUMNS, darendeli, lines, record, respond, rows
         from sph.scene.configuration import merge, scene_files
         from sph.scene.schema import make_scene, written_scene
 
@@ -580,15 +580,20 @@ def site(
             check_writable(out, [scene, *scene_files(data)])
         found = respond(loaded, darendeli(plasticity, ocr), at)
         if out is not None:
-            write_compatible(out, data, loaded, found)
+            from sph.command.compatible import WITHIN, compatible, write_compatible
+            from sph.command.compatible import lines as comparison
+
+            made = compatible(data, loaded, found)
+            write_compatible(out, made, found)
+            if not made.within:
+                say(f"{out}: differs by more than {100 * WITHIN:g} % from the sublayered column; choose a smaller numerics.spacing")
     if as_json:
-        layers = [each._asdict() | {"stratum": each.stratum._asdict()} for each in found.layers]
-        print(to_json(found._asdict() | {"layers": layers}, indent=1))
+        print(to_json(record(found), indent=1))
         return
     show_table(COLUMNS, rows(loaded, found))
     print("\n".join(lines(found)))
     if out is not None:
-        print(f"{out}: written; look at it with sph check {out}")
+        print("\n".join([*comparison(made), f"{out}: written; look at it with sph check {out}"]))
 
 
 @app.command(epilog="Examples:  sph cost config/config.yaml  |  sph cost config/config.yaml --fidelity paper --cores 64 --speed 0.8")

@@ -12,7 +12,7 @@ from sph.solver.time_step import limits
 from sph.study.cost import ON_REFERENCE, cost, needs
 from sph.study.findings import choices, findings, strengths, uncertain_rows, water_rows
 from sph.study.layer_findings import seam_rows
-from sph.study.motion_findings import peak_accelerations
+from sph.study.motion_findings import frequency_rows, peak_accelerations
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:
@@ -50,7 +50,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         *water_rows(scene),
         ("moduli", f"G = {soil.shear_modulus_si / 1e6:.1f} MPa, K = {soil.bulk_modulus_si / 1e6:.1f} MPa"),
         ("wave speeds", f"V_s = {soil.s_wave_speed:.1f} m/s, V_p = {soil.p_wave_speed:.1f} m/s"),
-        ("column frequency", f"V_s / 4H = {soil.s_wave_speed / (4 * scene.geometry.height):.2f} Hz"),
+        *frequency_rows(scene),
         ("time step", f"{step:.3g} s, {steps:,} steps" + ("" if numerics.adaptive_step is None else ", adapts to the limit")),
     ]
     for limit in limits(scene):

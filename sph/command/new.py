@@ -9,6 +9,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import yaml
 
 import sph
@@ -16,6 +17,7 @@ from sph.command.schema import schema_file
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
 from sph.scene.ground_motion import read_record
+from sph.scene.natural_periods import Column, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
@@ -69,8 +71,8 @@ coupling:
   # From the same test, m: displacement at the end of the peak and where the residual strength is reached (docs/model/softening.md)  REPLACE
   # width: of the soil that yields before a slip surface forms, at least three spacings
   softening: {{slip_at_peak: 1.0e-3, slip_at_residual: 0.1, width: {width:g}}}
-# Damping ratio at two frequencies: the natural one of the ground, V_s / 4H with the height H of the crest above the base ("column
-# frequency" of sph info), and five times that; damping also slows blocks that have not failed
+# Damping ratio at two frequencies: the natural one of the ground with its layers ("column frequency" of sph info, to be looked at again
+# when the soil and the layers are final), and five times that; damping also slows blocks that have not failed
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} #           REPLACE when the soil is known
 motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
@@ -112,7 +114,8 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
     line, downhill = _ground(ground)
     motion = read_record(record, component=component)
     height = line.slope_height
-    spacing, frequency = height / ROWS, _digits(PLACEHOLDER_SOIL["s_wave_speed"] / (4.0 * line.height), 3)
+    soil = Column(*(np.array([each]) for each in (line.crest[1], PLACEHOLDER_SOIL["s_wave_speed"], PLACEHOLDER_SOIL["density"])))
+    spacing, frequency = height / ROWS, _digits(float(natural_frequencies(soil)[0]), 3)
     name = _name(folder.resolve())
     facts: dict[str, Any] = PLACEHOLDER_SOIL | {
         "scene_schema": _schema_line("scene", folder),

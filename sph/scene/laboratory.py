@@ -1,7 +1,7 @@
 """Soil as laboratories give it: by the speed of shear waves instead of Young's modulus, and by its undrained strength.
 
-A scene may write these; it keeps the keys that the equations have.  An undrained strength that grows with depth, s_u = at_top + gradient z,
-becomes a cohesion (``at_top``) and its growth.
+A scene may write these; what is made of it has the keys that the equations have.  An undrained strength that grows with depth,
+s_u = at_top + gradient z, becomes a cohesion (``at_top``) and its growth.
 """
 
 from __future__ import annotations
@@ -10,13 +10,15 @@ import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from sph.scene.configuration import validated
+from sph.scene.configuration import merge, validated
 from sph.scene.scheme import is_resolved
 from sph.scene.soil import Soil, UndrainedStrength
 
 SPEED, UNDRAINED, GROWTH = "shear_wave_speed", "undrained_strength", "cohesion_growth"
 INSTEAD_OF = {SPEED: ("youngs_modulus",), UNDRAINED: ("cohesion", "friction_angle")}
 """Keys of the soil for which each stands."""
+RESIDUALS = ("residual_cohesion", "residual_friction_angle")
+"""What an S_R stands for."""
 LARGEST = 1e6
 """Largest undrained strength, kPa."""
 
@@ -53,41 +55,87 @@ FORMS: dict[str, Callable[[Mapping[str, Any]], dict[str, Any]]] = {SPEED: _modul
 def as_computed(data: Mapping[str, Any], origin: str) -> Mapping[str, Any]:
     """A scene's mapping with the keys that these stand for; ValueError where both are written.
 
-    A layer takes density and Poisson's ratio, where it has none of its own, from the scene's soil.  What cannot be computed stays, and is
-    refused by the soil.  A layer that writes a strength of its own does not take over how that of the scene's soil grows.
+    A layer takes over what is written in the scene's soil, key by key, before anything is computed of it: under a soil with a speed of
+    shear waves one of another density has the same speed.  Of a quantity with two forms the layer's own counts (``_taken_over``).
+    What cannot be computed stays, and is refused by the soil.
     """
     if not isinstance(data, Mapping):
         return data
-    taken = {} if is_resolved(data) else {name: field.default for name, field in Soil.model_fields.items()}
-    base, layers = data.get("soil", {}), data.get("layers")
-    made = _with(data, base, taken, f"{origin}: soil")
-    if isinstance(layers, Mapping) and isinstance(base, Mapping):
-        inherited, own = taken | dict(base), dict(layers)
-        grows = isinstance(made.get("soil"), Mapping) and made["soil"].get(GROWTH) is not None
-        for name, layer in layers.items():
-            if isinstance(layer, Mapping):
-                own[name] = _with(layer, layer.get("soil", {}), inherited, f"{origin}: layers.{name}.soil")
-                soil = own[name].get("soil")
-                if grows and isinstance(soil, Mapping) and "cohesion" in soil and GROWTH not in soil:
-                    own[name] = {**own[name], "soil": {**soil, GROWTH: None}}
-        made = {**made, "layers": own} if own != layers else made
+    defaults = {} if is_resolved(data) else {name: field.default for name, field in Soil.model_fields.items()}
+    written, layers = data.get("soil", {}), data.get("layers")
+    if not isinstance(written, Mapping):
+        return data
+    soil = _computed(written, defaults, f"{origin}: soil")
+    made = {**data, "soil": soil} if soil != written else data
+    if isinstance(layers, Mapping):
+        made = {**made, "layers": {name: _layer(layers[name], written, soil, defaults, f"{origin}: layers.{name}") for name in layers}}
     return made
 
 
-def _with(holder: Mapping[str, Any], soil: Any, inherited: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-    """A scene or layer with its soil as it is computed."""
-    forms = [form for form in FORMS if isinstance(soil, Mapping) and soil.get(form) is not None]
-    made = dict(soil) if forms else {}
-    for form in forms:
+def _layer(layer: Any, written: Mapping[str, Any], soil: Mapping[str, Any], defaults: Mapping[str, Any], where: str) -> Any:
+    """A layer under the scene's soil, as it is written and as computed, with the keys of its own and those in which it then differs."""
+    own = layer.get("soil", {}) if isinstance(layer, Mapping) else None
+    if not isinstance(own, Mapping):
+        return layer
+    _check_one_form(own, f"{where}.soil")
+    found = _computed(merge(_taken_over(layer, own, written, soil, f"{where}.soil"), own), defaults, f"{where}.soil")
+    found = {name: None for name in (GROWTH, *RESIDUALS) if soil.get(name) is not None} | dict(found)
+    named = {*own, *(key for form in FORMS if own.get(form) is not None for key in INSTEAD_OF[form])}
+    kept = {name: value for name, value in found.items() if name in named or value != soil.get(name)}
+    return {**layer, "soil": kept} if kept != own else layer
+
+
+def _taken_over(
+    layer: Mapping[str, Any], own: Mapping[str, Any], written: Mapping[str, Any], soil: Mapping[str, Any], where: str
+) -> dict[str, Any]:
+    """What a layer that writes ``own`` takes over of the scene's soil, without the forms of the quantities that it writes itself.
+
+    A speed of shear waves replaces a modulus and the other way round, an undrained strength a cohesion and its friction angle, a cohesion
+    the growth beside it, and an S_R the residual strengths.  A cohesion replaces an undrained strength, whose friction angle of 0 stays; a
+    friction angle alone would make it the cohesion of another soil, and is refused.
+    """
+    there = {name for name, value in own.items() if value is not None}
+    kept = dict(written)
+    if there & {SPEED, *INSTEAD_OF[SPEED]}:
+        kept = {name: value for name, value in kept.items() if name not in (SPEED, *INSTEAD_OF[SPEED])}
+    if UNDRAINED in there:
+        kept = {name: value for name, value in kept.items() if name not in INSTEAD_OF[UNDRAINED]}
+        if isinstance(own[UNDRAINED], Mapping) and isinstance(kept.get(UNDRAINED), (int, float)):
+            kept[UNDRAINED] = {"at_top": kept[UNDRAINED]}
+    elif kept.get(UNDRAINED) is not None and there & {*INSTEAD_OF[UNDRAINED], GROWTH}:
+        if "friction_angle" in there and "cohesion" not in there and own["friction_angle"] != 0:
+            raise ValueError(
+                f"{where}.friction_angle: {own['friction_angle']!r} under soil.{UNDRAINED}, which is a cohesion without friction; "
+                "write the cohesion of the layer as well"
+            )
+        kept = {name: value for name, value in kept.items() if name != UNDRAINED}
+        kept |= {name: soil[name] for name in (*INSTEAD_OF[UNDRAINED], GROWTH) if name in soil}
+    replaced = {GROWTH} if there & {UNDRAINED, "cohesion"} else set()
+    replaced |= {*RESIDUALS} if layer.get("S_R") is not None else set()
+    return {name: value for name, value in kept.items() if name not in replaced}
+
+
+def _check_one_form(soil: Mapping[str, Any], where: str) -> None:
+    """ValueError where a soil writes a quantity in two forms."""
+    for form in FORMS:
         both = [name for name in (*INSTEAD_OF[form], *[GROWTH] * (form == UNDRAINED)) if soil.get(name) is not None]
-        if both:
+        if soil.get(form) is not None and both:
             raise ValueError(f"{where}.{form}: {soil[form]!r} stands for {' and '.join(INSTEAD_OF[form])}; leave out {' and '.join(both)}")
+
+
+def _computed(soil: Mapping[str, Any], defaults: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+    """A soil with the keys of the equations instead of the forms that can be computed."""
+    _check_one_form(soil, where)
+    made = dict(soil)
+    for form in FORMS:
+        if made.get(form) is None:
+            continue
         if form == UNDRAINED:
             made[form] = _undrained(soil[form], f"{where}.{form}")
         try:
-            found = FORMS[form](dict(inherited) | made) if form == UNDRAINED or float(soil[form]) > 0.0 else {}
+            found = FORMS[form](dict(defaults) | made) if form == UNDRAINED or float(soil[form]) > 0.0 else {}
         except (KeyError, TypeError, ValueError):
             continue
         if found and all(math.isfinite(value) for value in found.values() if isinstance(value, float)):
             made = {name: value for name, value in made.items() if name != form} | found
-    return {**holder, "soil": made} if forms else holder
+    return made if made != soil else soil

@@ -102,6 +102,15 @@ class Layer(Section):
     )
 
 
+def layer_at(scene: Scene, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """Layer (n,) at places (n,) of the box in the soil, below a ground (n,), m: 0 is the scene's own soil, k its k-th layer."""
+    places, top = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
+    index = np.zeros(np.shape(x), int)
+    for number, layer in enumerate(scene.layers.values(), 1):
+        index[layer.region.contains(*places, top)] = number
+    return index
+
+
 def softening_of(coupling: Coupling, layer: Layer | None) -> Softening | None:
     """Loss of strength with slip of the scene's own soil or of a layer with slips of its own; ValueError where they are no pair."""
     if coupling.softening is None or layer is None:

@@ -24,7 +24,7 @@ from sph.scene.configuration import OwnName, Section, key, merge, read_scene, va
 from sph.scene.geometry import Geometry
 from sph.scene.gravity import FAILED_AREA, GravityStage, InitialVelocity, UniformStress, VelocityGradient
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.laboratory import as_computed
+from sph.scene.laboratory import RESIDUALS, as_computed
 from sph.scene.layers import Layer, check_coupling
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
 from sph.scene.numerics import Numerics
@@ -77,6 +77,11 @@ class RayleighDamping(Section):
         """beta_R, s."""
         w1, w2 = (2 * math.pi * f for f in self.frequencies)
         return 2 * self.ratio / (w1 + w2)
+
+    def at(self, frequency: float | np.ndarray) -> Any:
+        """Damping ratio at a frequency, Hz, or an array of those at an array of any shape."""
+        omega = 2.0 * math.pi * frequency
+        return 0.5 * (self.mass_coefficient / omega + self.stiffness_coefficient * omega)
 
 
 class EarlyStop(Section):
@@ -323,10 +328,11 @@ class Scene(Section):
     def stored(self) -> str:
         """The scene as JSON: all its keys, but of a layer's soil those that it names, so that what is laid over the scene reaches it."""
 
-        def inherited(soil: Soil) -> set[str]:
-            return {key for key, value in self.soil if key not in soil.model_fields_set and getattr(soil, key) == value}
+        def inherited(layer: Layer) -> set[str]:
+            kept = {key for key, value in self.soil if key not in layer.soil.model_fields_set and getattr(layer.soil, key) == value}
+            return kept if layer.S_R is None else {key for key in kept if key not in RESIDUALS or getattr(self.soil, key) is None}
 
-        return self.model_dump_json(exclude={"layers": {name: {"soil": inherited(layer.soil)} for name, layer in self.layers.items()}})
+        return self.model_dump_json(exclude={"layers": {name: {"soil": inherited(layer)} for name, layer in self.layers.items()}})
 
     @property
     def soils(self) -> tuple[Soil, ...]:
@@ -385,7 +391,10 @@ def make_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
 
     Keys that ``uncertain`` draws take the values of its seed.
     """
-    data = as_computed(drawn(data, origin), origin)
+    return _made(as_computed(drawn(data, origin), origin), origin)
+
+
+def _made(data: Mapping[str, Any], origin: str) -> Scene:
     needed = missing(data, origin)
     try:
         made = validated(Scene, filled(data), origin)
@@ -407,7 +416,7 @@ def stored_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
         data = {**data, "walls": {name: "fixed" if kind == "sticky" else kind for name, kind in walls.items()}}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
-        return make_scene(merge({"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}}, data), origin)
+        return _made(merge({"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}}, data), origin)
 
 
 def written_scene(path: Path | str) -> dict[str, Any]:

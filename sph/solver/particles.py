@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.geometry import Bodies
+from sph.scene.layers import layer_at
 from sph.scene.places import ABOVE, RIGHT, shifted
 from sph.scene.schema import Scene
 from sph.scene.uncertain import Variable
@@ -90,12 +91,7 @@ def place_particles(scene: Scene) -> Particles:
 
 def layer_index(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     """Layer (n,) at places (n,): 0 is the scene's own soil, k its k-th layer.  Walls go on as the soil beside them."""
-    x, y, ground = _in_soil(scene, x, y)
-    places, ground = scene.geometry.in_survey(x, y), scene.geometry.in_survey(x, ground)[1]
-    index = np.zeros(np.shape(x), int)
-    for number, layer in enumerate(scene.layers.values(), 1):
-        index[layer.region.contains(*places, ground)] = number
-    return index
+    return layer_at(scene, *_in_soil(scene, x, y))
 
 
 def _in_soil(scene: Scene, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

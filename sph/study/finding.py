@@ -54,6 +54,7 @@ CODES: dict[str, Code] = {
     "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: often a mistaken unit"),
     "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
     "block-not-rigid": Code(NOTE, "the slope is too soft to move like the rigid sliding block that its runs are compared with"),
+    "damping-off-frequency": Code(WARNING, "the first mode of the ground is damped more than twice as much as the ratio that is given"),
     "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
     "level-ground-fails": Code(NOTE, "the shaking is so strong that level ground fails in shear as well, up to the sides of the box"),
     "short-waves": Code(WARNING, "the particles do not resolve the highest frequencies of the motion"),

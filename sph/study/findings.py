@@ -27,7 +27,7 @@ from sph.stability.standing import dividing
 from sph.study.finding import Finding, finding, off_by
 from sph.study.layer_findings import of_layers
 from sph.study.loss_findings import of_loss, of_softening
-from sph.study.motion_findings import not_rigid, of_motion
+from sph.study.motion_findings import not_rigid, of_damping, of_motion
 from sph.study.soil_findings import of_soils
 
 FEWEST_IN_HEIGHT = 12
@@ -235,7 +235,8 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
         + of_loss(scene)
         + of_variation(scene)
         + of_motion(scene)
-        + not_rigid(scene, particles)
+        + not_rigid(scene)
+        + of_damping(scene)
         + of_level_ground(scene, particles)
         + _series(scene)
         + _step(scene)

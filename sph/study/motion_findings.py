@@ -8,15 +8,14 @@ from collections.abc import Mapping
 import numpy as np
 import scipy  # type: ignore[import-untyped]
 
-from sph.scene.geometry import Slope
+from sph.scene.geometry import SLOPES, Bodies
 from sph.scene.gravity import GRAVITY
-from sph.scene.ground_line import GroundLine
 from sph.scene.ground_motion import GroundMotion, loading_of, motion_of
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.motion import ConstantAcceleration, NoMotion
+from sph.scene.natural_periods import column_at, first_peak, impedance_below, natural_frequency
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
-from sph.solver.particles import Particles
 from sph.stability.newmark import sliding_block
 from sph.study.finding import Finding, finding, off_by
 
@@ -43,6 +42,9 @@ LOWEST, HIGHEST = 0.25, 20.0
 MOST_RIGID = 0.1
 """Natural period of the slope over the mean period of the motion up to which a sliding block may be rigid; from there to 1 it slips too
 little, beyond that more or less than the slope moves (Jibson 2011)."""
+OTHER_DAMPING = 2.0
+"""Damping ratio of the first mode over the one that is given, from which on the frequencies of the damping are another column's."""
+NO_PEAK = "none: below the base lies soil like the lowest, or softer, so only the depth of the model sets the column frequency"
 
 
 def cut_off(scene: Scene) -> list[Finding]:
@@ -82,20 +84,49 @@ def mean_period(motion: GroundMotion) -> float:
     return float((power[there] / frequency[there]).sum() / total) if total > 0.0 else 0.0
 
 
-def natural_period(scene: Scene, particles: Particles) -> float:
-    """Four times the travel time of a shear wave from the base to the crest edge, s: 4 D / V_s of one soil, their sum over layers."""
-    soil = slice(0, particles.n_soil)
-    x, dx = particles.x[soil], scene.numerics.spacing
-    column = np.abs(x - x[np.argmin(np.abs(x - scene.geometry.crest[0]))]) < 0.5 * dx
-    speeds = np.array([each.s_wave_speed for each in scene.soils])
-    return float(4.0 * (dx / speeds[particles.layer[soil][column]]).sum())
-
-
-def not_rigid(scene: Scene, particles: Particles) -> list[Finding]:
-    """A note if the ground below the crest is too soft for a rigid block to move like the slope."""
-    if not isinstance(scene.geometry, (Slope, GroundLine)) or isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
+def frequency_rows(scene: Scene) -> list[tuple[str, str]]:
+    """Label and text of the natural frequencies of the ground and of the damping there, for summaries; none where bodies lie in the box."""
+    geometry = scene.geometry
+    if isinstance(geometry, Bodies):
         return []
-    mean, period = mean_period(motion_of(scene)), natural_period(scene, particles)
+    places = {"crest edge": geometry.crest} | ({"toe": geometry.toe} if isinstance(geometry, SLOPES) else {})
+    found = {name: natural_frequency(scene, place) for name, place in places.items()}
+    told = [f"{frequency:.3g} Hz below the {name}" for name, frequency in found.items() if math.isfinite(frequency)]
+    rows = [("column frequency", f"{', '.join(told)}: first mode of the layers down to the base of the model, held there")]
+    column = column_at(scene, geometry.crest)
+    below = impedance_below(scene, column)
+    if math.isfinite(below):
+        peak = first_peak(column, below)
+        words = f"{peak.frequency:.3g} Hz, {peak.amplification:.3g} times, undamped" if peak else NO_PEAK
+        rows.append(("resonance over the half-space", words))
+    if scene.damping is not None and scene.damping.ratio > 0.0:
+        frequency = found["crest edge"]
+        low, high = scene.damping.frequencies
+        words = f"{scene.damping.ratio:.3g} at {low:g} and {high:g} Hz, {scene.damping.at(frequency):.3g} at the {frequency:.3g} Hz"
+        rows.append(("damping ratio", f"{words} of the column below the crest edge"))
+    return rows
+
+
+def of_damping(scene: Scene) -> list[Finding]:
+    """A warning where the first mode of the ground below the crest edge is damped much more than the ratio that is given."""
+    if not isinstance(scene.geometry, SLOPES) or scene.damping is None or scene.damping.ratio == 0.0:
+        return []
+    frequency, given = natural_frequency(scene, scene.geometry.crest), scene.damping.ratio
+    ratio = scene.damping.at(frequency)
+    if ratio <= OTHER_DAMPING * given:
+        return []
+    what = f"the first mode of the ground, {frequency:.3g} Hz below the crest edge, is damped more than the ratio that is given"
+    low, high = (float(f"{each:.3g}") for each in (frequency, max(frequency * 5.0, scene.damping.frequencies[1])))
+    measured, wanted = f"{100 * ratio:.3g} % instead of {100 * given:.3g} %", f"at most {100 * OTHER_DAMPING * given:.3g} %"
+    key = f"damping.frequencies to [{low:g}, {high:g}]"
+    return [finding("damping-off-frequency", what, measured, wanted, key, off_by=off_by(ratio, given))]
+
+
+def not_rigid(scene: Scene) -> list[Finding]:
+    """A note if the ground below the crest is too soft for a rigid block to move like the slope."""
+    if not isinstance(scene.geometry, SLOPES) or isinstance(scene.motion, (NoMotion, ConstantAcceleration)):
+        return []
+    mean, period = mean_period(motion_of(scene)), 1.0 / natural_frequency(scene, scene.geometry.crest)
     if not mean or period <= MOST_RIGID * mean:
         return []
     tells = "underestimates" if period <= mean else "does not represent"

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import Any
 
 import pytest
 import yaml
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene, stored_scene, written_scene
@@ -143,3 +146,144 @@ def test_a_strength_that_grows_beside_a_growth_is_refused() -> None:
     with pytest.raises(ValueError, match="leave out cohesion_growth"):
         soil = {"undrained_strength": {"at_top": 20.0, "gradient": 1.0}, "cohesion_growth": {"gradient": 1.0}}
         make_scene(merge(without("cohesion", "friction_angle", "dilation_angle"), {"soil": soil}))
+
+
+STIFFNESS = {"youngs_modulus": st.floats(1e4, 1e6), "shear_wave_speed": st.floats(60.0, 900.0)}
+"""Forms of the stiffness."""
+STRENGTH = st.one_of(
+    st.fixed_dictionaries({"cohesion": st.floats(5.0, 80.0), "friction_angle": st.floats(21.0, 40.0)}),
+    st.fixed_dictionaries(
+        {
+            "cohesion": st.floats(5.0, 80.0),
+            "friction_angle": st.floats(21.0, 40.0),
+            "cohesion_growth": st.fixed_dictionaries({"gradient": st.floats(0.1, 5.0)}),
+        }
+    ),
+    st.fixed_dictionaries({"undrained_strength": st.floats(5.0, 80.0)}),
+    st.fixed_dictionaries(
+        {
+            "undrained_strength": st.fixed_dictionaries(
+                {"at_top": st.floats(5.0, 80.0), "gradient": st.floats(0.1, 5.0), "datum": st.just(3.0)}
+            )
+        }
+    ),
+)
+"""Forms of the peak strength."""
+LAYERED: dict[str, Any] = {
+    "scheme": "paper",
+    "name": "s",
+    "geometry": {"shape": "slope"},
+    "gravity": {"ramp": 0.0, "initial_stress": "geostatic"},
+}
+TOP: dict[str, Any] = {"kind": "depth", "bottom": 2.0}
+
+
+def in_words(soil: Any) -> dict[str, float | None]:
+    """What each quantity of a soil is in all its forms."""
+    return {
+        "density": soil.density,
+        "poisson_ratio": soil.poisson_ratio,
+        "youngs_modulus": soil.youngs_modulus,
+        "shear_wave_speed": soil.s_wave_speed,
+        "cohesion": soil.cohesion,
+        "friction_angle": soil.friction_angle,
+        "gradient": soil.gradient,
+        "datum": soil.cohesion_growth and soil.cohesion_growth.datum,
+        "residual_cohesion": soil.residual_cohesion,
+        "residual_friction_angle": soil.residual_friction_angle,
+        "K0": soil.K0,
+        "viscosity": soil.viscosity,
+    }
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.data())
+def test_a_layer_takes_over_what_is_written(data: st.DataObject) -> None:
+    """A layer names one key or one form: it has that, and of all else the number that the scene's soil writes, in its form."""
+    stiff = data.draw(st.sampled_from([*STIFFNESS]))
+    peak = data.draw(STRENGTH)
+    rest = data.draw(
+        st.fixed_dictionaries(
+            {"density": st.floats(1500.0, 2300.0), "poisson_ratio": st.floats(0.2, 0.4)},
+            optional={"K0": st.floats(0.6, 0.9), "residual_cohesion": st.floats(0.0, 4.0), "viscosity": st.floats(1.0, 9.0)},
+        )
+    )
+    written = {stiff: data.draw(STIFFNESS[stiff])} | peak | rest
+    new = data.draw(
+        st.sampled_from(
+            [
+                {"density": 1400.0},
+                {"poisson_ratio": 0.15},
+                {"youngs_modulus": 5.0e4},
+                {"shear_wave_speed": 111.0},
+                {"cohesion": 90.0},
+                {"undrained_strength": 33.0},
+                {"undrained_strength": {"at_top": 33.0, "gradient": 2.0}},
+                {"viscosity": 5.0},
+                {"K0": 0.8},
+                {"residual_cohesion": 1.0},
+            ]
+        )
+    )
+    scene = make_scene(LAYERED | {"soil": written, "layers": {"other": {"region": TOP, "soil": new}}})
+    own, found = in_words(scene.soil), in_words(scene.layers["other"].soil)
+    expected = dict(own)
+    strengths = new.get("undrained_strength")
+    if strengths is not None:
+        section = strengths if isinstance(strengths, dict) else {"at_top": strengths, "gradient": 0.0}
+        under = peak.get("undrained_strength")
+        datum = under["datum"] if isinstance(strengths, dict) and isinstance(under, dict) else None
+        expected |= {"cohesion": section["at_top"], "friction_angle": 0.0, "gradient": section["gradient"], "datum": datum}
+    else:
+        expected |= new
+    if "cohesion" in new:
+        expected |= {"gradient": 0.0, "datum": None}
+    form = next((name for name in STIFFNESS if name in new), stiff)
+    expected[form] = new.get(form, written.get(form))
+    shear = 2e-3 * (1.0 + expected["poisson_ratio"]) * expected["density"]
+    if form == "shear_wave_speed":
+        expected["youngs_modulus"] = shear * expected[form] ** 2
+    else:
+        expected["shear_wave_speed"] = math.sqrt(expected[form] / shear)
+    assert found == {name: value if value is None else pytest.approx(value, rel=1e-12) for name, value in expected.items()}
+    assert stored_scene(json.loads(scene.stored())) == scene, "a stored scene repeats the run"
+    assert make_scene(json.loads(scene.stored())) == scene and make_scene(scene.model_dump()) == scene
+
+
+def layered(soil: dict[str, Any], layer: dict[str, Any]) -> Scene:
+    return make_scene(LAYERED | {"soil": soil, "layers": {"other": {"region": TOP} | layer}})
+
+
+def test_a_lighter_layer_has_the_speed_that_its_soil_writes() -> None:
+    soil = {"density": 2200.0, "shear_wave_speed": 200.0, "poisson_ratio": 0.25}
+    assert layered(soil, {"soil": {"density": 1500.0}}).layers["other"].soil.s_wave_speed == pytest.approx(200.0)
+
+
+def test_a_strength_ratio_of_a_layer_replaces_the_residual_strengths_of_the_soil() -> None:
+    """Also where only one of them is written; and a stored scene says so, whatever its version."""
+    for residual in ({"residual_cohesion": 5.0, "residual_friction_angle": 10.0}, {"residual_friction_angle": 10.0}):
+        scene = layered({"cohesion": 20.0, "friction_angle": 30.0} | residual, {"S_R": 0.6})
+        assert scene.layers["other"].soil.residual(0.6) == (12.0, 18.0)
+        assert stored_scene(json.loads(scene.stored())) == scene
+    earlier = json.loads(scene.stored())
+    earlier["layers"]["other"]["soil"] = {}  # as versions stored it that took the angle over
+    assert stored_scene(earlier).layers["other"].soil.residual_friction_angle == 10.0
+    assert make_scene(json.loads(stored_scene(earlier).stored())).layers["other"].soil.residual_friction_angle == 10.0
+
+
+def test_a_friction_angle_alone_under_an_undrained_strength_is_refused() -> None:
+    with pytest.raises(ValueError, match="layers.other.soil.friction_angle: 25.0 under soil.undrained_strength.*write the cohesion"):
+        layered({"undrained_strength": 40.0}, {"soil": {"friction_angle": 25.0}})
+    assert layered({"undrained_strength": 40.0}, {"soil": {"friction_angle": 25.0, "cohesion": 3.0}}).layers["other"].soil.cohesion == 3.0
+    grows = layered({"undrained_strength": 40.0}, {"soil": {"undrained_strength": {"gradient": 2.0}}}).layers["other"].soil
+    assert (grows.cohesion, grows.gradient) == (40.0, 2.0), "a section names the keys that differ, too"
+
+
+def test_what_is_drawn_reaches_a_layer_in_the_form_in_which_it_is_written() -> None:
+    """Density is drawn, and the speed is written: both soils keep it."""
+    variable = {"of": "soil.density", "kind": "normal", "mean": 2000.0, "sd": 100.0}
+    soil = {"density": 2000.0, "shear_wave_speed": 200.0}
+    data = LAYERED | {"soil": soil, "layers": {"other": {"region": TOP, "soil": {"poisson_ratio": 0.2}}}}
+    scene = make_scene(data | {"uncertain": {"seed": 3, "variables": {"rho": variable}}})
+    assert scene.soil.density != 2000.0 and [each.s_wave_speed for each in scene.soils] == pytest.approx([200.0, 200.0])
+    assert stored_scene(json.loads(scene.stored())) == scene

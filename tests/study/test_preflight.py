@@ -16,10 +16,10 @@ from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.ground_motion import GroundMotion
+from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_digest, run_to_file
-from sph.solver.particles import place_particles
 from sph.solver.run import run
 from sph.stability.extrapolation import UNASKED_RATIO, Extrapolated, extrapolated
 from sph.stability.newmark import sliding_block
@@ -31,7 +31,7 @@ from sph.storage.trajectory import Status
 from sph.study.cost import cost
 from sph.study.finding import CODES, Finding, Severity, codes
 from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
-from sph.study.motion_findings import POLARITY_RATIO, drifting, mean_period, natural_period
+from sph.study.motion_findings import POLARITY_RATIO, drifting, mean_period
 from sph.study.preflight import (
     QUICK_TOLERANCE,
     Peak,
@@ -119,15 +119,6 @@ def test_the_direction_of_a_record_is_told_where_it_matters() -> None:
     assert "record-polarity" not in {each.code for each in findings(record_scene(-one_sided))}
 
 
-def test_the_natural_period_adds_up_the_layers_below_the_crest() -> None:
-    one = scene()
-    soft = {"region": {"kind": "depth", "top": 13.0}, "soil": {"youngs_modulus": one.soil.youngs_modulus / 4.0}}
-    layered = scene(layers={"soft": soft})
-    speed = one.soil.s_wave_speed
-    assert natural_period(one, place_particles(one)) == pytest.approx(4.0 * 15.0 / speed)
-    assert natural_period(layered, place_particles(layered)) == pytest.approx(4.0 * (13.0 / speed + 2.0 / (speed / 2.0)))
-
-
 def test_the_mean_period_is_that_of_a_sine_and_of_two_by_their_power() -> None:
     time = np.arange(0.0, 40.0, 0.005)
     assert mean_period(GroundMotion(time, np.sin(2.0 * np.pi * 2.0 * time))) == pytest.approx(0.5, rel=0.01)
@@ -139,7 +130,7 @@ def test_the_mean_period_is_that_of_a_sine_and_of_two_by_their_power() -> None:
 
 @pytest.mark.parametrize(("ratio", "told"), [(0.09, ""), (0.11, "underestimates"), (1.5, "does not represent")])
 def test_a_slope_that_is_no_rigid_block_is_told(ratio: float, told: str) -> None:
-    period = natural_period(scene(), place_particles(scene()))
+    period = 1.0 / natural_frequency(scene(), scene().geometry.crest)
     shaken = scene(**{"motion.frequency": ratio / period})
     found = [each for each in findings(shaken) if each.code == "block-not-rigid"]
     assert [each.severity for each in found] == ["note"] * bool(told) and all(told in each.what for each in found)

@@ -10,9 +10,8 @@ import pandas as pd
 import pytest
 
 from sph.scene.configuration import merge
+from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import make_scene
-from sph.solver.particles import place_particles
-from sph.study.motion_findings import natural_period
 from tools.sliding_blocks import ROWS, cause_rows, column_motion, compared, main, read_blocks, scene_of, spread, spread_rows
 from tools.slow_sine import damping_at
 
@@ -56,7 +55,7 @@ def test_causes_are_correlated_by_their_logarithms() -> None:
 def test_the_column_has_the_mean_acceleration_of_its_first_mode() -> None:
     """In resonance 8 / pi^2 / (2 xi) of the base but for what 24 cycles have not built up; of a stiff column that of the base, nearly."""
     scene = scene_of("stiff_clay")
-    period = natural_period(make_scene(scene), place_particles(make_scene(scene)))
+    period = 1.0 / natural_frequency(make_scene(scene), make_scene(scene).geometry.crest)
     motion = {"kind": "tapered_sine", "amplitude": 1.0, "frequency": 1.0 / period, "start": 3.0, "ramp": 0.0}
     shaken = make_scene(merge(scene, {"motion": motion | {"decay_start": 3.0 + 24.0 * period, "end": 3.0 + 24.0 * period}}))
     xi = damping_at(shaken, 1.0 / period)

@@ -160,8 +160,7 @@ FREE_FROM, FREE_TO = 2.5, 6.0
 def rayleigh_ratio(scene: Scene, frequency: np.ndarray | float) -> np.ndarray | float:
     """Damping ratio of the scene's Rayleigh pair at a frequency (Hz)."""
     assert scene.damping is not None
-    omega = 2.0 * np.pi * np.asarray(frequency)
-    return 0.5 * (scene.damping.mass_coefficient / omega + scene.damping.stiffness_coefficient * omega)
+    return scene.damping.at(frequency)
 
 
 def amplification(scene: Scene, frequency: np.ndarray | float) -> np.ndarray | float:
