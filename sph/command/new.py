@@ -177,7 +177,10 @@ def _schema_line(name: str, folder: Path) -> str:
 
 def _ground(path: Path) -> tuple[GroundLine, str]:
     """The ground with a base below it, and the side to which its largest slope falls."""
-    points = read_line(path)
+    try:
+        points = read_line(path)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
     lowest = min(y for _, y in points)
     found, refused = [], []
     for downhill in ("left", "right"):
