@@ -275,7 +275,10 @@ def test_a_line_in_plan_at_random_is_refused(north: float, east: float, steps: L
             "crs: .*two coordinates, which lie in plan and hold no elevation",
         ),
         "WKT": (f"LINESTRING ({', '.join(f'{a} {b}' for a, b in points)})", "point 1: elevation"),
-        "M": (f"LINESTRING M ({', '.join(f'{a} {b} {a - points[0][0]}' for a, b in section)})", "it is a line with a measure .M., which is no elevation"),
+        "M": (
+            f"LINESTRING M ({', '.join(f'{a} {b} {a - points[0][0]}' for a, b in section)})",
+            "it is a line with a measure .M., which is no elevation",
+        ),
     }.get(form, (f"{form}\n{rows}", "line 2: elevation" if "t" not in form else "line 1: .* places in plan"))
     if form == "chainage,elevation":
         message = "line 2: elevation"
