@@ -15,6 +15,8 @@ from sph.scene.survey import check_line, read_line
 
 GENTLE = 0.5
 """What is gentler than this part of the mean gradient of the ground's largest climb lies before the toe or behind the crest."""
+STANDS_OUT = 0.03
+"""Rise of a steeper part of the slope above its mean gradient, over its height, from which on it is a face of its own."""
 NARROWEST = 0.1
 """Width and height below which points within 180 of 0 are degrees, m: no model is so small, and as degrees it is 11 km."""
 STEEPEST, LONGEST, HIGHEST = 10.0, 500.0, 1000.0
@@ -158,6 +160,16 @@ class GroundLine(FileSection, Shape):
         low, high = largest_climb(self._ground, 0.0)
         gradient = (high[1] - low[1]) / max(high[0] - low[0], 1e-9)
         return largest_climb(self._ground, GENTLE * gradient)
+
+    @property
+    def steeper_face(self) -> tuple[Point, Point] | None:
+        """Toe and crest in the box of a face between those of the slope that is steeper than its mean gradient, m; None without one."""
+        (toe_x, toe_y), (crest_x, crest_y) = self.toe, self.crest
+        gradient = (crest_y - toe_y) / max(crest_x - toe_x, 1e-9)
+        ground = self._ground
+        low, high = largest_climb(ground[(toe_x <= ground[:, 0]) & (ground[:, 0] <= crest_x)], gradient)
+        stands_out = high[1] - low[1] - gradient * (high[0] - low[0]) > STANDS_OUT * self.slope_height
+        return (low, high) if stands_out else None
 
 
 def largest_climb(ground: np.ndarray, gradient: float) -> tuple[Point, Point]:
