@@ -307,18 +307,20 @@ def _replaces(new: Mapping[str, Any], old: Mapping[str, Any]) -> bool:
 
 
 def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """``{"coupling.S_R": 0.1}`` as ``{"coupling": {"S_R": 0.1}}``; a section set to a key is ``Whole``.
+    """``{"coupling.S_R": 0.1}`` as ``{"coupling": {"S_R": 0.1}}``; a section set to a key is ``Whole``, but for keys in it that follow.
 
-    ValueError where one key lies in a section that another one sets.
+    ValueError where a section is set to a key of which some have been set before.
     """
     nested: dict[str, Any] = {}
-    for path, value in settings.items():
+    for number, (path, value) in enumerate(settings.items()):
+        if any(before.startswith(f"{path}.") for before in [*settings][:number]):
+            raise ValueError(f"{path}: replaces all that is set in it; write all its keys there, or {path} first")
         *sections, name = path.split(".")
         at = nested
-        for depth, section in enumerate(sections, 1):
-            if (outer := ".".join(sections[:depth])) in settings:
-                raise ValueError(f"{path}: {outer} is set as well, which replaces the whole section; write all its keys there")
-            at = at.setdefault(section, {})
+        for section in sections:
+            inner = at.get(section)
+            at[section] = type(inner)(inner) if isinstance(inner, dict) else {}
+            at = at[section]
         at[name] = Whole(value) if isinstance(value, Mapping) else value
     return nested
 

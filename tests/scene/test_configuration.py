@@ -250,17 +250,18 @@ paths = st.lists(letters, min_size=1, max_size=3).map(".".join)
 @given(mappings, st.dictionaries(paths, trees, min_size=1, max_size=3))
 def test_what_is_set_to_a_key_is_what_the_key_then_holds(base: dict[str, Any], settings: dict[str, Any]) -> None:
     """A section takes the place of the old one whole, whatever lies over what first; every key that is not named stays as it was."""
-    inner = [path for path in settings if any(path.startswith(f"{other}.") for other in settings)]
-    if inner:
-        with pytest.raises(ValueError, match=f"({'|'.join(inner)}): .* is set as well"):
+    order = list(settings)
+    lost = [path for at, path in enumerate(order) if any(other.startswith(f"{path}.") for other in order[:at])]
+    if lost:
+        with pytest.raises(ValueError, match=f"({'|'.join(lost)}): replaces all that is set in it"):
             dotted(settings)
         return
     made = merge(base, dotted(settings))
-    for path, value in settings.items():
-        at: Any = made
+    for at, (path, value) in enumerate(settings.items()):
+        held: Any = made
         for part in path.split("."):
-            at = at[part]
-        assert at == value
+            held = held[part]
+        assert held == value or any(other.startswith(f"{path}.") for other in order[at + 1 :])
     kept = {name: value for name, value in flat(base).items() if not any(is_within(name, path) for path in settings)}
     assert kept == {name: value for name, value in flat(made).items() if not any(is_within(name, path) for path in settings)}
 
@@ -277,7 +278,8 @@ def test_a_section_that_is_set_replaces_the_old_one() -> None:
     treated = merge(parse_settings(["motion={kind: record, file: a.csv}"]), {"motion": {"baseline": {"degree": 1}}})
     shaken = {"motion": {"kind": "record", "factor": -1.0}}
     assert merge(shaken, treated) == {"motion": {"kind": "record", "file": "a.csv", "baseline": {"degree": 1}}}
-    with pytest.raises(ValueError, match=r"--set coupling\.S_R: coupling is set as well, which replaces the whole section"):
+    assert parse_settings(["coupling={gamma: 1}", "coupling.S_R=0.1"]) == {"coupling": {"gamma": 1, "S_R": 0.1}}
+    with pytest.raises(ValueError, match=r"--set coupling: replaces all that is set in it; write all its keys there"):
         parse_settings(["coupling.S_R=0.1", "coupling={gamma: 1}"])
     with pytest.raises(ValueError, match=r"--set 'a=2': a is set twice"):
         parse_settings(["a=1", "a=2"])
