@@ -21,7 +21,7 @@ from sph.scene.natural_periods import Column, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
-from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL
+from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
 COARSE_ROWS, ROWS, FINE_ROWS = 15, 20, 30
@@ -49,7 +49,7 @@ geometry:
   shape: ground_line
   file: {ground}
   base: {base:g} # m, elevation of the model's base; deeper than any slip surface
-  downhill: {downhill}
+  downhill: {downhill}{ends}
 # Waves leave through base and sides; put the sides on level ground beyond the debris. The motion is the outcrop motion of the material
 # below the base. bedrock: null means that the lowest soil continues below; for a rock motion describe the rock, in kg/m3 and m/s:
 #   bedrock: {{density: 2300, s_wave_speed: 800, p_wave_speed: 1500}}
@@ -131,6 +131,7 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
         "base": line.base,
         "downhill": downhill,
+        "ends": "".join(f"\n  # {each.sentence()}" for each in to_side(line)),
         "rest": PLACEHOLDER_SOIL["poisson_ratio"] / (1.0 - PLACEHOLDER_SOIL["poisson_ratio"]),
         "width": _digits(WIDTH * height, 2),
         "low": frequency,
@@ -180,7 +181,10 @@ def _schema_line(name: str, folder: Path) -> str:
 
 def _ground(path: Path) -> tuple[GroundLine, str]:
     """The ground with a base below it, and the side to which its largest slope falls."""
-    points = read_line(path)
+    try:
+        points = read_line(path)
+    except ValueError as error:
+        raise ValueError(f"{path}: {error}") from error
     lowest = min(y for _, y in points)
     found, refused = [], []
     for downhill in ("left", "right"):

@@ -25,7 +25,12 @@ EXAMPLES = {"--set": "coupling.S_R=0.10", "--rule": "displacement=0.02"}
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="scene file (YAML), or a trajectory (netCDF), which contains its scene")]
 Settings = Annotated[
-    list[str] | None, typer.Option("--set", metavar="KEY=VALUE", help="change one key, e.g. coupling.S_R=0.10; may be repeated")
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="change one key, e.g. coupling.S_R=0.10; a section in braces takes the place of the whole old one; may be repeated",
+    ),
 ]
 Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
 Tolerance = Annotated[float, typer.Option(max=1, help="relative width of the bracket at which the search ends")]
@@ -149,11 +154,16 @@ def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[st
         name, equals, text = setting.partition("=")
         if not equals or not all(name.split(".")) or name.count(".") > DEEPEST:
             raise ValueError(f"{option} {setting!r}: write KEY=VALUE, e.g. {EXAMPLES[option]}")
+        if name in pairs:
+            raise ValueError(f"{option} {setting!r}: {name} is set twice; write it once")
         try:
             pairs[name] = parse_yaml(text)
         except ValueError as error:
             raise ValueError(f"{option} {setting!r}: the value is not readable: {error}") from error
-    return dotted(pairs)
+    try:
+        return dotted(pairs)
+    except ValueError as error:
+        raise ValueError(f"{option} {error}") from error
 
 
 def parse_error(text: str) -> float:

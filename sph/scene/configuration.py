@@ -281,34 +281,47 @@ def found_file(folders: Sequence[Path], name: str, where: str) -> Path:
     raise ValueError(f"{where}: no file {name!r} in {', '.join(str(folder.resolve()) for folder in folders)}")
 
 
+class Whole(dict[str, Any]):
+    """A section that takes the place of what ``merge`` lays it over: the value of one key that was set to it."""
+
+
 def merge(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """``base`` with ``overrides`` laid over it, section by section; lists and scalars are replaced.
+    """``base`` with ``overrides`` laid over it, section by section; lists, scalars and a section that is ``Whole`` are replaced.
 
     So is a section of which the override chooses another variant: its keys mean nothing to the new one.  A file takes
-    the place of content that stood beside it, and content that of a file.
+    the place of content that stood beside it, and content that of a file.  What is ``Whole`` in ``base`` stays so.
     """
-    merged = dict(base)
+    merged = Whole(base) if isinstance(base, Whole) else dict(base)
     for name in CONTENT_KEYS if overrides.get("file") is not None else ("file",) if _holds_content(overrides) else ():
         merged.pop(name, None)
     for name, value in overrides.items():
-        old = merged.get(name)
-        if isinstance(old, Mapping) and isinstance(value, Mapping) and not _other_variant(old, value):
-            value = merge(old, value)
+        if isinstance(value, Mapping):
+            old = merged.get(name)
+            value = merge(old if isinstance(old, Mapping) and not _replaces(value, old) else {}, value)
         merged[name] = value
     return merged
 
 
-def _other_variant(old: Mapping[str, Any], new: Mapping[str, Any]) -> bool:
-    return any(tag in old and tag in new and old[tag] != new[tag] for tag in VARIANT_KEYS)
+def _replaces(new: Mapping[str, Any], old: Mapping[str, Any]) -> bool:
+    return isinstance(new, Whole) or any(tag in old and tag in new and old[tag] != new[tag] for tag in VARIANT_KEYS)
 
 
 def dotted(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """``{"coupling.S_R": 0.1}`` as ``{"coupling": {"S_R": 0.1}}``."""
+    """``{"coupling.S_R": 0.1}`` as ``{"coupling": {"S_R": 0.1}}``; a section set to a key is ``Whole``, but for keys in it that follow.
+
+    ValueError where a section is set to a key of which some have been set before.
+    """
     nested: dict[str, Any] = {}
-    for path, value in settings.items():
-        for part in reversed(path.split(".")):
-            value = {part: value}
-        nested = merge(nested, value)
+    for number, (path, value) in enumerate(settings.items()):
+        if any(before.startswith(f"{path}.") for before in [*settings][:number]):
+            raise ValueError(f"{path}: replaces all that is set in it; write all its keys there, or {path} first")
+        *sections, name = path.split(".")
+        at = nested
+        for section in sections:
+            inner = at.get(section)
+            at[section] = type(inner)(inner) if isinstance(inner, dict) else {}
+            at = at[section]
+        at[name] = Whole(value) if isinstance(value, Mapping) else value
     return nested
 
 

@@ -11,10 +11,17 @@ from pydantic import model_validator
 
 from sph.scene.configuration import FileSection, key
 from sph.scene.places import Coordinate, Point, Shape
-from sph.scene.survey import read_line
+from sph.scene.survey import check_line, read_line
 
 GENTLE = 0.5
 """What is gentler than this part of the mean gradient of the ground's largest climb lies before the toe or behind the crest."""
+STANDS_OUT = 0.03
+"""Rise of a steeper part of the slope above its mean gradient, over its height, from which on it is a face of its own."""
+NARROWEST = 0.1
+"""Width and height below which points within 180 of 0 are degrees, m: no model is so small, and as degrees it is 11 km."""
+STEEPEST, LONGEST, HIGHEST = 10.0, 500.0, 1000.0
+"""Largest height over the width of all ground, and largest width of the model and elevation over the height of the slope: beyond, x and
+elevation are of different units, as m and km, or the line lies in plan."""
 
 
 class GroundLine(FileSection, Shape):
@@ -44,13 +51,23 @@ class GroundLine(FileSection, Shape):
 
     @model_validator(mode="after")
     def _sound(self) -> GroundLine:
+        try:
+            self._check()
+        except ValueError as error:
+            raise ValueError(f"{error} (file: {self.file})" if self.file else str(error)) from error
+        return self
+
+    def _check(self) -> None:
         line = np.array(self.points)
-        forwards = 1.0 if line[-1, 0] >= line[0, 0] else -1.0
-        back = np.flatnonzero(forwards * np.diff(line[:, 0]) < 0)
-        if back.size:
-            (x1, y1), (x2, y2) = line[back[0]], line[back[0] + 1]
+        check_line(self.points, [f"points.{number}" for number in range(len(line))])
+        (wide, high), highest = np.ptp(line, axis=0), np.abs(line[:, 1]).max()
+        wanted = "give distance along the section and elevation, both in m"
+        if 0.0 < wide < NARROWEST and high < NARROWEST and np.abs(line).max() <= 180.0:
+            raise ValueError(f"points: spread over {wide:.4g} m in x and {high:.4g} m in elevation: they may be degrees; {wanted}")
+        if wide > 0.0 and (high > STEEPEST * wide or highest > HIGHEST * high > 0.0):
             raise ValueError(
-                f"points.{back[0] + 1}: ({x2:.10g}, {y2:.10g}) m lies behind ({x1:.10g}, {y1:.10g}) m; the ground may not overhang"
+                f"points: rise by {high:.4g} m over {wide:.4g} m, at elevations up to {highest:.10g} m: a line in plan, or x in "
+                f"another unit than the elevation; {wanted}, and the elevation of ground that is so level from a nearer level"
             )
         left, right = sorted(line[[0, -1], 0])
         if self.window and not (left <= self.window[0] < self.window[1] <= right):
@@ -71,7 +88,11 @@ class GroundLine(FileSection, Shape):
                 f"downhill: {self.downhill}: no slope falls to the {self.downhill}: its toe would be ({toe[0]:.10g}, {toe[1]:.10g}) m "
                 f"and its crest ({crest[0]:.10g}, {crest[1]:.10g}) m; check downhill, toe_at and crest_at"
             )
-        return self
+        if self.width > LONGEST * self.slope_height:
+            raise ValueError(
+                f"points: the slope rises by {self.slope_height:.4g} m in {self.width:.4g} m, {LONGEST:g} times as long: x and "
+                f"elevation may be of different units; {wanted}, and a window if the line is much longer than the slope"
+            )
 
     @property
     def _line(self) -> np.ndarray:
@@ -139,6 +160,16 @@ class GroundLine(FileSection, Shape):
         low, high = largest_climb(self._ground, 0.0)
         gradient = (high[1] - low[1]) / max(high[0] - low[0], 1e-9)
         return largest_climb(self._ground, GENTLE * gradient)
+
+    @property
+    def steeper_face(self) -> tuple[Point, Point] | None:
+        """Toe and crest in the box of a face between those of the slope that is steeper than its mean gradient, m; None without one."""
+        (toe_x, toe_y), (crest_x, crest_y) = self.toe, self.crest
+        gradient = (crest_y - toe_y) / max(crest_x - toe_x, 1e-9)
+        ground = self._ground
+        low, high = largest_climb(ground[(toe_x <= ground[:, 0]) & (ground[:, 0] <= crest_x)], gradient)
+        stands_out = high[1] - low[1] - gradient * (high[0] - low[0]) > STANDS_OUT * self.slope_height
+        return (low, high) if stands_out else None
 
 
 def largest_climb(ground: np.ndarray, gradient: float) -> tuple[Point, Point]:

@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 from sph.scene.configuration import FileSection, key
 from sph.scene.geometry import Geometry
 from sph.scene.places import Coordinate, Point, Shape
-from sph.scene.survey import read_line
+from sph.scene.survey import check_line, read_line
 
 if TYPE_CHECKING:
     from sph.scene.schema import Scene
@@ -52,7 +52,7 @@ class Water(FileSection):
     @classmethod
     def read_content(cls, path: Path, keys: Mapping[str, Any]) -> dict[str, Any]:
         """The points of a file."""
-        return {"points": read_line(path)}
+        return {"points": read_line(path, steps=False)}
 
     @model_validator(mode="before")
     @classmethod
@@ -70,9 +70,7 @@ class Water(FileSection):
                 f"level, points (or file), r_u: {' and '.join(given) or 'none'} given; write one of them, and null for others below it"
             )
         if self.points is not None:
-            x = np.array(self.points)[:, 0]
-            if not ((np.diff(x) > 0).all() or (np.diff(x) < 0).all()):
-                raise ValueError("points: x must increase, or decrease, from point to point: a phreatic line has one height at every x")
+            check_line(self.points, [f"points.{number}" for number in range(len(self.points))], steps=False)
         return self
 
     @property

@@ -141,7 +141,7 @@ def static_scene(scene: Scene, rule: FailureRule, acceleration: float = 0.0, sof
         "early_stop": None,
         "outputs.frame_interval": frame,
         "numerics.time_step": interval,
-        "numerics.adaptive_step": {"courant": COURANT},
+        "numerics.adaptive_step.courant": COURANT,
         "numerics.artificial_viscosity.alpha": VISCOSITY,
     }
     if "absorbing" in (scene.walls.base, scene.walls.sides):  # holds no load that stays: a rigid base and sides on rollers instead

@@ -68,7 +68,12 @@ CODES: dict[str, Code] = {
     "no-process-zone": Code(WARNING, "failure has no length scale, so results depend on the spacing; a note in the paper's scheme"),
     "density-implausible": Code(WARNING, "a density of soil outside 1,000 to 3,000 kg/m3: often a mistaken unit"),
     "stiffness-implausible": Code(WARNING, "a shear-wave velocity outside 30 to 3,500 m/s: often Young's modulus in another unit than kPa"),
-    "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa: often in Pa instead of kPa"),
+    "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa, or above 0 and below 0.1 kPa: often in Pa or MPa instead of kPa"),
+    "angle-implausible": Code(
+        WARNING,
+        "an angle of friction or dilation above 0 and below 1.2 degrees, or of a slope below 1.6: often in radians, or a tangent; "
+        "or a coefficient of wall friction above 1.2: often an angle",
+    ),
     "strength-implausible": Code(WARNING, "a friction angle below 5 degrees together with a cohesion below 5 kPa"),
     "soil-not-replaced": Code(WARNING, "the soil is still the placeholder of `sph new`"),
     "rigid-box": Code(WARNING, "a rigid box reflects waves: the slope is shaken harder than on a site where they radiate away"),
@@ -87,6 +92,7 @@ CODES: dict[str, Code] = {
     "thin-debris": Code(WARNING, "after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable"),
     "energy-open": Code(WARNING, "after the run: its energy budget does not close within the limit, so its results are not reliable"),
     "other-slope": Code(WARNING, "the ground falls further to the other side"),
+    "slope-to-side": Code(WARNING, "the slope goes on to a side of the model, whose end is taken for its crest or its toe"),
     "time-step": Code(WARNING, "the time step is near or above its limit"),
 }
 """All that can be found, by its code, which stays."""

@@ -306,6 +306,7 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
             )
         )
     if isinstance(geometry, GroundLine):
+        found += to_side(geometry)
         x, y = (np.array(side) for side in geometry.surface)
         (_, low), (_, high) = largest_climb(np.column_stack([-x, y])[::-1], 0.0)
         if high - low > height:
@@ -320,6 +321,28 @@ def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
                     off_by=off_by(height, high - low),
                 )
             )
+    return found
+
+
+def to_side(geometry: GroundLine) -> list[Finding]:
+    """A finding where the slope's crest or toe is the end of the ground, with that of a steeper face where there is one."""
+    found, face = [], geometry.steeper_face
+    ends = (("crest", geometry.crest_at, geometry.crest, geometry.width, 1), ("toe", geometry.toe_at, geometry.toe, 0.0, 0))
+    for name, chosen, place, end, side in ends:
+        if chosen is not None or place[0] != end:
+            continue
+        x, y = geometry.in_survey(*place)
+        wanted, key = f"an edge with gentler ground beyond it, or {name}_at", "geometry.window or the line"
+        if face is not None and face[side][0] != end:
+            other_x, other_y = geometry.in_survey(*face[side])
+            height = geometry.slope_height - abs(face[side][1] - place[1])
+            wanted = (
+                f"({other_x:.10g}, {other_y:.10g}) m, that of a steeper face, with H = {height:.4g} m, if it is the slope that is meant"
+            )
+            key = f"geometry.{name}_at=[{other_x:.10g}, {other_y:.10g}]"
+        what = f"the slope goes on to the side of the model, whose end is taken for its {name}"
+        measured = f"({x:.10g}, {y:.10g}) m, H = {geometry.slope_height:.4g} m"
+        found.append(finding("slope-to-side", what, measured, wanted, key, subject=name))
     return found
 
 

@@ -1,60 +1,110 @@
-"""Implausible soil properties, mostly due to a mistaken unit, found before a run."""
+"""Implausible properties of soil, seams and walls, mostly due to a mistaken unit, found before a run.
+
+They are warnings and no refusals: a trial with divided strength, a draw of uncertain soil or an undrained test of clay may have them.
+"""
 
 from __future__ import annotations
 
-from sph.scene.geometry import SLOPES
+import math
+from collections.abc import Mapping
+
+from sph.scene.geometry import SLOPES, Slope
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
+from sph.scene.uncertain import STEEPEST
 from sph.study.finding import Finding, finding, off_by
 
 DENSITIES = 1000.0, 3000.0
 """Usual densities of soil and rock, kg/m3: from loose or organic soil to dense rock."""
 WAVE_SPEEDS = 30.0, 3500.0
 """Usual speeds of shear waves, m/s: from mud to sound rock."""
-LARGEST_COHESION = 1000.0
-"""Cohesion above which it is that of sound rock, or a number in Pa, kPa."""
+COHESIONS = 0.1, 1000.0
+"""Cohesions, kPa, below which it is none or a number in MPa, and above which it is that of sound rock or a number in Pa."""
+LARGEST_TANGENT = math.tan(math.radians(STEEPEST))
+"""Tangent of the largest friction angle of a scene, which is larger than the angle in radians: what is above 0 and below it may be either
+of them and no angle in degrees, and a coefficient of friction above it an angle."""
 SMALLEST_ANGLE, SMALLEST_COHESION = 5.0, 5.0
 """Friction angle (degree) and cohesion (kPa) below both of which hardly any slope stands."""
 
 
 def of_soils(scene: Scene) -> list[Finding]:
-    """Warnings of the peak properties of the soil and of each layer of the user's own slope; a layer is not told what it takes over.
+    """Warnings of the soil, each layer, each seam and the walls of the user's own slope; a layer is not told what it takes over.
 
-    The paper's scheme takes its soil from the paper.  Residual strengths may be as small as they are measured.
+    The paper's scheme takes its soil from the paper.
     """
     if scene.scheme == "paper" or not isinstance(scene.geometry, SLOPES):
         return []
     own = _of_soil("soil", "soil", scene.soil)
     layers = [each for name, layer in scene.layers.items() for each in _of_soil(name, f"layers.{name}.soil", layer.soil)]
     taken_over = {(each.code, each.off_by) for each in own}
-    return [*own, *(each for each in layers if (each.code, each.off_by) not in taken_over)]
+    others = [
+        each
+        for name, seam in scene.seams.items()
+        for each in _of_strength(f"seam {name}", f"seams.{name}", {key: value for key, value in seam if isinstance(value, float)})
+    ]
+    for side in ("base", "sides"):
+        friction = getattr(scene.walls.friction, side, 0.0)
+        if friction > LARGEST_TANGENT:
+            key = f"walls.friction.{side}"
+            wanted = f"a tangent, at most {LARGEST_TANGENT:.2g}; that of {friction:g} degrees is {math.tan(math.radians(friction)):.3g}"
+            others.append(
+                _told("angle-implausible", f"the friction of the walls ({side})", key, f"{friction:g}", wanted, friction, LARGEST_TANGENT)
+            )
+    if isinstance(scene.geometry, Slope) and scene.geometry.slope_angle < math.pi / 2:
+        others.append(_of_angle("the slope", "geometry.slope_angle", scene.geometry.slope_angle, math.pi / 2))
+    return [*own, *(each for each in layers if (each.code, each.off_by) not in taken_over), *others]
+
+
+def _told(code: str, what: str, key: str, measured: str, wanted: str, value: float, bound: float, name: str = "") -> Finding:
+    return finding(code, f"{what} is implausible", f"{key} {measured}", wanted, key, subject=name, off_by=off_by(value, bound))
+
+
+def _of_angle(name: str, key: str, angle: float, least: float) -> Finding:
+    """Of an angle (degree) that may be in radians, or a tangent."""
+    what = f"the {key.rsplit('.', 1)[-1].replace('_', ' ')} of {name}"
+    wanted = f"at least {least:.2g} degree, or 0; {angle:g} rad are {math.degrees(angle):.3g} degree, and {angle:g} is the tangent of "
+    wanted += f"{math.degrees(math.atan(angle)):.3g} degree"
+    return _told("angle-implausible", what, key, f"{angle:g} degree", wanted, angle, least, name)
+
+
+def _of_strength(name: str, path: str, values: Mapping[str, float]) -> list[Finding]:
+    """Of the angles (degree) and cohesions (kPa) of soil or a seam that lies at a dotted key."""
+    found = []
+    for each, value in values.items():
+        key = f"{path}.{each}"
+        if each.endswith("_angle") and 0.0 < value < LARGEST_TANGENT:
+            found.append(_of_angle(name, key, value, LARGEST_TANGENT))
+        elif each.endswith("cohesion") and value and not COHESIONS[0] <= value <= COHESIONS[1]:
+            small = value < COHESIONS[0]
+            wanted = f"at least {COHESIONS[0]:g} kPa, or 0; 20 kPa are 0.02 MPa" if small else "at most 1,000 kPa; 20 kPa are 20000 Pa"
+            what = f"the {each.replace('_', ' ')} of {name}"
+            found.append(_told("cohesion-implausible", what, key, f"{value:g} kPa", wanted, value, COHESIONS[0 if small else 1], name))
+    return found
 
 
 def _of_soil(name: str, path: str, soil: Soil) -> list[Finding]:
     """Of the soil that lies at a dotted key."""
-    cohesion, angle = f"{path}.cohesion", f"{path}.friction_angle"
     found = []
-
-    def tell(code: str, what: str, key: str, measured: str, wanted: str, off: float) -> None:
-        found.append(finding(code, what, f"{key} {measured}", wanted, key, subject=name, off_by=off))
-
     if not DENSITIES[0] <= soil.density <= DENSITIES[1]:
-        wanted = "1,000 to 3,000 kg/m3"
-        off = off_by(soil.density, min(DENSITIES, key=lambda bound: abs(bound - soil.density)))
-        tell("density-implausible", f"the density of {name} is implausible", f"{path}.density", f"{soil.density:g} kg/m3", wanted, off)
+        bound = min(DENSITIES, key=lambda bound: abs(bound - soil.density))
+        measured = f"{soil.density:g} kg/m3"
+        what, wanted = f"the density of {name}", "1,000 to 3,000 kg/m3"
+        found.append(_told("density-implausible", what, f"{path}.density", measured, wanted, soil.density, bound, name))
     speed = soil.s_wave_speed
     if not WAVE_SPEEDS[0] <= speed <= WAVE_SPEEDS[1]:
-        what = f"the stiffness of {name} is implausible"
+        bound = min(WAVE_SPEEDS, key=lambda bound: abs(bound - speed))
         measured = f"{soil.youngs_modulus:g} kPa, V_s = {speed:.3g} m/s"
-        off = off_by(speed, min(WAVE_SPEEDS, key=lambda bound: abs(bound - speed)))
-        tell("stiffness-implausible", what, f"{path}.youngs_modulus", measured, "V_s = 30 to 3,500 m/s", off)
-    if soil.cohesion > LARGEST_COHESION:
-        off = off_by(soil.cohesion, LARGEST_COHESION)
-        what = f"the cohesion of {name} is implausible"
-        tell("cohesion-implausible", what, cohesion, f"{soil.cohesion:g} kPa", "at most 1,000 kPa; 20 kPa are 20000 Pa", off)
+        what, wanted = f"the stiffness of {name}", "V_s = 30 to 3,500 m/s"
+        found.append(_told("stiffness-implausible", what, f"{path}.youngs_modulus", measured, wanted, speed, bound, name))
+    strengths = {key: value for key, value in soil if isinstance(value, float)}
+    if soil.gradient and soil.cohesion < COHESIONS[0]:
+        strengths.pop("cohesion")  # at the top, below which it grows
+    found += _of_strength(name, path, strengths)
     if soil.friction_angle < SMALLEST_ANGLE and soil.cohesion < SMALLEST_COHESION and not soil.gradient:
-        measured = f"{soil.cohesion:g} kPa and {angle} {soil.friction_angle:g} degree"
+        cohesion = f"{path}.cohesion"
+        what = f"the peak strength of {name} is implausibly low"
+        measured = f"{cohesion} {soil.cohesion:g} kPa and {path}.friction_angle {soil.friction_angle:g} degree"
         wanted = f"at least {SMALLEST_COHESION:g} kPa or at least {SMALLEST_ANGLE:g} degree"
         off = min(off_by(soil.cohesion, SMALLEST_COHESION), off_by(soil.friction_angle, SMALLEST_ANGLE))
-        tell("strength-implausible", f"the peak strength of {name} is implausibly low", cohesion, measured, wanted, off)
+        found.append(finding("strength-implausible", what, measured, wanted, cohesion, subject=name, off_by=off))
     return found

@@ -80,6 +80,15 @@ def test_the_side_to_which_the_slope_falls_is_found(tmp_path: Path) -> None:
     assert load_scene(scene).geometry.downhill == "right"  # type: ignore[union-attr]
 
 
+def test_a_hillside_that_rises_to_the_end_of_the_line_is_told(tmp_path: Path) -> None:
+    """Beside the key by which the crest of its steeper face is chosen."""
+    line = tmp_path / "ground.csv"
+    line.write_text("x,z\n0,100\n40,100\n60,120\n140,150\n")
+    text = write_new(line, RECORD, tmp_path / "own")[0].read_text(encoding="utf-8")
+    assert "  # the slope goes on to the side of the model" in text and "change geometry.crest_at=[60, 120]" in text
+    assert "goes on" not in write_new(GROUND, RECORD, tmp_path / "other")[0].read_text(encoding="utf-8")
+
+
 def test_nothing_is_overwritten_and_bad_files_are_refused(tmp_path: Path) -> None:
     (tmp_path / "study.yaml").write_text("mine")
     for arguments, message in (

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sph.command.options import parse_settings
 from sph.scene.configuration import (
@@ -17,6 +19,8 @@ from sph.scene.configuration import (
     MOST_LINES,
     FileSection,
     Section,
+    dotted,
+    flat,
     key,
     merge,
     parse_yaml,
@@ -235,3 +239,47 @@ def test_encodings_of_text(tmp_path: Path, encoding: str) -> None:
 def test_scenes_are_compared_without_the_names_of_files() -> None:
     one = {"line": {"file": "a.csv", "points": [1, 2]}, "parts": [{"file": "b"}], "name": "file"}
     assert without_files(one) == {"line": {"points": [1, 2]}, "parts": [{}], "name": "file"}
+
+
+letters = st.sampled_from("abc")
+trees = st.recursive(st.integers(0, 9) | st.none(), lambda inner: st.dictionaries(letters, inner, max_size=3), max_leaves=8)
+mappings = st.dictionaries(letters, trees, max_size=3)
+paths = st.lists(letters, min_size=1, max_size=3).map(".".join)
+
+
+@given(mappings, st.dictionaries(paths, trees, min_size=1, max_size=3))
+def test_what_is_set_to_a_key_is_what_the_key_then_holds(base: dict[str, Any], settings: dict[str, Any]) -> None:
+    """A section takes the place of the old one whole, whatever lies over what first; every key that is not named stays as it was."""
+    order = list(settings)
+    lost = [path for at, path in enumerate(order) if any(other.startswith(f"{path}.") for other in order[:at])]
+    if lost:
+        with pytest.raises(ValueError, match=f"({'|'.join(lost)}): replaces all that is set in it"):
+            dotted(settings)
+        return
+    made = merge(base, dotted(settings))
+    for at, (path, value) in enumerate(settings.items()):
+        held: Any = made
+        for part in path.split("."):
+            held = held[part]
+        assert held == value or any(other.startswith(f"{path}.") for other in order[at + 1 :])
+    kept = {name: value for name, value in flat(base).items() if not any(is_within(name, path) for path in settings)}
+    assert kept == {name: value for name, value in flat(made).items() if not any(is_within(name, path) for path in settings)}
+
+
+def is_within(name: str, path: str) -> bool:
+    """Whether one of two dotted keys lies in the other."""
+    return f"{name}.".startswith(f"{path}.") or f"{path}.".startswith(f"{name}.")
+
+
+def test_a_section_that_is_set_replaces_the_old_one() -> None:
+    scene = {"coupling": {"gamma": 100.0, "softening": {"slip_at_peak": 0.001, "width": 4}}, "motion": {"kind": "none"}}
+    assert merge(scene, parse_settings(["coupling={S_R: 0.3}"])) == scene | {"coupling": {"S_R": 0.3}}
+    assert merge(scene, parse_settings(["coupling.softening={width: 2}"]))["coupling"] == {"gamma": 100.0, "softening": {"width": 2}}
+    treated = merge(parse_settings(["motion={kind: record, file: a.csv}"]), {"motion": {"baseline": {"degree": 1}}})
+    shaken = {"motion": {"kind": "record", "factor": -1.0}}
+    assert merge(shaken, treated) == {"motion": {"kind": "record", "file": "a.csv", "baseline": {"degree": 1}}}
+    assert parse_settings(["coupling={gamma: 1}", "coupling.S_R=0.1"]) == {"coupling": {"gamma": 1, "S_R": 0.1}}
+    with pytest.raises(ValueError, match=r"--set coupling: replaces all that is set in it; write all its keys there"):
+        parse_settings(["coupling.S_R=0.1", "coupling={gamma: 1}"])
+    with pytest.raises(ValueError, match=r"--set 'a=2': a is set twice"):
+        parse_settings(["a=1", "a=2"])

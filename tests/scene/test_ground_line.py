@@ -17,6 +17,7 @@ from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.restart import check_restart
 from sph.stability.standing import FailureRule, slope_height, static_scene
+from sph.study.findings import to_side
 
 SLOPE = [[120.0, 440.0], [150.0, 440.0], [170.0, 465.0], [200.0, 465.0]]
 
@@ -238,3 +239,43 @@ def test_the_static_test_measures_by_the_height_of_the_main_slope() -> None:
     valley = scene([[80, 470], [120, 440], [150, 440], [170, 465], [200, 465]])
     assert slope_height(valley) == 25.0
     assert static_scene(valley, FailureRule()).geometry == valley.geometry
+
+
+@given(
+    st.floats(5.0, 40.0),
+    st.floats(0.3, 3.0),
+    st.floats(0.1, 0.75),
+    st.floats(1.0, 4.0),
+    st.integers(1, 8),
+    st.sampled_from(["left", "right"]),
+)
+def test_a_face_below_a_hillside_that_rises_to_the_side_has_a_crest_of_its_own(
+    height: float, gradient: float, gentler: float, longer: float, parts: int, downhill: str
+) -> None:
+    """A cut of any height and gradient, in parts of one gradient, at the foot of a hillside that is gentler and longer."""
+    face = [(30.0 + height / gradient * share, 100.0 + height * share) for share in np.linspace(0.0, 1.0, parts + 1)]
+    far = face[-1][0] + longer * height / gradient
+    line = [(0.0, 100.0), *face, (far, 100.0 + height + gentler * gradient * (far - face[-1][0]))]
+    turn = -1.0 if downhill == "right" else 1.0
+    points = [[turn * x, y] for x, y in line]
+    own = scene(points, downhill=downhill, base=95.0, spacing=0.01 * far)
+    geometry = own.geometry
+    assert isinstance(geometry, GroundLine)
+    found = to_side(geometry)
+    if geometry.crest[0] < geometry.width:
+        assert in_survey(geometry)[1] == pytest.approx((turn * face[-1][0], face[-1][1])) and not found
+        return
+    (one,) = found
+    x, y = (float(number) for number in one.key.removeprefix("geometry.crest_at=[").rstrip("]").split(","))
+    assert (x, y) == pytest.approx((turn * face[-1][0], face[-1][1])) and one.code == "slope-to-side"
+    assert f"H = {geometry.slope_height:.4g} m" in one.measured and f"H = {height:.4g} m" in one.wanted
+    chosen = scene(points, downhill=downhill, base=95.0, spacing=0.01 * far, crest_at=(x, y)).geometry
+    assert isinstance(chosen, GroundLine) and chosen.slope_height == pytest.approx(height) and not to_side(chosen)
+
+
+def test_a_slope_that_goes_on_to_a_side_of_the_model_is_told() -> None:
+    assert to_side(ground(SLOPE)) == []
+    whole = ground([[0, 440], [40, 450]])
+    assert [(each.subject, each.key) for each in to_side(whole)] == [(end, "geometry.window or the line") for end in ("crest", "toe")]
+    low = to_side(ground([[0, 440], [40, 455], [50, 470], [90, 470]]))
+    assert [each.key for each in low] == ["geometry.toe_at=[40, 455]"]

@@ -71,7 +71,7 @@ def test_whose_pressure_it_is_must_be_written(kind: str) -> None:
         ({"water": {}}, r"level, points \(or file\), r_u: none given"),
         ({"water": {"level": 425, "r_u": 0.3}}, r"level and r_u given"),
         ({"water": {"r_u": 1.0}}, r"water\.r_u: .* less than 1 \(found 1\.0\)"),
-        ({"water": {"points": [[100, 425], [150, 425], [140, 425], [180, 425]]}}, r"x must increase, or decrease"),
+        ({"water": {"points": [[100, 425], [150, 425], [140, 425], [180, 425]]}}, r"points\.2: \(140, 425\) m lies behind"),
         ({"water": {"points": [[110, 425], [180, 425]]}}, r"water\.points: .*110 to 180 m .*100 to 180 m"),
         ({"water": {"points": [[100, 437], [180, 432]]}}, r"water\.points: .*3\.87 m above"),
         ({"water": {"pressure": "carried", "level": 433}}, r"water\.pressure: carried .*3 m above"),

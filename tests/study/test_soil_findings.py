@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 from sph.study.finding import Finding
 from sph.study.findings import findings
-from sph.study.soil_findings import of_soils
+from sph.study.soil_findings import LARGEST_TANGENT, of_soils
 
 OWN: dict[str, Any] = {
     "name": "own",
@@ -43,6 +46,12 @@ def told(**settings: Any) -> list[Finding]:
     ("settings", "code", "key", "value", "usual"),
     [
         ({"cohesion": 20000.0}, "cohesion-implausible", "cohesion", "20000 kPa", "at most 1,000 kPa"),
+        ({"cohesion": 0.008}, "cohesion-implausible", "cohesion", "0.008 kPa", "at least 0.1 kPa, or 0; 20 kPa are 0.02 MPa"),
+        ({"residual_cohesion": 0.008}, "cohesion-implausible", "residual_cohesion", "0.008 kPa", "at least 0.1 kPa"),
+        ({"friction_angle": 0.52}, "angle-implausible", "friction_angle", "0.52 degree", "0.52 rad are 29.8 degree"),
+        ({"friction_angle": 0.6}, "angle-implausible", "friction_angle", "0.6 degree", "0.6 is the tangent of 31 degree"),
+        ({"residual_friction_angle": 0.3}, "angle-implausible", "residual_friction_angle", "0.3 degree", "17.2 degree"),
+        ({"dilation_angle": 0.09}, "angle-implausible", "dilation_angle", "0.09 degree", "5.16 degree"),
         ({"density": 999.0}, "density-implausible", "density", "999 kg/m3", "1,000 to 3,000 kg/m3"),
         ({"density": 3001.0}, "density-implausible", "density", "3001 kg/m3", "1,000 to 3,000 kg/m3"),
         ({"youngs_modulus": 3e8}, "stiffness-implausible", "youngs_modulus", "V_s = 7.79e+03 m/s", "30 to 3,500 m/s"),
@@ -76,7 +85,9 @@ def test_a_density_in_tonnes_is_told_and_the_stiffness_that_follows() -> None:
         {"friction_angle": 0.0},
         {"cohesion": 5.0, "friction_angle": 0.0},
         {"cohesion": 0.0, "friction_angle": 5.0},
-        {"residual_cohesion": 0.0, "residual_friction_angle": 1.0},
+        {"residual_cohesion": 0.0, "residual_friction_angle": 1.5},
+        {"cohesion": 5.0, "friction_angle": 1.5},
+        {"cohesion": 0.1},
     ],
 )
 def test_what_is_usual_and_what_is_residual_is_not_told(at: str, settings: dict[str, float]) -> None:
@@ -86,3 +97,43 @@ def test_what_is_usual_and_what_is_residual_is_not_told(at: str, settings: dict[
 def test_only_slopes_of_ones_own_are_told() -> None:
     assert told(**{"scheme": "paper", "soil.cohesion": 20000.0}) == []
     assert told(**{"geometry": {"shape": "block", "width": 30.0, "height": 20.0}, "soil.cohesion": 20000.0}) == []
+
+
+SEAM: dict[str, Any] = {"points": [[160, 435], [220, 455]], "cohesion": 5.0, "friction_angle": 20.0}
+LOST = {"residual_friction_angle": 12.0, "slip_at_residual": 0.1}
+ANGLES = (
+    *(f"{at}.{angle}" for at in AT for angle in ("friction_angle", "dilation_angle", "residual_friction_angle")),
+    *("seams.plane.friction_angle", "seams.plane.residual_friction_angle"),
+)
+
+
+def of_angles(key: str, value: float, cohesion: float) -> list[Finding]:
+    """What is told of the angles of a scene with a seam, one key at a value and soil of one cohesion."""
+    seam = SEAM if key == "seams.plane.friction_angle" else SEAM | LOST
+    settings = {key: value, "soil.cohesion": cohesion, "layers.clay.soil.cohesion": cohesion}
+    found = of_soils(make_scene(merge(merge(OWN, {"seams": {"plane": seam}}), dotted(settings))))
+    return [each for each in found if each.code == "angle-implausible"]
+
+
+@given(st.sampled_from(ANGLES), st.floats(5.0, 50.0), st.floats(0.0, 200.0), st.booleans())
+def test_every_angle_in_radians_and_every_tangent_is_told_at_every_cohesion(key: str, angle: float, cohesion: float, tangent: bool) -> None:
+    """And the same angle in degrees is not; that of the soil is taken over by a layer, which is told once."""
+    written = math.tan(math.radians(angle)) if tangent else math.radians(angle)
+    (one,) = of_angles(key, written, cohesion)
+    assert one.key == key and one.measured == f"{key} {written:g} degree" and f"{angle:.3g} degree" in one.wanted
+    if angle <= {"dilation_angle": 30.0, "residual_friction_angle": 12.0}.get(key.rsplit(".", 1)[-1], 50.0):
+        assert of_angles(key, angle, cohesion) == []
+
+
+def test_the_inclination_of_a_slope_in_radians_is_told() -> None:
+    for angle, number in ((60.0, 0), (1.0472, 1)):
+        slope = {"shape": "slope", "slope_height": 5.0, "slope_angle": angle}
+        found = of_soils(make_scene(OWN | {"geometry": slope}))
+        assert [each.key for each in found] == ["geometry.slope_angle"] * number and all("60 degree" in each.wanted for each in found)
+
+
+def test_a_coefficient_of_wall_friction_that_is_an_angle_is_told() -> None:
+    walls = {"base": "free_slip", "layers": 3, "friction": {"base": 8.0, "sides": 0.0}}
+    (one,) = told(**{"walls": walls})
+    assert one.key == "walls.friction.base" and "0.141" in one.wanted and LARGEST_TANGENT < 8.0
+    assert told(**{"walls": walls | {"friction": {"base": 0.5}}}) == []

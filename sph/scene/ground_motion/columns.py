@@ -11,6 +11,8 @@ from sph.scene.ground_motion.units import ACCELERATIONS
 from sph.scene.units import SECONDS, named
 
 TIME = re.compile(r"t|time|times|zeit|temps|tiempo|tempo|elapsed")
+LONGITUDINAL = re.compile(r"l|long|longitudinal")
+"""Beside it V is vertical and no velocity, and T without a unit, where it has none either, is transverse and no time."""
 ACCELERATION = re.compile(r"a|[xy]|a[xyzhvg]|acc.*|beschl.*|acel.*")
 OTHERS = {
     "velocity": re.compile(r"vel.*|v|v[xyz]|speed|geschw.*|vit.*"),
@@ -34,19 +36,25 @@ def quantity(name: str) -> str | None:
     said = words(name)
     if counts_rows(name):
         return "index"
-    if any(map(TIME.fullmatch, said)):
+    if any(map(TIME.fullmatch, said)) and not (said == ["t"] and _in_acceleration(name)):
         return "time"
     other = next((what for what, pattern in OTHERS.items() if any(map(pattern.fullmatch, said))), None)
     if other == "spectrum" or not any(map(ACCELERATION.fullmatch, said)) and other:
         return other
-    if any(map(ACCELERATION.fullmatch, said)) or direction_of(name) or any(size for size, _ in named(name, ACCELERATIONS)):
+    if any(map(ACCELERATION.fullmatch, said)) or direction_of(name) or _in_acceleration(name):
         return "acceleration"
     return "time" if any(size for size, _ in named(name, SECONDS)) else None
 
 
+def _in_acceleration(name: str) -> bool:
+    return any(size for size, _ in named(name, ACCELERATIONS))
+
+
 def columns_of(names: list[str]) -> Columns:
     """Places of time and accelerations; ValueError where the names leave more than one choice, or none."""
-    kinds = [quantity(name) for name in names]
+    beside = [name for name in names if LONGITUDINAL.fullmatch("".join(words(name)))]
+    sides = ("l", "v") if any(_in_acceleration(name) for name in beside) else ("l", "t", "v") if beside else ()
+    kinds = ["acceleration" if "".join(words(name)) in sides else quantity(name) for name in names]
     times = [place for place, kind in enumerate(kinds) if kind == "time"]
     if len(times) != 1:
         raise ValueError(f"{listed(names)} name {len(times) or 'no'} columns of time, whose unit must be s or ms; {REMEDY}")

@@ -476,3 +476,20 @@ def test_an_unknown_ending_is_told_the_formats(tmp_path: Path, ending: str) -> N
     for command in (["motion"], ["newmark", "--ay", "1m/s2"]):
         result = CliRunner().invoke(app, [command[0], str(path), *command[1:]])
         assert result.exit_code == 2 and ("PEER .at2" in result.stderr or not ending), result.output
+
+
+@pytest.mark.parametrize(
+    ("head", "place", "vertical"),
+    [("time (s),T (g)", 1, None), ("t,L (g),V (g)", 1, 2), ("time (s),V (g),L (g)", 2, 1), ("T (s),T (g)", 1, None)],
+)
+def test_t_is_transverse_beside_a_time_or_l_and_v_vertical(tmp_path: Path, head: str, place: int, vertical: int | None) -> None:
+    rows = [(0.01 * at, 0.1 * at, -0.2 * at) for at in range(100)]
+    width = head.count(",") + 1
+    (tmp_path / "a.csv").write_text("\n".join([head, *(",".join(map(str, row[:width])) for row in rows)]))
+    found = read_components(tmp_path / "a.csv")
+    for samples, at in zip(found[1:], (place, vertical), strict=False):
+        np.testing.assert_allclose(samples, 9.81 * np.array(rows)[:, at or 0])
+    for untimed in ("L,T,V", "T (g),L (g)", "T,L"):
+        (tmp_path / "b.csv").write_text(untimed + "\n" + "0.1,0.2,0.3\n"[-4 * (untimed.count(",") + 1) :])
+        with pytest.raises(ValueError, match=r"b\.csv, line 1: .* name no columns of time"):
+            read_components(tmp_path / "b.csv", "g")
