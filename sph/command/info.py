@@ -68,7 +68,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
         rows.append(
             (
                 "half-space",
-                f"{below}, from {depth:g} m below the base of the soil, by which waves see the soil as deeper; the motion is its outcrop motion",
+                f"{below}, from {depth:g} m below the soil, which is so much deeper to waves; the motion is its outcrop motion",
             )
         )
     rows.append(("PGA", peak_accelerations(scene)))
