@@ -65,7 +65,12 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     if scene.walls.kinds.base.absorbs:
         depth = scene.walls.layers * numerics.spacing
         below = "the same soil" if scene.walls.bedrock is None else f"bedrock, V_s = {scene.walls.bedrock.s_wave_speed:g} m/s"
-        rows.append(("half-space", f"{below}, from {depth:g} m below the base of the soil; the motion is its outcrop motion"))
+        rows.append(
+            (
+                "half-space",
+                f"{below}, from {depth:g} m below the soil, which is so much deeper to waves; the motion is its outcrop motion",
+            )
+        )
     rows.append(("PGA", peak_accelerations(scene)))
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))

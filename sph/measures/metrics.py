@@ -216,7 +216,8 @@ METRICS: tuple[Variable, ...] = (
         ROW,
         "str",
         "1",
-        "sides of the box met in any frame by failed soil that has moved more than moved_threshold, separated by blanks: "
+        "sides of the box met in any frame by failed soil that has moved more than moved_threshold, or than a tenth of the largest "
+        "displacement where that is less (but at least a fifth of moved_threshold), separated by blanks: "
         f"'{FRONT}' and '{BACK}' where it is in the largest linked mass and within a smoothing length of the end in front of the toe or "
         f"behind the crest, '{OVER}' where it is above the top of the side there, or has left the box. Displacement, run-out and deposit "
         f"are then limited by the box: with '{FRONT}' or '{OVER}' they are lower bounds",

@@ -73,6 +73,15 @@ class Seam(Section):
         along = (np.arange(len(line) - 1)[:, None] + share).ravel()
         return np.interp(along, np.arange(len(line)), line[:, 0]), np.interp(along, np.arange(len(line)), line[:, 1])
 
+    def under(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Height (n,) at which the line first passes under places (n,), m; minus infinity where it does not."""
+        found = np.full(np.shape(x), -np.inf)
+        for (x1, y1), (x2, y2) in pairwise(self.points):
+            there = (x >= min(x1, x2)) & (x < max(x1, x2))
+            height = y1 + (x[there] - x1) * (y2 - y1) / (x2 - x1)
+            found[there] = np.where(height < y[there], np.maximum(found[there], height), found[there])
+        return found
+
     def offset(self, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance (n,) of places (n,) from the line, m, positive on its left, and its direction (n,) at the nearest point, rad.
 

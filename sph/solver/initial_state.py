@@ -34,7 +34,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "mode_x": generator.normal(size=n),
         "mode_y": generator.normal(size=n),
         **{name: np.zeros(n if scene.coupling.softening else 0) for name in ("plastic_strain", "mean_plastic_strain")},
-        **{name: np.zeros(n if scene.seams else 0) for name in ("seam_strain", "seam_slip", "seam_normal")},
+        **{name: np.zeros(n if scene.seams else 0) for name in ("seam_strain", "seam_slip", "seam_normal", "seam_speed")},
         "reaction_x": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "reaction_y": np.full(particles.first_fixed - particles.n_soil, np.nan),
         "free_field": np.zeros((2, 5, sum(free_field_nodes(scene, particles)))),

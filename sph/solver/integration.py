@@ -31,7 +31,7 @@ from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import PrescribedMotion, drive
 from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.physics.residual_viscosity import keep_strain_rate
-from sph.solver.physics.seams import average_seams
+from sph.solver.physics.seams import average_seams, not_slip
 from sph.solver.physics.seepage import with_seepage
 from sph.solver.physics.slip import average_plastic_strain
 from sph.solver.renewal import DUE, HOLD, SPENT, look_at_pairs, own_rows, renew_pairs
@@ -82,7 +82,7 @@ def kick_soil(state, terms, mass, loads, first, last):  # type: ignore[no-untype
     weight_x, weight_y = gravity * terms.down_x, gravity * terms.down_y
     for i in rows(first, min(last, terms.n_soil)):
         gravity_x, gravity_y = with_seepage(terms.seepage, state.x[i], state.y[i], mass[i], gravity, weight_x, weight_y)
-        rate = alpha * state.beta[i] + loads.extra_damping
+        rate = alpha * state.beta[i] * not_slip(terms.seams, state, i) + loads.extra_damping
         keep = 1.0 - 0.5 * rate * dt
         lose = 1.0 / (1.0 + 0.5 * rate * dt)
         vx_old = state.vx[i]

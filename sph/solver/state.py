@@ -57,6 +57,7 @@ class State(NamedTuple):
     seam_strain: np.ndarray  # plastic shear along a seam since the gravity stage, see sph.solver.physics.seams; without seams empty
     seam_slip: np.ndarray  # displacement across the seam, m
     seam_normal: np.ndarray  # mean normal stress on it, Pa
+    seam_speed: np.ndarray  # velocity of the soil above it over that below by the slip of the step, to the right, m/s
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
     density_pairs: np.ndarray  # and densities

@@ -30,6 +30,13 @@ def test_offsets_from_a_line_with_a_bend() -> None:
     assert direction[3] == pytest.approx(math.pi / 4)
 
 
+def test_the_height_of_a_line_under_places() -> None:
+    # From (0, 0) to (10, 0), back over itself to (5, 4), and on to (20, 4).
+    line = Seam.model_validate(LINE | {"points": [[0.0, 0.0], [10.0, 0.0], [5.0, 4.0], [20.0, 4.0]]})
+    under = line.under(np.array([2.0, 2.0, 7.5, 7.5, 7.5, 15.0, 21.0, -1.0]), np.array([1.0, -1.0, 1.0, 3.0, 5.0, 9.0, 9.0, 9.0]))
+    np.testing.assert_allclose(under, [0.0, -math.inf, 0.0, 2.0, 4.0, 4.0, -math.inf, -math.inf])
+
+
 def test_the_length_of_a_seam_is_that_in_the_soil() -> None:
     assert scene().length_in_soil(scene().seams["clay"]) == pytest.approx(103.0, rel=0.01)
     beyond = scene(points=[[-100.0, 5.0], [300.0, 5.0]])

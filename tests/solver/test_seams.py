@@ -10,8 +10,9 @@ import pytest
 
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
-from sph.solver.physics.kernels import make_kernel
-from sph.solver.physics.seams import average_seams, line_integral, slide, without_slip
+from sph.solver.particles import place_particles
+from sph.solver.physics.kernels import kernel_of, make_kernel
+from sph.solver.physics.seams import TERM, average_seams, line_integral, not_slip, slide, without_slip
 from sph.solver.simulation import Simulation
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, static_scene, weakened
@@ -108,6 +109,52 @@ def test_damping_does_not_act_on_shear_along_the_seam(simulation: Simulation) ->
     c, s = math.cos(2.0 * DIP), math.sin(2.0 * DIP)
     assert without_slip(terms, i, -3.0 * s, 3.0 * c) == pytest.approx((0.0, 0.0), abs=1e-12)
     assert without_slip(terms, i, 3.0 * c, 3.0 * s) == pytest.approx((3.0 * c, 3.0 * s))
+
+
+def test_mass_damping_fades_as_the_velocity_becomes_slip(simulation: Simulation) -> None:
+    """Above the seam, with the slip at its foot; below it, and against the slip, nothing changes."""
+    state, seams = simulation.state, simulation.terms.seams
+    x, y = state.x[: simulation.terms.n_soil], state.y[: simulation.terms.n_soil]
+    height = 10.0 + (x - 10.0) * math.tan(DIP)
+    np.testing.assert_array_equal(seams.foot[:, 0] >= 0, y > height)
+    above = np.flatnonzero(y > height)
+    feet = seams.particle[seams.foot[above, 0]]
+    assert np.all(np.hypot(x[feet] - x[above], y[feet] - height[above]) < 1.5) and np.all(y[feet] > height[feet])
+    state.seam_speed[feet] = -0.5  # downwards to the left
+    for along, across, weight in ((-0.5, 0.0, 0.0), (-1.0, 0.0, 0.0), (-2.0, 0.0, 0.5), (0.5, 0.0, 1.0), (0.0, 1.0, 1.0), (-1.0, 1.0, 0.5)):
+        state.vx[:] = along * math.cos(DIP) - across * math.sin(DIP)
+        state.vy[:] = along * math.sin(DIP) + across * math.cos(DIP)
+        assert {round(not_slip(seams, state, int(i)), 9) for i in above[::20]} == {weight}
+        assert not_slip(seams, state, int(np.flatnonzero(y < height)[0])) == 1.0
+    state.vx[:] = state.vy[:] = 0.0
+    assert not_slip(seams, state, int(above[0])) == 1.0
+
+
+def test_the_feet_of_particles_on_lines_at_random() -> None:
+    """Dips to both sides, lines from either end: soil above a line has its foot there, that below has none, directions point right."""
+    random = np.random.default_rng(7)
+    for dip in np.radians(random.uniform(-55.0, 55.0, 12)):
+        ends = [[-5.0, 10.0 - 15.0 * math.tan(dip)], [25.0, 10.0 + 15.0 * math.tan(dip)]]
+        scene = make_scene(merge(BLOCK, {"seams": {"clay": {"points": ends[:: random.choice([-1, 1])]}}}))
+        particles = place_particles(scene)
+        seams = TERM.make(scene, particles, kernel_of(scene), 1e-3)
+        x, y = particles.x[: particles.n_soil], particles.y[: particles.n_soil]
+        height = 10.0 + (x - 10.0) * math.tan(dip)
+        above = seams.foot[:, 0] >= 0
+        np.testing.assert_array_equal(above, (y > height) & (height > 0.0))
+        feet = seams.particle[seams.foot[above, 0]]
+        assert np.all(y[feet] > height[feet])
+        assert np.hypot(x[feet] - x[above], y[feet] - height[above]).max() < 1.5
+        np.testing.assert_allclose(seams.along[seams.foot[above, 0]], [[math.cos(dip), math.sin(dip)]] * above.sum(), atol=1e-9)
+
+
+def test_the_sense_of_slip_is_that_of_the_shear_stress(simulation: Simulation) -> None:
+    state, terms = simulation.state, simulation.terms
+    there = terms.seams.particle[: terms.seams.soil_rows]
+    state.seam_strain[there] = simulation.pairs.grip[there] / state.density[there] * 1e-3
+    terms.seams.normal[:], terms.seams.shear[:] = 70e3, -20e3
+    average_seams(terms.seams, state, simulation.pairs, 0, terms.n_soil)
+    assert state.seam_speed[there].mean() == pytest.approx(-1e-3 / terms.seams.dt, rel=0.1)
 
 
 def test_a_jump_across_is_the_slip_wherever_a_particle_lies(simulation: Simulation) -> None:

@@ -66,6 +66,26 @@ def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound(
     assert debris_at_wall(scene, "", np.nan) == []
 
 
+@pytest.mark.long
+def test_an_apron_that_the_side_holds_is_told() -> None:
+    """Deep soft clay: the failed apron at a side that cuts the crest's displacement by 17 % has moved by 0.25 m only."""
+    clay = {
+        "geometry.slope_angle": 45.0,
+        "geometry.base_depth": 8.0,
+        "geometry.crest_length": 25.0,
+        "soil.cohesion": 28.0,
+        "soil.friction_angle": 0.0,
+        "walls": {"base": "no_slip", "sides": "free_slip"},
+        "coupling.S_R": 0.95,
+        "motion.amplitude": 2.5,
+        "duration": 10.0,
+        "numerics.spacing": 1.0,
+    }
+    short, long = (measure(run(low(**clay, **{"geometry.apron_length": apron})).trajectory) for apron in (12.0, 40.0))
+    assert float(short["displacement_magnitude"]) < 0.9 * float(long["displacement_magnitude"])
+    assert "front" in str(short["reached_side"]) and "front" not in str(long["reached_side"])
+
+
 @pytest.mark.parametrize(
     ("runout", "deposit", "told"),
     [(10.1, 3.9, True), (10.1, 4.0, False), (9.9, 3.9, False), (0.0, 0.0, False), (np.nan, np.nan, False)],

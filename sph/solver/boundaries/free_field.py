@@ -51,7 +51,8 @@ class FreeField(NamedTuple):
     beside: np.ndarray  # (nodes,) horizontal stress over vertical stress in that
     impedance: np.ndarray  # (nodes,) alpha rho V_p of the artificial viscosity, kg/(m2 s)
     correction: np.ndarray  # (nodes,) of the gradient
-    drag: np.ndarray  # (2, nodes) rate of the dashpots below, 1/s
+    drag: np.ndarray  # (2, nodes) deceleration by the dashpot below for a velocity of 1 m/s of the base, 1/s
+    weight: np.ndarray  # (nodes,) of a row in the velocity of the base
     mobile: np.ndarray  # (nodes,) 1, or 0 for the rows of a fixed base
 
 
@@ -157,6 +158,7 @@ def make_free_field(scene: Scene, particles: Particles, kernel: Kernel, dt: floa
         impedance=(0.0 if plain is None else plain.alpha) * soil.impedance[1],
         correction=np.concatenate([_correction(scene, rows, count) for count in nodes]),
         drag=walls.kinds.base.absorbs * weights * below(scene, layer).impedance / (soil.density * dx),
+        weight=weights,
         mobile=np.where(fixed, 0.0, 1.0),
     )
 
@@ -186,6 +188,13 @@ def decay(rate, dt):  # type: ignore[no-untyped-def]
     return keep, (dt * (1.0 - keep) / x if x > 1e-6 else dt)
 
 
+@jit
+def move(speed, push, rate, dt):  # type: ignore[no-untyped-def]
+    """How far (m) a dashpot that slows at this rate lets go in dt what has this speed, under a constant acceleration."""
+    keep, acting = decay(rate, dt)
+    return (speed * (1.0 - keep) + push * (dt - acting)) / rate if rate * dt > 1e-6 else speed * dt
+
+
 @slot
 def kick_free_field(term, rayleigh, state, dt, loads, team):  # type: ignore[no-untyped-def]
     """Kick the columns by one step, by the first of a team's threads."""
@@ -198,12 +207,20 @@ def _kick_free_field(term, rayleigh, state, dt, loads, team):  # type: ignore[no
         for direction in range(2):
             column = state.free_field[direction]
             shaking = loads.ground if direction == 0 else loads.vertical
-            for k in range(term.density.size):
-                keep, acting = decay(rate + term.drag[direction, k], dt)
-                old = column[VELOCITY, k]
-                new = term.mobile[k] * (old * keep + (column[ACCELERATION, k] - shaking) * acting)
-                column[VELOCITY, k] = new
-                column[MEAN_VELOCITY, k] = 0.5 * (old + new)
+            for side in range(2):
+                speed = push = slowed = 0.0
+                for k in range(term.begin[side], term.begin[side + 1]):
+                    speed += term.weight[k] * column[VELOCITY, k]
+                    push += term.weight[k] * (column[ACCELERATION, k] - shaking)
+                    slowed += term.weight[k] * term.drag[direction, k]
+                base = move(speed, push, slowed, dt)
+                keep, acting = decay(rate, dt)
+                for k in range(term.begin[side], term.begin[side + 1]):
+                    old = column[VELOCITY, k]
+                    new = old * keep + (column[ACCELERATION, k] - shaking) * acting - term.drag[direction, k] * base
+                    new *= term.mobile[k]
+                    column[VELOCITY, k] = new
+                    column[MEAN_VELOCITY, k] = 0.5 * (old + new)
     wait(team)
 
 
