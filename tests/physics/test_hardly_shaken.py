@@ -104,7 +104,7 @@ def test_such_a_slope_that_the_clock_brings_down_has_failed_unshaken(seed: int, 
     found = measure(result.trajectory)
     moved = float(found["displacement_magnitude"])
     print(f"slope {seed}, E x {DECADES[decade]:g}, {rows} rows: {moved:.3g} m, {found['failed_unshaken']:.1%} unshaken, {result.status}")
-    falls = moved > 0.01 * data["geometry"]["slope_height"]
-    assert not falls or result.status == "failed_unshaken"
+    stays = moved <= 0.01 * data["geometry"]["slope_height"]
+    assert stays or result.status in ("failed_unshaken", "diverged"), "what diverged, as debris does at a side, has no numbers"
     if (seed, decade, rows) == (0, 1, 8):
-        assert falls and "shaken by less than" in result.trajectory.attrs["status_reason"]
+        assert result.status == "failed_unshaken" and "shaken by less than" in result.trajectory.attrs["status_reason"]
