@@ -35,7 +35,7 @@ from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_col
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
-from sph.scene.gravity import FAILED_AREA
+from sph.scene.gravity import FAILED_AREA, FAILED_SHARE, UNSHAKEN
 from sph.scene.ground_line import GroundLine
 from sph.scene.motion import NoMotion
 from sph.scene.places import shifted
@@ -147,8 +147,9 @@ METRICS: tuple[Variable, ...] = (
     _number(
         "failed_unshaken",
         "1",
-        "soil particles that failed under gravity alone, before the shaking begins, over all soil particles; where they cover more "
-        f"than {FAILED_AREA:g} H2 the status is {Status.FAILED_UNSHAKEN}, and the results of the run are not due to the earthquake alone",
+        f"soil particles that failed under gravity alone, before the shaking exceeds {UNSHAKEN:g} g, over all soil particles; where they "
+        f"cover more than {FAILED_AREA:g} H2, or more than {FAILED_SHARE:g} of the soil that has moved in the end, the status is "
+        f"{Status.FAILED_UNSHAKEN}, and the results of the run are not due to the earthquake alone",
     ),
     _number(
         "mobilised_strength",

@@ -19,6 +19,7 @@ from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.places import ARRIVAL, DEPTH, PASSED, column_of, places_in
 from sph.measures.sides import BACK
 from sph.page.tables import AT_LEAST, MOST_VALUES, NOTHING, Table, metres
+from sph.scene.gravity import UNSHAKEN
 from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
@@ -111,7 +112,7 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
     tested = any(row.finding.code == "stands-unshaken" for row in rows)
     narrow = sum(row.runs for row in rows if row.finding.code == "factor-of-safety" and row.finding.severity == Severity.WARNING)
     if soften:
-        how = "soil reaches its strength under gravity and softens before the shaking"
+        how = f"soil reaches its strength under gravity and softens before the shaking exceeds {UNSHAKEN:g} g"
         return f"fails in {soften} of {runs} runs", f"{how}; the slope stands at peak strength" if tested else how
     if narrow:
         return (
@@ -344,7 +345,8 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
 
     say(
         (table["status"] == Status.FAILED_UNSHAKEN).sum(),
-        "have soil that fails under gravity alone and softens before the shaking: their results are not due to the earthquake alone.",
+        f"have soil that fails under gravity alone and softens before the shaking exceeds {UNSHAKEN:g} g: their results are not due to the "
+        "earthquake alone.",
     )
     say(table["diverged"].sum(), "diverged: the guard stopped them, and they have no results.")
     say(

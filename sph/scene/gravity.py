@@ -16,6 +16,15 @@ from sph.scene.units import Acceleration
 FAILED_AREA = 0.01
 """Part of H^2, H the height of the slope, that failed soil covers where the slope has failed: in a run soil that yields under gravity
 alone, in a static test displaced soil."""
+FAILED_SHARE = 0.1
+"""The same over the soil that has moved: of a mechanism much smaller than H^2, so much need to have failed under gravity alone."""
+FEWEST_MOVED = 10
+"""Particles that are a mechanism; fewer have rolled off."""
+MOVED = 0.01
+"""Displacement, over H, beyond which soil has moved."""
+UNSHAKEN = 0.0025
+"""Acceleration over gravity up to which ground counts as not shaken: a hundredth of the yield acceleration of slopes that stand well.  It
+changes the factor of safety of an infinite slope by 0.0025 (cot(alpha) + tan(alpha)), 1 % at most between 15 and 75 degrees."""
 Velocity = Annotated[float, Field(ge=-1e6, le=1e6)]
 
 

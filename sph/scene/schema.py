@@ -22,7 +22,17 @@ from pydantic import Field, ModelWrapValidatorHandler, field_validator, model_va
 
 from sph.scene.configuration import OwnName, Section, key, merge, read_scene, validated, whole_multiple
 from sph.scene.geometry import Geometry
-from sph.scene.gravity import FAILED_AREA, GravityStage, InitialVelocity, UniformStress, VelocityGradient
+from sph.scene.gravity import (
+    FAILED_AREA,
+    FAILED_SHARE,
+    FEWEST_MOVED,
+    UNSHAKEN,
+    GravityStage,
+    InitialVelocity,
+    UniformStress,
+    VelocityGradient,
+)
+from sph.scene.ground_motion import loading_of
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.laboratory import RESIDUALS, as_computed
 from sph.scene.layers import Layer, check_coupling
@@ -361,13 +371,21 @@ class Scene(Section):
         """Layers of boundary particles that fill the kernel's support but for one spacing, where the gradient fades."""
         return math.ceil(2 * self.numerics.smoothing_length / self.numerics.spacing - 1 - 1e-9)
 
+    @property
+    def shaken_from(self) -> float:
+        """Time from which on shaking can be the cause of failure, s: of the first acceleration above ``UNSHAKEN`` of gravity; infinite
+        where there is none."""
+        loading = loading_of(self)
+        shaken = np.maximum(np.abs(loading.ground), np.abs(loading.vertical)) > UNSHAKEN * self.gravity.acceleration
+        return float(loading.time[np.argmax(shaken)]) if shaken.any() else math.inf
+
     def unshaken(self, t_f: np.ndarray) -> np.ndarray:
         """Which particles (n,) failed under gravity alone, by their times of failure (s): when the gravity stage ended, or from then until
-        the shaking begins."""
+        the ground is shaken (``shaken_from``).  Soil that a prescribed deformation moves fails by that."""
         failed = self.gravity.failed(t_f)
-        if isinstance(self.motion, NoMotion):
+        if self.prescribed_velocity_gradient is not None:
             return failed
-        return failed | ((t_f > self.gravity.duration) & (t_f < self.motion.start - 0.5 * self.numerics.time_step))
+        return failed | ((t_f > self.gravity.duration) & (t_f < self.shaken_from - 0.5 * self.numerics.time_step))
 
     def length_in_soil(self, seam: Seam) -> float:
         """Length of a seam below the ground and above the base, m, to a two-hundredth of each part of its line."""
@@ -376,10 +394,15 @@ class Scene(Section):
         inside = (x > 0.0) & (x < self.geometry.width) & (y > 0.0) & (y < self.geometry.ground(x))
         return float(lengths[inside].sum())
 
-    def fails_unshaken(self, failed: int) -> bool:
-        """Whether so many soil particles, failed under gravity alone, are a slope that has failed: more than ``FAILED_AREA`` H^2."""
+    def fails_unshaken(self, failed: int, moved: int = 0, failed_of_moved: int = 0) -> bool:
+        """Whether so many soil particles, failed under gravity alone, are a slope that has failed.
+
+        They cover more than ``FAILED_AREA`` H^2; or of the soil that has moved in the end, by more than ``MOVED`` H since the gravity
+        stage, more than ``FAILED_SHARE`` is among them, as in a mechanism that is small beside H^2.
+        """
         height = self.geometry.crest[1] - self.geometry.toe[1]
-        return failed * self.numerics.spacing**2 > FAILED_AREA * height**2
+        falls = moved >= FEWEST_MOVED and failed_of_moved > FAILED_SHARE * moved
+        return falls or failed * self.numerics.spacing**2 > FAILED_AREA * height**2
 
     def steps(self, time: float) -> int:
         """Number of time steps to a time (s)."""

@@ -133,7 +133,7 @@ def likely_cause(scene: Scene, ratio: float, wrong: Trouble) -> str:
         )
     if wrong.fault == Fault.LEFT_THE_BOX:
         return words(
-            "soil ran off an open end of the base, was thrown over the walls, or pushed away an absorbing wall, which holds no load that "
+            "soil ran off an open end of the base, ran over the walls, or pushed away an absorbing base, which holds no load that "
             "comes after the gravity stage: widen the box or deepen it (geometry), close its sides, give it a stiff base "
             "(walls.bedrock, or walls.base: no_slip), or shake it less"
         )

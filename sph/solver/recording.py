@@ -90,6 +90,13 @@ class Recording:
         for name, values in self.frames.items():
             values.append(np.array(frame[name], dtype=trajectory.BY_NAME[name].dtype))
 
+    def moved_since(self, time: float) -> np.ndarray:
+        """How far each soil particle (n,) has moved since the first frame at or after a time (s), or since the last, m."""
+        simulation, soil = self.simulation, slice(0, self.simulation.particles.n_soil)
+        first = min(int(np.searchsorted(self.frames["time"], time - 1e-9)), len(self.frames["time"]) - 1)
+        now = ((simulation.state.x, "x"), (simulation.state.y, "y"))
+        return np.asarray(np.hypot(*(place[soil] - self.frames[axis][first][soil] for place, axis in now)))
+
     def take_over(self, old: xr.Dataset) -> None:
         """Take over the history of an earlier run of the scene; the end of a shorter run is no frame of a longer one."""
         simulation = self.simulation

@@ -17,7 +17,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 import xarray as xr
 
+from sph.scene.gravity import MOVED, UNSHAKEN
+from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene
+from sph.scene.units import in_both
 from sph.solver.early_stop import rest_reason
 from sph.solver.guard import likely_cause, trouble
 from sph.solver.recording import Recording
@@ -142,13 +145,17 @@ class Run:
     def _finished(self, rest: str) -> tuple[str, str]:
         """Status and reason of a run that has reached its duration or came to ``rest``."""
         simulation = self.simulation
-        scene, n_soil = simulation.scene, simulation.particles.n_soil
-        unshaken, layer = scene.unshaken(simulation.state.t_f[:n_soil]), simulation.particles.layer[:n_soil]
+        scene, n_soil, t_f = simulation.scene, simulation.particles.n_soil, simulation.state.t_f[: simulation.particles.n_soil]
+        unshaken, layer = scene.unshaken(t_f), simulation.particles.layer[:n_soil]
         parts = [f"{np.mean(unshaken[layer == k]):.2%} of {name}" for k, name in enumerate(scene.layers, 1) if unshaken[layer == k].any()]
         share = f"{np.mean(unshaken):.2%} of the soil yields under gravity alone" if unshaken.any() else ""
         share += f" ({', '.join(parts)})" if parts else ""
+        later = t_f[unshaken & ~scene.gravity.failed(t_f)]
+        if not isinstance(scene.motion, NoMotion) and np.any(later >= scene.motion.start):
+            share += f", while the ground is shaken by less than {in_both(UNSHAKEN * scene.gravity.acceleration)}"
         reason = "; ".join(filter(None, (share, rest)))
-        if simulation.scene.fails_unshaken(int(np.count_nonzero(unshaken))):
+        moved = self.recording.moved_since(scene.gravity.duration) > MOVED * (scene.geometry.crest[1] - scene.geometry.toe[1])
+        if scene.fails_unshaken(*map(int, map(np.count_nonzero, (unshaken, moved, moved & unshaken)))):
             return Status.FAILED_UNSHAKEN, reason
         return Status.COMPLETE if np.any(simulation.state.phase == FAILED) else Status.UNFAILED, reason
 

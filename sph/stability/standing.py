@@ -24,7 +24,7 @@ import numpy as np
 import xarray as xr
 
 from sph.scene.configuration import Section, dotted, key, merge
-from sph.scene.gravity import FAILED_AREA
+from sph.scene.gravity import FAILED_AREA, MOVED
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import RESOLVED
@@ -60,7 +60,7 @@ ELASTIC_SHARE = 0.1
 class FailureRule(Section):
     """When a slope has failed, in numbers that hold for any size of slope and box."""
 
-    displacement: float = key("displacement, over the slope's height H, beyond which soil counts as displaced", gt=0, le=1, default=0.01)
+    displacement: float = key("displacement, over the slope's height H, beyond which soil counts as displaced", gt=0, le=1, default=MOVED)
     area: float = key("area of displaced soil, over H^2, beyond which the slope has failed", ge=0, le=1, default=FAILED_AREA)
     observation: float = key(
         "duration of free observation after the gravity stage, and after the load, over sqrt(H / g)", gt=0, le=1000, default=10.0

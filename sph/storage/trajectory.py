@@ -105,7 +105,7 @@ class Status(StrEnum):
     UNFAILED = "unfailed"
     """the same without one particle failing"""
     FAILED_UNSHAKEN = "failed_unshaken"
-    """the same, but soil that covers more than ``sph.scene.gravity.FAILED_AREA`` H^2 failed under gravity alone and softened unshaken"""
+    """the same, but so much soil failed before the shaking that it is not the cause (``sph.scene.schema.Scene.fails_unshaken``)"""
     PAUSED = "paused"
     """stopped before its duration so that it can go on"""
     DIVERGED = "diverged"

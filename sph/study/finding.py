@@ -35,7 +35,10 @@ CODES: dict[str, Code] = {
     "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
     "fails-at-residual": Code(NOTE, "without shaking the slope fails at its residual strength: soil that fails keeps moving downslope"),
     "stands-at-residual": Code(NOTE, "without shaking the slope stands at its residual strength: soil that fails comes to rest"),
-    "mobilised-strength": Code(NOTE, "share of its peak strength that a layer mobilises under gravity alone; a warning from 95 % on"),
+    "mobilised-strength": Code(
+        NOTE,
+        "share of its peak strength that a layer mobilises under gravity alone, near the slope or in level ground; a warning from 95 % on",
+    ),
     "factor-of-safety": Code(NOTE, "static factor of safety"),
     "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
     "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),

@@ -28,7 +28,7 @@ from sph.study.finding import Finding, finding, off_by
 from sph.study.layer_findings import of_layers
 from sph.study.loss_findings import of_loss, of_softening
 from sph.study.motion_findings import not_rigid, of_damping, of_motion
-from sph.study.soil_findings import of_soils
+from sph.study.soil_findings import of_rest, of_soils
 
 FEWEST_IN_HEIGHT = 12
 """Fewest particles across a slope's height: with 10 and 15 the cost-accuracy studies have right classes, run-outs up to 40 and 36 % off."""
@@ -227,6 +227,7 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
     found = (
         of_choices(scene)
         + of_soils(scene)
+        + of_rest(scene, particles)
         + of_layers(scene, particles)
         + [each for name, soil in zip(("soil", *scene.layers), scene.soils, strict=True) for each in _waves(scene, name, soil)]
         + (_slope(scene, scene.geometry) + of_rows(scene, particles) if isinstance(scene.geometry, (Slope, GroundLine)) else [])

@@ -31,10 +31,11 @@ from sph.stability.standing import divided_strength, dividing, judged, slope_hei
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
 from sph.study.equilibrium import of_equilibrium, of_residual
-from sph.study.finding import Finding, Severity, finding, off_by
+from sph.study.finding import Finding, Severity, finding
 from sph.study.findings import findings
 from sph.study.layer_findings import broken_at, layers_of
 from sph.study.searches import SAFETY, TEXTS, YIELD
+from sph.study.soil_findings import mobilised_strength
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
@@ -47,8 +48,6 @@ MOST_SCENES = 200
 """Most scenes of a study that are looked at, evenly through it."""
 OWN_SECONDS = 12.0
 """Computing time on the reference machine up to which a study tests whether a slope stands at the spacing of its runs, s."""
-USED_UP = 0.95
-"""Share of its peak strength from which on hardly any is left to the shaking."""
 QUICK_TRIALS = (9, 6)
 """Static tests of a search to ``QUICK_TOLERANCE``, at the coarse and at the fine spacing (measured: 5 to 11 and 3 to 6)."""
 QUICK_SENSITIVITY = 6
@@ -185,23 +184,9 @@ def _of_peak(peak: Peak, scene: Scene) -> Finding:
 
 
 def _of_mobilised(peak: Peak) -> list[Finding]:
-    """How much of its peak strength each layer uses before the shaking, the most first; a warning where hardly any is left."""
-    told = []
-    for name, share in sorted(peak.mobilised.items(), key=lambda pair: -pair[1]):
-        near = share >= USED_UP
-        told.append(
-            finding(
-                "mobilised-strength",
-                f"strength of {name} mobilised by gravity alone, before the shaking",
-                f"{100 * share:.0f} % of its peak strength",
-                f"less than {100 * USED_UP:.0f} %, or be computed from a known initial stress" if near else "",
-                f"{'soil' if name == 'soil' else f'layers.{name}.soil'}.K0, or its strength" if near else "",
-                Severity.WARNING if near else None,
-                subject=name,
-                off_by=off_by(share, USED_UP) if near else 1.0,
-            )
-        )
-    return told
+    """How much of its peak strength each layer uses before the shaking, the most first."""
+    shares = sorted(peak.mobilised.items(), key=lambda pair: -pair[1])
+    return [mobilised_strength(name, share, "before the shaking") for name, share in shares]
 
 
 def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> list[Finding]:

@@ -1,6 +1,7 @@
-"""Implausible properties of soil, seams and walls, mostly due to a mistaken unit, found before a run.
+"""Implausible properties of soil, seams and walls, and soil that gravity alone brings to its strength, found before a run.
 
-They are warnings and no refusals: a trial with divided strength, a draw of uncertain soil or an undrained test of clay may have them.
+Implausible properties are mostly due to a mistaken unit.  They are warnings and no refusals: a trial with divided strength, a draw of
+uncertain soil or an undrained test of clay may have them.
 """
 
 from __future__ import annotations
@@ -8,11 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+import numpy as np
+
 from sph.scene.geometry import SLOPES, Slope
+from sph.scene.gravity import FAILED_AREA, UniformStress
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.scene.uncertain import STEEPEST
-from sph.study.finding import Finding, finding, off_by
+from sph.solver.initial_stress import effective_overburden
+from sph.solver.particles import Particles, peak_strength
+from sph.study.finding import Finding, Severity, finding, off_by
 
 DENSITIES = 1000.0, 3000.0
 """Usual densities of soil and rock, kg/m3: from loose or organic soil to dense rock."""
@@ -25,6 +31,75 @@ LARGEST_TANGENT = math.tan(math.radians(STEEPEST))
 of them and no angle in degrees, and a coefficient of friction above it an angle."""
 SMALLEST_ANGLE, SMALLEST_COHESION = 5.0, 5.0
 """Friction angle (degree) and cohesion (kPa) below both of which hardly any slope stands."""
+USED_UP = 0.95
+"""Share of its peak strength from which on hardly any is left to the shaking."""
+
+
+def mobilised_strength(name: str, share: float, when: str, where: str = "", wanted: str = "", key: str = "") -> Finding:
+    """The finding of a share of its peak strength that a layer mobilises under gravity alone; a warning where hardly any is left."""
+    near = share >= USED_UP
+    path = "soil" if name == "soil" else f"layers.{name}.soil"
+    return finding(
+        "mobilised-strength",
+        f"strength of {name} mobilised by gravity alone, {when}",
+        f"{100 * share:.0f} % of its peak strength{where}",
+        f"less than {100 * USED_UP:.0f} %, {wanted or 'or be computed from a known initial stress'}" if near else "",
+        f"{path}.K0, or {key or 'its strength'}" if near else "",
+        Severity.WARNING if near else None,
+        subject=name,
+        off_by=off_by(share, USED_UP) if near else 1.0,
+    )
+
+
+def at_rest(scene: Scene, particles: Particles) -> np.ndarray:
+    """Share (n_soil,) of its peak strength that the soil mobilises where it lies as in level ground at the same depth.
+
+    Of the effective stresses sigma_v and K0 sigma_v (Rankine 1857), in plane strain:
+
+        |1 - K0| / 2 sigma_v / (c cos(phi) + (1 + K0) / 2 sigma_v sin(phi)),
+
+    1 at the active and at the passive limit; beyond 1 the soil yields while gravity is brought on.
+    """
+    soil = slice(0, particles.n_soil)
+    vertical = effective_overburden(scene, particles.x[soil], particles.y[soil])
+    ratio = np.array([each.at_rest for each in scene.soils])[particles.layer[soil]]
+    cohesion, angle = peak_strength(scene, particles)[:, soil]
+    radius, at_yield = 0.5 * np.abs(1.0 - ratio) * vertical, cohesion * np.cos(angle) + 0.5 * (1.0 + ratio) * vertical * np.sin(angle)
+    return np.divide(radius, at_yield, out=np.zeros_like(radius), where=at_yield > 0.0)
+
+
+def of_rest(scene: Scene, particles: Particles) -> list[Finding]:
+    """A warning for each layer of which more than ``FAILED_AREA`` H^2 has hardly any strength left in level ground at rest, by ``at_rest``.
+
+    Not on an incline, nor where the soil starts with a uniform pressure, as debris, or without weight; nor of shapes without a slope.
+    """
+    gravity, geometry = scene.gravity, scene.geometry
+    level = gravity.inclination == 0.0 and gravity.acceleration > 0.0 and not isinstance(gravity.initial_stress, UniformStress)
+    free = scene.coupling.initial_state == "solid" and scene.prescribed_velocity_gradient is None
+    if not (level and free and isinstance(geometry, SLOPES)):
+        return []
+    soil, found = slice(0, particles.n_soil), []
+    shares, depth = at_rest(scene, particles), geometry.ground(particles.x[soil]) - particles.y[soil]
+    for number, (name, its) in enumerate(zip(("soil", *scene.layers), scene.soils, strict=True)):
+        near = (particles.layer[soil] == number) & (shares >= USED_UP)
+        if np.count_nonzero(near) * scene.numerics.spacing**2 > FAILED_AREA * (geometry.crest[1] - geometry.toe[1]) ** 2:
+            worst = int(np.argmax(np.where(near, shares, 0.0)))
+            given, held = f"{its.at_rest:.3g}{' = nu / (1 - nu)' if its.K0 is None else ''}", _held_at_rest(scene, particles, worst)
+            where = f" at a depth of {depth[worst]:.3g} m with K0 = {given}"
+            where += f", {100 * USED_UP:.0f} % or more from {depth[near].min():.3g} m downwards"
+            bound = f"at least {held:.3g} (nu {held / (1 + held):.3g})" if held < 1.0 else f"at most {held:.3g}"
+            when, key = "in level ground at rest (Rankine)", "poisson_ratio" if its.K0 is None else ""
+            found.append(mobilised_strength(name, float(shares[worst]), when, where, f"as with a K0 of {bound}", key))
+    return found
+
+
+def _held_at_rest(scene: Scene, particles: Particles, i: int) -> float:
+    """The K0 nearest to a particle's own with which it mobilises ``USED_UP`` of its strength."""
+    vertical = float(effective_overburden(scene, particles.x[i : i + 1], particles.y[i : i + 1])[0])
+    cohesion, angle = peak_strength(scene, particles)[:, i]
+    part = USED_UP * np.array([np.sin(angle), 2.0 * cohesion * np.cos(angle) / vertical])
+    active = scene.soils[particles.layer[i]].at_rest < 1.0
+    return float((1.0 - part[0] - part[1]) / (1.0 + part[0]) if active else (1.0 + part[0] + part[1]) / (1.0 - part[0]))
 
 
 def of_soils(scene: Scene) -> list[Finding]:

@@ -14,7 +14,7 @@ from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge
-from sph.scene.gravity import FAILED_AREA
+from sph.scene.gravity import FAILED_AREA, GRAVITY, UNSHAKEN
 from sph.scene.ground_motion import GroundMotion
 from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import Scene, load_scene, make_scene
@@ -447,12 +447,23 @@ def test_no_two_findings_of_a_scene_are_taken_for_one(name: str) -> None:
 # ---------------------------------------------------------------- soil that fails before the shaking
 
 
-def test_soil_that_fails_between_the_gravity_stage_and_the_shaking_has_failed_unshaken() -> None:
+def test_soil_that_fails_before_the_ground_is_shaken_has_failed_unshaken() -> None:
     t_f = np.array([3.0, 3.4, 4.9, 5.0, 6.0, np.nan, 0.0])
-    late = scene(**{"motion.start": 5.0, "motion.decay_start": 5.5, "motion.end": 6.0})
-    assert late.unshaken(t_f).tolist() == [True, True, True, False, False, False, False]
+    late = scene(**{"motion.start": 5.0, "motion.ramp": 0.0, "motion.decay_start": 5.5, "motion.end": 6.0})
+    assert late.unshaken(t_f).tolist() == [True, True, True, True, False, False, False], "at 5 s the sine is 0"
     assert scene().unshaken(t_f).tolist() == [True] + 6 * [False]
-    assert scene(motion={"kind": "none"}).unshaken(t_f).tolist() == [True] + 6 * [False]
+    for motion in ({"kind": "none"}, scene().motion.model_dump() | {"amplitude": UNSHAKEN * GRAVITY}):
+        assert scene(motion=motion).shaken_from == np.inf
+        assert scene(motion=motion).unshaken(t_f).tolist() == 5 * [True] + 2 * [False]
+    # 3 (t / 0.5) sin(4 pi t) = 0.0025 g after 18.03 ms.
+    assert scene().shaken_from == pytest.approx(3.01803, abs=1.01e-3), "the first step above it"
+
+
+def test_a_mechanism_that_is_small_beside_the_slope_fails_unshaken_as_well() -> None:
+    """1 m2 is no failure of a slope of 10 m by area, but is much of a slip of 7 m2; stones that roll off are none."""
+    fine = scene(**{"numerics.spacing": 0.5})
+    assert not fine.fails_unshaken(4) and fine.fails_unshaken(4, 30, 4)
+    assert not fine.fails_unshaken(4, 30, 3) and not fine.fails_unshaken(4, 9, 4)
 
 
 def test_the_status_names_the_layers_that_fail_unshaken() -> None:

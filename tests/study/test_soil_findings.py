@@ -5,15 +5,18 @@ from __future__ import annotations
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
+from sph.solver.initial_stress import effective_overburden
+from sph.solver.particles import place_particles
 from sph.study.finding import Finding
 from sph.study.findings import findings
-from sph.study.soil_findings import LARGEST_TANGENT, of_soils
+from sph.study.soil_findings import LARGEST_TANGENT, USED_UP, at_rest, of_rest, of_soils
 
 OWN: dict[str, Any] = {
     "name": "own",
@@ -137,3 +140,44 @@ def test_a_coefficient_of_wall_friction_that_is_an_angle_is_told() -> None:
     (one,) = told(**{"walls": walls})
     assert one.key == "walls.friction.base" and "0.141" in one.wanted and LARGEST_TANGENT < 8.0
     assert told(**{"walls": walls | {"friction": {"base": 0.5}}}) == []
+
+
+# ---------------------------------------------------------------- soil that gravity alone brings to its strength
+
+
+def test_ground_at_its_active_limit_is_told_with_layer_depth_and_remedy() -> None:
+    """Deep ground of c 10 kPa, phi 20 degrees and nu 0.3: by hand, 0.2857 x 223.6 / (9.397 + 0.7143 x 0.3420 x 223.6) = 0.998 at 12 m."""
+    weak = {"soil.cohesion": 10.0, "soil.friction_angle": 20.0, "numerics.spacing": 1.0, "geometry.base": 427.5, "layers": {}}
+    ground = {"geometry.points": [[100, 430], [130, 430], [150, 440], [180, 440]]}
+    made = make_scene(merge(OWN, dotted(weak | ground)) | {"layers": {}})
+    (one,) = of_rest(made, place_particles(made))
+    assert one in findings(made) and (one.code, one.severity, one.subject) == ("mobilised-strength", "warning", "soil")
+    assert one.measured == "100 % of its peak strength at a depth of 12 m with K0 = 0.429 = nu / (1 - nu), 95 % or more from 9 m downwards"
+    assert one.key == "soil.K0, or poisson_ratio"
+    at_least = float(one.wanted.split("at least ")[1].split()[0])
+    for off, told_again in ((0.002, False), (-0.002, True)):
+        given = make_scene(merge(OWN, dotted(weak | ground | {"soil.K0": at_least + off})) | {"layers": {}})
+        assert bool(of_rest(given, place_particles(given))) == told_again
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_mobilised_strength_of_layers_at_random_is_that_between_rankines_limits(seed: int) -> None:
+    """1 at the limits that ``Soil.limits_at_rest`` gives, below it between them and above it outside, whatever layers and water."""
+    random = np.random.default_rng(seed)
+    layers = {}
+    for number, top in enumerate(np.cumsum(random.uniform(1.0, 6.0, 3))):
+        ranges = {"cohesion": (0.0, 30.0), "friction_angle": (0.0, 45.0), "poisson_ratio": (0.1, 0.49), "density": (1500.0, 2300.0)}
+        soil = {key: random.uniform(*bounds) for key, bounds in ranges.items()}
+        layers[f"layer{number}"] = {"region": {"kind": "depth", "top": top, "bottom": top + 6.0}, "soil": soil}
+    water = {"water": {"level": random.uniform(431.0, 440.0), "pressure": "carried"}} if seed % 2 else {}
+    made = make_scene(merge(OWN, {"layers": layers} | water))
+    particles = place_particles(made)
+    soil = slice(0, particles.n_soil)
+    vertical, shares = effective_overburden(made, particles.x[soil], particles.y[soil]), at_rest(made, particles)
+    for stress, number, share in zip(vertical, particles.layer[soil], shares, strict=True):
+        its = made.soils[number]
+        if stress > 0.0:
+            low, high = its.limits_at_rest(stress)
+            assert (share <= 1.0 + 1e-9) == (low - 1e-9 <= its.at_rest <= high + 1e-9)
+    near = {name for number, name in enumerate(("soil", *made.layers)) if (shares[particles.layer[soil] == number] >= USED_UP).sum() > 4}
+    assert {one.subject for one in of_rest(made, particles)} == near, "more than 4 particles of 1 m2 on a slope of 20 m"

@@ -109,6 +109,18 @@ def free_field_nodes(scene: Scene, particles: Particles) -> tuple[int, int]:
     return left + rows_below(scene), right + rows_below(scene)
 
 
+def first_frequencies(scene: Scene, particles: Particles) -> np.ndarray:
+    """First natural circular frequency of the ground at the left and the right side, (2, 2), 1/s, by the travel time of shear waves for
+    horizontal motion and of pressure waves for vertical motion: pi / (2 sum of dx / V)."""
+    found = np.zeros((2, 2))
+    for side, (x, rows) in enumerate(zip((0.0, scene.geometry.width), ground_rows(scene, particles), strict=True)):
+        y = (np.arange(rows) + 0.5) * scene.numerics.spacing
+        soil = soil_of(scene, layer_index(scene, np.full(rows, x), y))
+        for direction, speed in enumerate((soil.s_wave_speed, soil.p_wave_speed)):
+            found[direction, side] = 0.5 * np.pi / (scene.numerics.spacing / speed).sum()
+    return found
+
+
 class Ground(NamedTuple):
     """Soil at places, or the bedrock everywhere; arrays (places,)."""
 
