@@ -16,9 +16,9 @@ Total Lagrangian particles have no tensile instability and no such modes: Belyts
 Engng. 48, 1359-1400; Bonet and Kulasegaram (2001), ibid. 52, 1203-1220.
 
 Pairs as they lie are made at the middle of a step, so that the strain that they give is of second order in it.  Made at its end, as without
-this term, they overstate the rate of compression by dt/2 sum_j m_j/rho (v_j - v_i) . grad grad W . (v_j - v_i), which has the same sign
-wherever particles flow in disorder: density runs ahead of the particles, pressure pushes them apart, and a flow swells, lifts off its
-base and speeds up without end (``docs/evidence/validation.md``, V25).
+this term, they overstate the rate of compression by dt/2 sum_j m_j/rho (v_j - v_i) . grad grad W . (v_j - v_i), which is
+positive on average where particles keep their distance: density runs ahead of them, pressure pushes them apart, and a flow swells, lifts
+off its base and speeds up without end (``docs/evidence/validation.md``, V25).
 
 Pairs that are as they were need no renewal.  They are renewed when a particle that has others has moved by the gradient tolerance, or
 when soil has deformed so much that this moves soil ``ARM`` spacings away by as much.
