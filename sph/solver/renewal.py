@@ -14,7 +14,7 @@ from sph.solver.compiled.jit import entry, jit
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.moves import largest_move
 from sph.solver.neighbours import Candidates, Pairs, Places, allocate_pairs, find_candidates, pair_terms, update_pairs
-from sph.solver.physics.initial_arrangement import largest_changes, note_intact, start_pairs
+from sph.solver.physics.initial_arrangement import largest_changes, note_intact, place_of_pairs, start_pairs
 from sph.solver.state import State
 
 PAIRS_MOVE, CANDIDATES_MOVE = np.int64(0), np.int64(1)
@@ -62,14 +62,13 @@ def look_at_pairs(state, pairs, terms, step, team):  # type: ignore[no-untyped-d
 
 @jit
 def renew_pairs(state, candidates, pairs, terms, first, last, team):  # type: ignore[no-untyped-def]
-    """Pairs of particles first to last, this thread's, at the present positions."""
+    """Pairs of particles first to last, this thread's, at the present positions or half a step before."""
     note_intact(terms.initial_arrangement, state, pairs, first, last)
     for i in range(first, last):
-        state.x_pairs[i] = state.x[i]
-        state.y_pairs[i] = state.y[i]
+        state.x_pairs[i], state.y_pairs[i] = place_of_pairs(terms.initial_arrangement, state, terms.dt if i < terms.n_moving else 0.0, i)
         state.density_pairs[i] = state.density[i]
     wait(team)
-    update_pairs(pairs, candidates, pair_terms(terms), Places(state.x, state.y, state.density), first, last)
+    update_pairs(pairs, candidates, pair_terms(terms), Places(state.x_pairs, state.y_pairs, state.density_pairs), first, last)
     wait(team)
 
 

@@ -76,7 +76,7 @@ def test_coarsest_level_meets_its_reference(case: str, quantity: str) -> None:
 
 
 def test_every_case_is_measured_and_configured() -> None:
-    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 25)}
+    assert set(SUITE.cases) == set(CASES) == {f"V{number}" for number in range(1, 26)}
 
 
 def test_every_level_is_finer_than_the_one_before() -> None:

@@ -4,7 +4,7 @@
 * ``level``: what a case measures on
 * ``columns``: V1 gravity column, V2 waves, V3 shear column
 * ``solids``: V4 plate, V5 rings, V12 block on an incline
-* ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column
+* ``flows``: V6 Bingham channel, V7 Bingham slump, V8 granular column, V25 Bingham layer on an incline
 * ``rods``: V23 a column of rods, point by point
 * ``slopes``: V9 factor of safety, V10 critical strength ratio of the paper's slope, V16 drawdown and a chart, V17 and V18 both
   against limit analysis, V19 infinite slopes, V21 with water, V22 critical seismic coefficients

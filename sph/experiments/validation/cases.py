@@ -30,6 +30,7 @@ CASES: dict[str, tuple[Measure, Draw]] = {
     "V22": (slopes.measure_seismic, slopes.draw_seismic),
     "V23": (rods.measure_rods, rods.draw_rods),
     "V24": (slow_sine.measure_slow_sine, slow_sine.draw_slow_sine),
+    "V25": (flows.measure_incline, flows.draw_incline),
 }
 PROBES = {"V2": 2, "V3": 1, "V4": 1}
 """Probes that a case measures at: the first of its scenes."""

@@ -1,4 +1,4 @@
-"""V6 to V8: flows of Bingham fluid and of grains."""
+"""V6 to V8 and V25: flows of Bingham fluid and of grains."""
 
 from __future__ import annotations
 
@@ -30,6 +30,14 @@ def poiseuille(scene: Scene, y: np.ndarray) -> np.ndarray:
     sheared = half - soil.cohesion_si / force
     wall = np.minimum(np.minimum(y, 2.0 * half - y), sheared)
     return (force * (half * wall - 0.5 * wall**2) - soil.cohesion_si * wall) / soil.viscosity
+
+
+def incline(scene: Scene, y: np.ndarray) -> np.ndarray:
+    """Speed (m/s) at heights (n,) of a layer of Bingham fluid down an incline: the lower half of a channel twice as high."""
+    soil, (_, thickness) = scene.soil, column(scene)
+    force = soil.density * scene.gravity.acceleration * math.sin(math.radians(scene.gravity.inclination))
+    sheared = np.minimum(y, thickness - soil.cohesion_si / force)
+    return (force * (thickness * sheared - 0.5 * sheared**2) - soil.cohesion_si * sheared) / soil.viscosity
 
 
 def _plug_half_width(y: np.ndarray, speed: np.ndarray) -> float:
@@ -75,6 +83,50 @@ def draw_poiseuille(levels: Mapping[str, Level]) -> Figure:
     ax.plot(1e3 * poiseuille(level["run"].scene, y), y, color="black", linewidth=0.9, label="closed form")
     ax.set(xlabel="speed (mm/s)", ylabel="height (m)", xlim=(0.0, None), ylim=(0.0, y[-1]))
     ax.legend()
+    return figure
+
+
+# ---------------------------------------------------------------- V25: layer on an incline
+
+STEADY = 15.0
+"""Time from which the layer is steady, s; before, it comes up to speed."""
+
+
+def surface_speed(result: Result) -> np.ndarray:
+    """Speed (frames,) of the row that was the surface, m/s."""
+    top = result.start("y0") == result.start("y0").max()
+    return np.abs(result.data["velocity_x"].values[:, result.soil][:, top].astype(float)).mean(axis=1)
+
+
+def measure_incline(level: Level) -> dict[str, Found]:
+    """Of each run, the speed of the surface that is furthest from the closed form from ``STEADY`` on, and the profile at the end."""
+    found = {}
+    for name, result in level.items():
+        case = f"E = {result.scene.soil.youngs_modulus / 1e3:g} MPa"
+        speed = surface_speed(result)[result.data["time"].values >= STEADY]
+        exact = float(incline(result.scene, np.array([column(result.scene)[1]]))[0])
+        y, at_end = result.frame("y"), np.abs(result.frame("velocity_x"))
+        error = float(np.sqrt(np.mean((at_end - incline(result.scene, y)) ** 2))) / exact
+        worst = float(speed[np.argmax(np.abs(speed - exact))])
+        text = f"worst speed of the surface, {STEADY:g} to {result.scene.duration:g} s, {case}"
+        found[f"worst_speed_{name}"] = Found(text, "m/s", worst, exact)
+        found[f"profile_{name}"] = Found(f"root mean square error of the profile over the plug's speed, {case}", "1", error, 0.0)
+    return found
+
+
+@styled
+def draw_incline(levels: Mapping[str, Level]) -> Figure:
+    """Speed of the surface of a Bingham layer on an incline, over the closed form, in time; dashed is the stiffer fluid."""
+    figure = Figure(figsize=(WIDTH, 2.6), layout="constrained")
+    ax = figure.subplots()
+    for colour, (label, level) in zip(curve_colours(len(levels)), levels.items(), strict=True):
+        for look, result in zip(LINE_STYLES, level.values(), strict=False):
+            speed = surface_speed(result) / incline(result.scene, np.array([column(result.scene)[1]]))
+            modulus = f"{result.scene.soil.youngs_modulus / 1e3:g} MPa"
+            ax.plot(result.data["time"].values, speed, color=colour, linestyle=look, label=f"spacing {label} m, {modulus}")
+    ax.axhline(1.0, color="black", linewidth=0.9)
+    ax.set(xlabel="time (s)", ylabel="speed over closed form", xlim=(0.0, None), ylim=(0.85, 1.1))
+    ax.legend(ncols=len(levels), loc="lower right")
     return figure
 
 

@@ -15,6 +15,11 @@ lie elsewhere than their deformation puts them (``FAR_OFF``).  Gradients are sca
 Total Lagrangian particles have no tensile instability and no such modes: Belytschko, Guo, Liu and Xiao (2000), Int. J. Numer. Meth.
 Engng. 48, 1359-1400; Bonet and Kulasegaram (2001), ibid. 52, 1203-1220.
 
+Pairs as they lie are made at the middle of a step, so that the strain that they give is of second order in it.  Made at its end, as without
+this term, they overstate the rate of compression by dt/2 sum_j m_j/rho (v_j - v_i) . grad grad W . (v_j - v_i), which is
+positive on average where particles keep their distance: density runs ahead of them, pressure pushes them apart, and a flow swells, lifts
+off its base and speeds up without end (``docs/evidence/validation.md``, V25).
+
 Pairs that are as they were need no renewal.  They are renewed when a particle that has others has moved by the gradient tolerance, or
 when soil has deformed so much that this moves soil ``ARM`` spacings away by as much.
 """
@@ -135,6 +140,17 @@ def _note_intact(term, state, pairs, first, last):  # type: ignore[no-untyped-de
         for k in range(4):
             state.stretch_pairs[k, i] = state.stretch[k, i]
     start_pairs(term, state, pairs, first, last)
+
+
+@slot
+def place_of_pairs(term, state, dt, i):  # type: ignore[no-untyped-def]
+    """Place (m) of particle i, which has moved for a step ``dt`` (s; 0 if it is held), at which its pairs are made."""
+    return state.x[i], state.y[i]
+
+
+@place_of_pairs.of(InitialArrangement)
+def _half_way(term, state, dt, i):  # type: ignore[no-untyped-def]
+    return state.x[i] - 0.5 * dt * state.vx[i], state.y[i] - 0.5 * dt * state.vy[i]
 
 
 @slot
