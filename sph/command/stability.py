@@ -117,7 +117,7 @@ def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
 def remaining(scene: Scene, question: Question, found: Extrapolated) -> list[str]:
     """The extrapolated value and the error that remains."""
     step = "half the step" if found.step_taken else "the whole step"
-    kind = "that slip along a plane" if slips_along_a_plane(scene) else "of one soil that dilates"
+    kind = "that slip along a plane" if slips_along_a_plane(scene) else "of one soil"
     told = [
         f"{question.name}: {question.text(found.value)}, {found.how}; remaining error about {question.text(found.error)} "
         f"(at least {spread(slips_along_a_plane(scene)):.1%} of the strength, as validated slopes {kind} deviate; else {step} of the "

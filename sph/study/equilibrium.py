@@ -12,7 +12,7 @@ from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import place_particles
 from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium
-from sph.stability.standing import weakened
+from sph.stability.standing import slope_height, weakened
 from sph.study.finding import Finding, finding, off_by
 from sph.study.layer_findings import FEWEST_IN_LAYER, layers_of
 
@@ -20,6 +20,8 @@ LARGEST_DIFFERENCE = 0.05
 """Of a factor of safety by SPH from Spencer's, over that, which is told."""
 CODE, DIFFERS, RESIDUAL = "limit-equilibrium", "limit-equilibrium-differs", "limit-equilibrium-residual"
 UNKNOWN = "stability-unknown"
+LEAST_GROUND = 0.5
+"""Of ground behind the crest over the slope's height; with less, there may be no surface as large as a failure."""
 
 
 def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
@@ -49,15 +51,14 @@ def _where(surface: Surface) -> str:
 
 
 def without_surface(scene: Scene, found: LimitEquilibrium | None) -> list[Finding]:
-    """The finding of a slope in which no surface slides."""
+    """The finding of a slope in which no surface slides: too strong, or with too little ground for one to end on."""
     if found is not None or not applies(scene):
         return []
     measured = f"no slip surface found with a factor of safety up to {LARGEST_FACTOR:g} that ends on the ground of the model"
-    return [
-        finding(
-            UNKNOWN, "limit equilibrium", measured, "level ground behind the crest, half the slope's height at least", _crest_key(scene)
-        )
-    ]
+    if scene.geometry.width - scene.geometry.crest[0] >= LEAST_GROUND * slope_height(scene):
+        return [finding(UNKNOWN, "limit equilibrium", measured)]
+    wanted = f"to have ground behind the crest, {LEAST_GROUND:g} times the slope's height at least"
+    return [finding(UNKNOWN, "limit equilibrium", measured, wanted, _crest_key(scene))]
 
 
 def _crest_key(scene: Scene) -> str:

@@ -357,4 +357,6 @@ def test_a_slope_without_a_surface_is_checked_all_the_same() -> None:
     assert limit_equilibrium(scene).bishop.value == math.inf and found_equilibrium(scene) is None
     (told,) = (each for each in check(scene).findings if each.code == "stability-unknown")
     assert told.line().startswith("note: limit equilibrium: no slip surface found with a factor of safety up to 20")
-    assert "geometry.points" in told.key and of_equilibrium(scene) == [told]
+    assert "should have ground behind the crest" in told.line() and told.key == "geometry.points" and of_equilibrium(scene) == [told]
+    (strong,) = of_equilibrium(slope(30.0, 0.2, 40.0))
+    assert strong.code == "stability-unknown" and strong.key == ""
