@@ -121,7 +121,8 @@ def spencer_coefficient(slices: Slices) -> Balance:
     found = _without_negative_strength(slices, lambda s: _spencer(s, None))
     there = np.isfinite(found.value)
     factor = spencer(slices, np.where(there, found.value, 0.0)).value
-    return found._replace(value=np.where(there & (np.abs(factor - 1.0) <= SAME_ROOT), found.value, np.inf))
+    other = np.isfinite(factor) & (np.abs(factor - 1.0) > SAME_ROOT)  # no factor at all, as close to much tension, tells nothing
+    return found._replace(value=np.where(there & ~other, found.value, np.inf))
 
 
 def _without_negative_strength(slices: Slices, solve: Callable[[Slices], tuple[np.ndarray, np.ndarray]]) -> Balance:

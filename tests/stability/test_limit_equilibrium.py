@@ -13,7 +13,7 @@ from scipy.optimize import brute
 from sph.command.check import check
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
 from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
@@ -360,3 +360,9 @@ def test_a_slope_without_a_surface_is_checked_all_the_same() -> None:
     assert "should have ground behind the crest" in told.line() and told.key == "geometry.points" and of_equilibrium(scene) == [told]
     (strong,) = of_equilibrium(slope(30.0, 0.2, 40.0))
     assert strong.code == "stability-unknown" and strong.key == ""
+
+
+def test_no_circle_fails_below_the_critical_coefficient_of_the_supplied_cut() -> None:
+    """Its surface of least k stands on the edge of what balances."""
+    scene = load_scene("config/scenes/steep_cut.yaml")
+    assert worst_circle(Section.of(scene), limit_equilibrium(scene).critical.value)[0].value > 1.0 - EXACT
