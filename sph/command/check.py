@@ -14,7 +14,7 @@ from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import ON_REFERENCE, cost
-from sph.study.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base
+from sph.study.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base, without_surface
 from sph.study.finding import Finding
 from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.study.layer_findings import Layer, layers_of, seam_rows
@@ -39,7 +39,7 @@ def check(scene: Scene) -> Check:
     """Place the particles and look at the scene; ValueError for a probe away from the soil."""
     particles = place_particles(scene)
     found = found_equilibrium(scene)
-    told = sorted([*findings(scene, particles), *slip_at_base(scene, found)], key=lambda each: each.rank)
+    told = sorted([*findings(scene, particles), *slip_at_base(scene, found), *without_surface(scene, found)], key=lambda each: each.rank)
     return Check(scene, particles, locate_probes(scene, particles), layers_of(scene, particles), found, told)
 
 

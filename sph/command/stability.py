@@ -13,7 +13,7 @@ from sph.scene.configuration import validated
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
-from sph.stability.extrapolation import Extrapolated, extrapolated, two_spacings
+from sph.stability.extrapolation import Extrapolated, extrapolated, slips_along_a_plane, spread, two_spacings
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
@@ -87,7 +87,7 @@ def answer(
         rows = [{"spacing": spacing} | trial._asdict() for spacing, each in searches.items() for trial in each.trials]
         with whole(out) as temporary:
             pd.DataFrame(rows).to_csv(temporary, index=False)
-    text = [*lines(question, searches), *(remaining(question, found) if isinstance(found, Extrapolated) else ()), used.sentence()]
+    text = [*lines(question, searches), *(remaining(scene, question, found) if isinstance(found, Extrapolated) else ()), used.sentence()]
     facts = record(question, found, searches, used) | {"findings": [each._asdict() for each in told]}
     print(to_json(facts, indent=1) if as_json else "\n".join(text))
 
@@ -114,12 +114,14 @@ def lines(question: Question, searches: Mapping[float, Search]) -> list[str]:
     return text
 
 
-def remaining(question: Question, found: Extrapolated) -> list[str]:
+def remaining(scene: Scene, question: Question, found: Extrapolated) -> list[str]:
     """The extrapolated value and the error that remains."""
     step = "half the step" if found.step_taken else "the whole step"
+    kind = "that slip along a plane" if slips_along_a_plane(scene) else "of one soil"
     told = [
         f"{question.name}: {question.text(found.value)}, {found.how}; remaining error about {question.text(found.error)} "
-        f"({step} of the extrapolation, the brackets, and the displacement that the rule allows)"
+        f"(at least {spread(slips_along_a_plane(scene)):.1%} of the strength, as validated slopes {kind} deviate; else {step} of the "
+        "extrapolation, the brackets, and the displacement that the rule allows)"
     ]
     if question.find is yield_acceleration:
         told.append(f"a change of 1 % in strength changes the {question.name} by {question.text(0.01 * found.sensitivity)}")

@@ -8,18 +8,26 @@ spacing 0 is
 
 Where that step leads to the unsafe side, the placing of the particles decides, for instance in thin layers; it is then not taken.
 
-The remaining error is an estimate, not a bound: half of that step, for an order of convergence that is not 1, or all of it where it is
-not taken; half of the brackets' widths as the extrapolation magnifies them; and what the rule allows: a slope that slides by delta comes
-to rest flatter by about delta / H, so that a limit by displacement is too high by as much, of the strength.  A limit of the load may be
-far more sensitive: an error of x in F is one of x / |d ln F / da| in a yield acceleration.  That is found by a second search at the coarse
-spacing, with a strength greater by a tenth.
+The remaining error is an estimate, not a bound: the larger of what two spacings tell and of what slopes with known answers tell.
+
+* Half of that step, for an order of convergence that is not 1, or all of it where it is not taken; half of the brackets' widths as the
+  extrapolation magnifies them; and what the rule allows: a slope that slides by delta comes to rest flatter by about delta / H, so that a
+  limit by displacement is too high by as much, of the strength.
+* Twice the root mean square of the deviations from the references in the validation table (``spread``), of the strength.
+
+A limit of the load may be far more sensitive: an error of x in F is one of x / |d ln F / da| in a yield acceleration.  That is found by a
+second search at the coarse spacing, with a strength greater by a tenth.
 """
 
 from __future__ import annotations
 
+import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import NamedTuple
+
+import pandas as pd
 
 from sph.scene.schema import Scene
 from sph.stability.safety import DEFAULT_RULE, yield_acceleration
@@ -35,6 +43,8 @@ UNASKED_RATIO = 1.5
 STRONGER = 1.1
 """Strength of the search by which the sensitivity of a yield acceleration is found, over that of the soil."""
 
+VALIDATED = Path(__file__).parents[1] / "experiments" / "validation" / "measured" / "validation.csv"
+"""The validation table of this release: a file here, since the library knows no experiment."""
 
 At = tuple[float, float]
 """Where a trial is made: spacing, m, and strength over that of the soil."""
@@ -91,6 +101,33 @@ def to_zero(coarse: Search, fine: Search, ratio: float) -> tuple[float, float, b
     value, error = (value, 0.5 * abs(step)) if taken else (fine.value, abs(step))
     brackets = 0.5 * (ratio * (fine.upper - fine.lower) + (coarse.upper - coarse.lower)) / (ratio - 1.0)
     return value, error + brackets, taken
+
+
+def deviations() -> pd.DataFrame:
+    """Slopes of the validation table whose factor of safety or strength ratio has a reference: ``case``, ``quantity``, whether they slip
+    along a ``plane``, and the relative deviations at the ``coarse`` and the ``fine`` spacing and of the value that a search gives."""
+    table = pd.read_csv(VALIDATED, usecols=["case", "quantity", "text", "levels", "errors"])
+    table = table[table["text"].str.match(r"(factor of safety|F,|S_R,)") & table["levels"].str.endswith("extrapolated")]
+    errors = table["errors"].str.split(", ", expand=True).astype(float)
+    coarse, fine, zero = (errors[number] for number in range(3))
+    unsafe = (zero - fine) * table["text"].str.startswith("S_R,").map({True: -1.0, False: 1.0}) > 0.0
+    plane = table["text"].str.contains("infinite slope")
+    return table[["case", "quantity"]].assign(plane=plane, coarse=coarse, fine=fine, value=zero.where(~unsafe, fine), step_taken=~unsafe)
+
+
+@functools.cache
+def spread(plane: bool) -> float:
+    """Twice the root mean square deviation of the validated slopes that slip along a plane, or of the others."""
+    found = deviations()
+    return 2.0 * math.sqrt(float((found["value"][found["plane"] == plane] ** 2).mean()))
+
+
+def slips_along_a_plane(scene: Scene) -> bool:
+    """Whether a scene is of the kind of validated slopes that slip along a plane: with layers or seams, or soil that does not dilate.
+
+    Rows of particles beside such a plane hold it back, the more the less they dilate.
+    """
+    return bool(scene.layers or scene.seams) or any(soil.dilation_angle < soil.friction_angle for soil in scene.soils)
 
 
 def at_spacing(scene: Scene, spacing: float) -> Scene:
@@ -158,4 +195,5 @@ def extrapolated(
     if find is yield_acceleration:
         stronger = search((spacings[0], STRONGER), coarse.value, stronger=STRONGER)
         sensitivity = (stronger.value - coarse.value) / math.log(STRONGER)
-    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error + rule.displacement * sensitivity, taken, sensitivity, stronger)
+    error = max(error + rule.displacement * sensitivity, spread(slips_along_a_plane(scene)) * sensitivity)
+    return Extrapolated(spacings, (coarse, fine), max(value, 0.0), error, taken, sensitivity, stronger)

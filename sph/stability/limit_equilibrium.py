@@ -30,6 +30,8 @@ NEAR, FOUND = 1e-7, 1e-5
 """Relative change, or change of an inclination (rad), at which an iteration ends, and up to which it has an answer."""
 SMALLEST = 1e-3
 """Value below which its change counts over this, since a critical coefficient may be 0."""
+SAME_ROOT = 1e-3
+"""Largest difference from 1 of the factor of safety under a critical coefficient."""
 LARGEST_TURN = 0.35
 """Largest change of an inclination in a round, rad."""
 TINY = 1e-9
@@ -105,14 +107,22 @@ def bishop(slices: Slices, centre: np.ndarray, k: float = 0.0) -> Balance:
     return _without_negative_strength(slices, solve)
 
 
-def spencer(slices: Slices, k: float = 0.0) -> Balance:
-    """Factors of safety of surfaces of any shape by Spencer's method."""
+def spencer(slices: Slices, k: float | np.ndarray = 0.0) -> Balance:
+    """Factors of safety of surfaces of any shape by Spencer's method, under one coefficient or one for each (surfaces,)."""
     return _without_negative_strength(slices, lambda s: _spencer(s, k))
 
 
 def spencer_coefficient(slices: Slices) -> Balance:
-    """Critical coefficients of surfaces of any shape by Spencer's method; negative where F < 1 without a load."""
-    return _without_negative_strength(slices, lambda s: _spencer(s, None))
+    """Critical coefficients of surfaces of any shape by Spencer's method; negative where F < 1 without a load.
+
+    The two equations may have a further root, with another theta, that no load from nothing upwards comes to: under that k the factor of
+    safety is not 1, and it counts as none.
+    """
+    found = _without_negative_strength(slices, lambda s: _spencer(s, None))
+    there = np.isfinite(found.value)
+    factor = spencer(slices, np.where(there, found.value, 0.0)).value
+    other = np.isfinite(factor) & (np.abs(factor - 1.0) > SAME_ROOT)  # no factor at all, as close to much tension, tells nothing
+    return found._replace(value=np.where(there & ~other, found.value, np.inf))
 
 
 def _without_negative_strength(slices: Slices, solve: Callable[[Slices], tuple[np.ndarray, np.ndarray]]) -> Balance:
@@ -126,7 +136,9 @@ def _without_negative_strength(slices: Slices, solve: Callable[[Slices], tuple[n
                 break
             s = s._replace(cohesion=np.where(gone, 0.0, s.cohesion), friction=np.where(gone, 0.0, s.friction))
             value, normal = solve(s)
-        return Balance(value, _in_tension(normal / np.maximum(length, TINY), length))
+        tension = _in_tension(normal / np.maximum(length, TINY), length)
+        sound = np.isfinite(value) & np.isfinite(tension)  # no NaN, which would win every comparison
+        return Balance(np.where(sound, value, np.inf), np.where(sound, tension, 1.0))
 
 
 def _in_tension(stress: np.ndarray, length: np.ndarray) -> np.ndarray:
@@ -137,7 +149,7 @@ def _in_tension(stress: np.ndarray, length: np.ndarray) -> np.ndarray:
     return _sum(share, between) / between.sum(axis=1)
 
 
-def _spencer(s: Slices, k: float | None) -> tuple[np.ndarray, np.ndarray]:
+def _spencer(s: Slices, k: float | np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """F under a coefficient, or the critical coefficient if that is None, and the effective normal forces.
 
     The net force of the neighbours on a slice is Q = (A - R / F) / (cos(alpha - theta) + sin(alpha - theta) tan(phi) / F), with the force A

@@ -17,12 +17,14 @@ import numpy as np
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
 from sph.stability.limit_equilibrium import Balance, Slices, bishop, spencer, spencer_coefficient
-from sph.stability.slip_surface import STEEPEST, VERTICES, Edges, Guide, Section, along, as_lines, circles, guides, lines
+from sph.stability.slip_surface import NEAR, STEEPEST, VERTICES, Edges, Guide, Section, along, as_lines, circles, guides, lines
 
 SLICES, FINER = 40, 5
 """Slices of a surface in the search, about, and slices into which each is cut for the answer."""
-ENDS, HALVES = 13, np.radians([4.0, 9.0, 15.0, 21.0, 27.0, 34.0, 42.0, 50.0, 58.0, 66.0])
+ENDS, HALVES = 13, np.radians([1.5, 4.0, 9.0, 15.0, 21.0, 27.0, 34.0, 42.0, 50.0, 58.0, 66.0])
 """Places of either end in the grid of circles, and halves of their arcs, rad."""
+APART = 0.05
+"""Distance over H between the ends of two starts of a descent, at least."""
 PLACES = 11
 """Places on a guide where the first lines join and leave it."""
 REACH = 3.0
@@ -52,6 +54,8 @@ ENOUGH = 1.06
 """Factor of safety over that of Bishop's circle up to which an answer without a crack is taken."""
 HUGE = 1e6
 """More than any factor of safety."""
+LARGEST_FACTOR = 20.0
+"""Factor of safety above which nothing slides: a surface in level ground, which balances by rounding alone, or hardly any slope."""
 EXITS, ENTRIES = np.tan(np.radians([15.0, 30.0, 45.0])), np.tan(np.radians([40.0, 55.0, 70.0]))
 """Gradients with which the first lines along a guide leave it towards the toe and the crest."""
 
@@ -62,7 +66,7 @@ class Surface(NamedTuple):
     """The worst slip surface of a method."""
 
     value: float
-    """factor of safety, or critical coefficient; infinite where none was found"""
+    """factor of safety, at most ``LARGEST_FACTOR``, or critical coefficient; infinite where none was found"""
     where: str
     """``circle``, ``line``, or what it runs along"""
     x: np.ndarray
@@ -112,16 +116,18 @@ def limit_equilibrium(scene: Scene, coefficient: float = 0.0) -> LimitEquilibriu
         raise ValueError(f"{scene.name}: limit equilibrium needs geometry.shape: slope or ground_line, solid soil and vertical gravity")
     section = Section.of(scene)
     circle, near = worst_circle(section, coefficient)
-    balances = np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0])
-    cracked = circle.tension > CRACKED and not balances
-    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, 0.0 if cracked else ENOUGH * circle.value, circle.value)
+    enough, factor = (ENOUGH * circle.value, min(circle.value, LARGEST_FACTOR)) if len(near) else (0.0, 1.0)
+    if circle.tension > CRACKED and not np.isfinite(spencer(section.slices(circles(section, near[:1], SLICES)[0]), coefficient).value[0]):
+        enough = 0.0
+    surface = worst_surface(section, partial(spencer, k=coefficient), near, NONE, enough, factor)
+    surface = surface if surface.value <= LARGEST_FACTOR else NONE
     critical = NONE
     if 1.0 < surface.value < np.inf:
         value, tension = spencer_coefficient(section.slices(Edges(surface.x[None], surface.y[None], surface.seam[None])))
         own = surface._replace(value=float(value[0]), tension=float(tension[0])) if tension[0] <= 2.0 * MOST_TENSION else NONE
-        near = worst_circle(section, own.value, near)[1] if own.value < np.inf else near
+        near = worst_circle(section, own.value, near)[1] if own.value < np.inf and len(near) else near
         critical = worst_surface(section, spencer_coefficient, near, own, 0.0 if surface.crack > 0.0 else HUGE, 1.0)
-    return LimitEquilibrium(circle, surface, critical)
+    return LimitEquilibrium(circle if circle.value <= LARGEST_FACTOR else NONE, surface, critical)
 
 
 def worst_circle(section: Section, coefficient: float = 0.0, among: np.ndarray | None = None) -> tuple[Surface, np.ndarray]:
@@ -138,17 +144,20 @@ def worst_circle(section: Section, coefficient: float = 0.0, among: np.ndarray |
     grid = _grid(section) if among is None else among
     scale, end = np.array([section.height, section.height, 1.0]), section.way[-1]
     found = values(grid, SLICES // 2)
-    ends = descend(values, _best(found, grid, CIRCLES), scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
+    starts = _best(found, grid, APART * section.height, CIRCLES)
+    ends = descend(values, starts, scale, np.array([0.0, 0.0, 0.01]), np.array([end, end, 1.5]))
     edges, centre = circles(section, ends, SLICES)
     surface, worst = _surface(section, "circle", edges, method, centre, most=1.0)
+    if not np.isfinite(surface.value):
+        return NONE, np.zeros((0, 3))
     return surface, np.vstack([ends[worst], grid[_spread(found)]])
 
 
 def _grid(section: Section) -> np.ndarray:
-    """Numbers (n, 3) of circles with their ends before the toe, on the face and behind the crest."""
+    """Numbers (n, 3) of circles with their ends before the toe, on the face and behind the crest, on the ground that there is."""
     reach, face, apart = REACH * section.height, np.linspace(section.toe, section.crest, ENDS), np.linspace(0.0, 1.0, ENDS)[1:] ** 2
-    left = np.concatenate([np.maximum(section.toe - reach * apart, 0.0), face])
-    right = np.concatenate([face, np.minimum(section.crest + reach * apart, section.way[-1])])
+    left = np.concatenate([section.toe - min(reach, section.toe) * apart, face])
+    right = np.concatenate([face, section.crest + min(reach, section.way[-1] - section.crest) * apart])
     grid = np.stack(np.meshgrid(left, right, HALVES, indexing="ij"), axis=-1).reshape(-1, 3)
     return grid[grid[:, 1] > grid[:, 0]]
 
@@ -166,27 +175,32 @@ def worst_surface(
         whole = min(known, _worst(section, method, near, np.zeros(1)), key=lambda each: each.value)
         if whole.value <= enough:
             return whole
-    return _worst(section, method, near, section.crack(float(near[0, 1]), factor) * CRACKS)
+    where = float(near[0, 1]) if len(near) else section.crest
+    return _worst(section, method, near, section.crack(where, factor) * CRACKS)
 
 
 def _worst(section: Section, method: Callable[[Slices], Balance], near: np.ndarray, cracks: np.ndarray) -> Surface:
     """The surface with the least value: a convex line begun from circles that cracks of some depths (m) end, or one along a guide."""
-    way, height, parts = section.way[-1], section.height, SLICES // (VERTICES.size + 1)
-    edges = circles(section, near, SLICES)[0]
+    way, height, parts, found = section.way[-1], section.height, SLICES // (VERTICES.size + 1), [NONE]
 
     def values(given: np.ndarray) -> np.ndarray:
         return _values(section, lines(section, given, parts), method)
 
     scale = np.concatenate([[height, height, height], np.ones(VERTICES.size)])
     high = np.concatenate([[way, way, cracks[-1]], np.full(VERTICES.size, STEEPEST[1])])
-    starts = as_lines(section, edges, near[:, 0], cracks)
-    first, others = starts[: cracks.size], starts[cracks.size :]
-    starts = np.vstack([_best(values(first), first), _best(values(others), others)])
+    ends = np.unique(_grid(section)[:, :2], axis=0)
+    planes = [np.column_stack([ends, np.full(len(ends), crack), np.zeros((len(ends), VERTICES.size))]) for crack in np.unique(cracks)]
+    choices = [np.vstack(planes)]
+    if len(near):
+        edges = circles(section, near, SLICES)[0]
+        starts = as_lines(section, edges, near[:, 0], cracks)
+        choices += [starts[: cracks.size], starts[cracks.size :]]
+        circle = Edges(*(each[:1] for each in edges))
+        if np.isfinite(_values(section, circle, method)[0]):
+            found.append(_surface(section, "circle", circle, method)[0])
+    starts = np.vstack([_best(values(each), each, APART * height) for each in choices if len(each)])
     ends = descend(values, starts, scale, 0.0 * high, high)
-    found = [_surface(section, "line", lines(section, ends, parts), method)[0]]
-    circle = Edges(*(each[:1] for each in edges))
-    if np.isfinite(_values(section, circle, method)[0]):
-        found.append(_surface(section, "circle", circle, method)[0])
+    found.append(_surface(section, "line", lines(section, ends, parts), method)[0])
     for guide in guides(section):
         found.append(_along(section, guide, method, min(each.value for each in found), cracks))
     return min(found, key=lambda each: each.value)
@@ -204,7 +218,10 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
     limits = section.place(np.array([section.toe - reach, section.crest + reach]))[0]
     low_x, high_x = guide.x[[0, -1]]  # which may come out of the ground far behind the crest
     first, last = np.clip(limits, low_x, high_x)
-    place = np.unique([low_x, *np.linspace(first, last, PLACES), high_x])
+    # A seam that meets the ground, or another seam, is left exactly there: a step beside it stands a bridge of rock, however strong.
+    place = np.unique([*guide.nodes, *np.linspace(first, last, PLACES)])
+    if section.ground(high_x) - guide.y[-1] <= NEAR * height:
+        cracks = np.zeros(1)  # the whole body balances on what comes out of the ground behind it
     join, leave = (each.ravel() for each in np.meshgrid(place, place, indexing="ij"))
     join, leave = join[leave > join], leave[leave > join]
     if not join.size:
@@ -220,7 +237,7 @@ def _along(section: Section, guide: Guide, method: Callable[[Slices], Balance], 
         return NONE
     scale = np.array([height, height, height, height, height, 1.0, 1.0])
     low, high = np.array([[0.0, end], [0.0, end], [0.0, cracks[-1]], [low_x, high_x], [low_x, high_x], [0.0, 5.0], [0.0, 5.0]]).T
-    starts = _best(found, grid)
+    starts = _best(found, grid, APART * height)
     ends = descend(values, starts, scale, low, high)
     # With the starts, since more slices may show that an end touches what lies beside a thin layer.
     return _surface(section, guide.name, along(section, guide, np.vstack([ends, starts]), parts), method)[0]
@@ -300,11 +317,11 @@ def _spread(values: np.ndarray) -> np.ndarray:
     return near[:: max(1, near.size // OTHERS)]
 
 
-def _best(values: np.ndarray, grid: np.ndarray, count: int = STARTS) -> np.ndarray:
-    """The best of a grid (n, d) that differ in their ends, its first two numbers."""
+def _best(values: np.ndarray, grid: np.ndarray, apart: float, count: int = STARTS) -> np.ndarray:
+    """The best of a grid (n, d) of which one of the ends, its first two numbers, is ``apart`` (m) from that of each better one."""
     kept = list[int]()
     for each in np.argsort(values, kind="stable").tolist():
-        if all((grid[each, :2] != grid[other, :2]).any() for other in kept):
+        if all(np.abs(grid[each, :2] - grid[other, :2]).max() > apart for other in kept):
             kept.append(each)
         if len(kept) == count:
             break

@@ -33,6 +33,8 @@ THIN = 0.25
 """Part of H up to which a layer is thin, so that surfaces along it are tried."""
 INSIDE = 0.02
 """Part of the thickness of a layer by which a surface along its lower side lies above that."""
+SHORTEST, SHALLOW = 0.01, 8
+"""Length over H of a guide, at least, and the places on it nearest below the ground at which surfaces join and leave it, at most."""
 STEEPEST = np.tan(np.radians([-60.0, 88.0]))
 """Gradients between which bases lie."""
 
@@ -303,6 +305,9 @@ class Guide(NamedTuple):
     seam: np.ndarray  # (n - 1,) number from 1 on of the seam between each two places; 0 for the lower side of a layer
     x: np.ndarray  # (n,) m
     y: np.ndarray  # m
+    nodes: np.ndarray = np.zeros(
+        0
+    )  # places x at which a surface may have to join or leave it: its ends, where it meets the ground or a seam
 
     def seam_at(self, x: np.ndarray) -> np.ndarray:
         """Number of the seam at places x, m."""
@@ -387,19 +392,17 @@ def _joints(scene: Scene) -> list[Guide]:
 
 
 def _chained(joints: list[Guide], reach: float) -> list[Guide]:
-    """Seams, and each as far as another one that begins on it or on which it ends, at most ``reach`` (m) away, followed by that one."""
+    """Seams, and each as far as another one that crosses it or meets it at an end, at most ``reach`` (m) away, followed by that one."""
 
     def joined(one: Guide, other: Guide) -> Iterator[Guide]:
-        for place in {one.x[-1], other.x[0]} if other.seam[0] not in one.seam else ():
-            apart = np.interp(place, one.x, one.y) - np.interp(place, other.x, other.y)
-            gap = max(place - one.x[-1], other.x[0] - place, 0.0)
+        for place in _meeting(one, other, reach) if other.seam[0] not in one.seam else ():
             before, after = one.x < place, other.x > place
-            if np.hypot(apart, gap) > reach or not before.any() or not after.any():
+            if not before.any() or not after.any():
                 continue
             seam = np.concatenate([one.seam_at(one.x[before]), other.seam_at(other.x[after] - NEAR * reach)])
             x = np.concatenate([one.x[before], [place], other.x[after]])
             y = np.concatenate([one.y[before], [np.interp(place, one.x, one.y)], other.y[after]])
-            yield Guide(f"{one.name} and {other.name}", seam, x, y)
+            yield Guide(f"{one.name} and {other.name}", seam, x, y, np.concatenate([one.nodes[one.nodes < place], [place]]))
 
     found = last = joints
     while last:
@@ -408,23 +411,46 @@ def _chained(joints: list[Guide], reach: float) -> list[Guide]:
     return found
 
 
+def _meeting(one: Guide, other: Guide, reach: float) -> list[float]:
+    """Places x at which a line may go on along another: where that one crosses it and is steeper, and where either ends within ``reach``
+    (m) of the other, at their crossing if that is as near."""
+    shared = np.unique(np.concatenate([one.x, other.x]))
+    shared = shared[(shared >= max(one.x[0], other.x[0])) & (shared <= min(one.x[-1], other.x[-1]))]
+    above = np.interp(shared, one.x, one.y) - np.interp(shared, other.x, other.y)
+    at = np.flatnonzero(above[:-1] * above[1:] < 0.0)
+    crossings = shared[at] + above[at] / (above[at] - above[at + 1]) * (shared[at + 1] - shared[at])
+    found = set(crossings[above[at] > 0.0].tolist())
+    for place in (one.x[-1], other.x[0]):
+        apart = np.interp(place, one.x, one.y) - np.interp(place, other.x, other.y)
+        near = crossings[np.abs(crossings - place) <= reach]
+        if near.size:
+            found |= set(near.tolist())
+        elif np.hypot(apart, max(place - one.x[-1], other.x[0] - place, 0.0)) <= reach:
+            found.add(float(place))
+    return sorted(found)
+
+
 def _within(section: Section, line: Guide) -> list[Guide]:
-    """The guide along a line as far as it lies in the soil; none where that is nowhere."""
-    _, _, x, y = line
+    """The guides along a line: its stretches in the soil, which end exactly where the line comes out of the ground."""
     width = section.scene.geometry.width
-    places = np.unique(np.concatenate([x, section.x, np.linspace(max(x[0], 0.0), min(x[-1], width), 2001)]))
-    places = places[(places >= max(x[0], 0.0)) & (places <= min(x[-1], width))]
-    height = np.interp(places, x, y)
+    low, high = max(line.x[0], 0.0), min(line.x[-1], width)
+    places = np.unique(np.concatenate([line.x, line.nodes, section.x, np.linspace(low, high, 2001)]))
+    places = places[(places >= low) & (places <= high)]
+    height = np.interp(places, line.x, line.y)
     cover = section.ground(places) - height
-    inside = (height >= 0.0) & (cover >= 0.0)
-    if np.count_nonzero(inside) < 2:
-        return []
-    at = np.flatnonzero(inside)
-    longest = max(np.split(at, np.flatnonzero(np.diff(at) > 1) + 1), key=len)
-    ends = []
-    for last, beyond in ((longest[0], longest[0] - 1), (longest[-1], longest[-1] + 1)):
-        out = 0 <= beyond < places.size and cover[beyond] < 0.0  # the place where the line comes out of the ground
-        ends.append(places[last] + cover[last] / (cover[last] - cover[beyond]) * (places[beyond] - places[last]) if out else places[last])
-    along_it = np.unique(np.concatenate([ends, places[longest]]))
-    seam = line.seam_at(0.5 * (along_it[:-1] + along_it[1:]))
-    return [Guide(line.name, seam, along_it, np.interp(along_it, x, y))]
+    room = np.minimum(cover, height)
+    inside = np.flatnonzero(room >= 0.0)
+    found = []
+    for stretch in np.split(inside, np.flatnonzero(np.diff(inside) > 1) + 1):
+        ends = []
+        for last, beyond in ((stretch[:1], stretch[:1] - 1), (stretch[-1:], stretch[-1:] + 1)):
+            if last.size and 0 <= beyond[0] < places.size:
+                ends.append(places[last] + room[last] / (room[last] - room[beyond]) * (places[beyond] - places[last]))
+        x = np.unique(np.concatenate([*ends, places[stretch]]))
+        if x.size < 2 or np.ptp(x) < SHORTEST * section.height:
+            continue
+        shallow = stretch[1:-1][(cover[stretch[1:-1]] <= cover[stretch[:-2]]) & (cover[stretch[1:-1]] <= cover[stretch[2:]])]
+        shallow = shallow[np.argsort(cover[shallow], kind="stable")[:SHALLOW]]
+        nodes = np.concatenate([x[[0, -1]], line.nodes[(line.nodes > x[0]) & (line.nodes < x[-1])], places[shallow]])
+        found.append(Guide(line.name, line.seam_at(0.5 * (x[:-1] + x[1:])), x, np.interp(x, line.x, line.y), np.unique(nodes)))
+    return found

@@ -11,14 +11,17 @@ from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.solver.particles import place_particles
-from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium
-from sph.stability.standing import weakened
+from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium
+from sph.stability.standing import slope_height, weakened
 from sph.study.finding import Finding, finding, off_by
 from sph.study.layer_findings import FEWEST_IN_LAYER, layers_of
 
 LARGEST_DIFFERENCE = 0.05
 """Of a factor of safety by SPH from Spencer's, over that, which is told."""
 CODE, DIFFERS, RESIDUAL = "limit-equilibrium", "limit-equilibrium-differs", "limit-equilibrium-residual"
+UNKNOWN = "stability-unknown"
+LEAST_GROUND = 0.5
+"""Of ground behind the crest over the slope's height; with less, there may be no surface as large as a failure."""
 
 
 def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
@@ -29,7 +32,8 @@ def found_equilibrium(scene: Scene) -> LimitEquilibrium | None:
 
 def factor_words(found: LimitEquilibrium) -> str:
     """Both factors of safety, and where the surfaces lie."""
-    return f"Bishop {found.bishop.value:.2f} (circle), Spencer {found.spencer.value:.2f} ({_where(found.spencer)})"
+    bishop = f"{found.bishop.value:.2f} (circle)" if found.bishop.where else "not found"
+    return f"Bishop {bishop}, Spencer {found.spencer.value:.2f} ({_where(found.spencer)})"
 
 
 def yield_words(found: LimitEquilibrium) -> str:
@@ -46,6 +50,21 @@ def _where(surface: Surface) -> str:
     return words if surface.crack == 0.0 else f"{words}, with a tension crack of {surface.crack:.2g} m"
 
 
+def without_surface(scene: Scene, found: LimitEquilibrium | None) -> list[Finding]:
+    """The finding of a slope in which no surface slides: too strong, or with too little ground for one to end on."""
+    if found is not None or not applies(scene):
+        return []
+    measured = f"no slip surface found with a factor of safety up to {LARGEST_FACTOR:g} that ends on the ground of the model"
+    if scene.geometry.width - scene.geometry.crest[0] >= LEAST_GROUND * slope_height(scene):
+        return [finding(UNKNOWN, "limit equilibrium", measured)]
+    wanted = f"to have ground behind the crest, {LEAST_GROUND:g} times the slope's height at least"
+    return [finding(UNKNOWN, "limit equilibrium", measured, wanted, _crest_key(scene))]
+
+
+def _crest_key(scene: Scene) -> str:
+    return "geometry.points" if isinstance(scene.geometry, GroundLine) else "geometry.crest_length"
+
+
 def equilibrium_rows(found: LimitEquilibrium | None) -> list[tuple[str, str]]:
     """Label and text for summaries; none for a scene without a slope."""
     return [] if found is None else [("factor of safety", factor_words(found)), ("yield acceleration", yield_words(found))]
@@ -56,7 +75,7 @@ def of_equilibrium(scene: Scene, particles: Iterable[tuple[float, float]] = ()) 
     than that."""
     found = found_equilibrium(scene)
     if found is None:
-        return []
+        return without_surface(scene, found)
     told = [finding(CODE, "limit equilibrium, without a run", f"{factor_words(found)}; yield acceleration {yield_words(found)}")]
     told += slip_at_base(scene, found)
     for value, error in particles:

@@ -13,7 +13,7 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
 from sph.stability.slip_search import limit_equilibrium
-from sph.stability.slip_surface import Edges, Section
+from sph.stability.slip_surface import Edges, Section, guides
 
 EXACT = 0.01
 """Of closed forms, in which surfaces are cut into slices and searched."""
@@ -136,3 +136,76 @@ def test_the_strength_at_the_base_is_that_of_the_layer_there_without_a_particle_
     section = Section.of(rock(60.0, 70.0, **settings))
     slices = section.slices(Edges(np.array([[20.0, 30.0, 40.0]]), np.array([[0.1, 0.1, 0.1]]), np.zeros((1, 2), int)))
     assert slices.cohesion == pytest.approx(3e3) and slices.friction == pytest.approx(math.tan(math.radians(10.0)))
+
+
+def daylighting(random: np.random.Generator) -> tuple[Scene, float, float, float]:
+    """Rock over a seam from the face or its toe to the crest, drawn on at random before and behind; the wedge's F, k and cot(dip)."""
+    while True:
+        height, face, weight = random.uniform(5.0, 40.0), random.uniform(35.0, 85.0), random.uniform(18.0, 27.0)
+        dip, angle, cohesion = random.uniform(8.0, face - 4.0), random.uniform(0.0, 40.0), weight * height * random.uniform(0.0, 0.3)
+        foot = random.choice([0.0, random.uniform(0.02, 0.5) * height])
+        rise, friction = math.tan(math.radians(dip)), math.tan(math.radians(angle))
+        start = 40.0 + foot / math.tan(math.radians(face))
+        out, top = start + (height - foot) / rise, height - foot
+        pull = weight * 0.5 * top**2 * (1.0 / rise - 1.0 / math.tan(math.radians(face)))
+        down, normal, held = pull * math.sin(math.atan(rise)), pull * math.cos(math.atan(rise)), cohesion * math.hypot(out - start, top)
+        factor, k = (held + normal * friction) / down, (held + normal * friction - down) / (normal + down * friction)
+        if 0.7 < factor < 15.0 and pull > 0.012 * weight * height**2:
+            break
+    before, behind = (random.choice([0.0, random.uniform(0.0, 0.5), random.uniform(0.0, most)]) for most in (start, 2.0 * height))
+    line = [[start - before, foot - before * rise], [out + behind, height + behind * rise]]
+    line += [[line[1][0] + random.uniform(-height, height), line[1][1] + 1.0]] if behind > 0.0 else []
+    crest = 40.0 + height / math.tan(math.radians(face))
+    points = [[0.0, 0.0], [40.0, 0.0], [crest, height], [out + random.uniform(0.2, 3.0) * height, height]]
+    data = {
+        "name": "rock",
+        "scheme": "paper",
+        "duration": 3.0,
+        "geometry": {"shape": "ground_line", "points": points, "base": -random.uniform(0.1, 1.0) * height},
+        "soil": {"youngs_modulus": 1e5, "poisson_ratio": 0.3, **soil(1e3, 45.0), "density": 1e3 * weight / GRAVITY},
+        "seams": seam(line[:: random.choice([1, -1])], cohesion, angle),
+        "numerics": {"spacing": height / 20.0, "time_step": 0.01, "adaptive_step": {}},
+    }
+    return make_scene(data), factor, k, 1.0 / rise
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(10))
+def test_the_wedge_on_a_seam_is_the_same_however_far_the_seam_is_drawn(seed: int) -> None:
+    """At most 1 % above the closed form; a surface that leaves the seam behind the crest may have a lower k, by up to a tenth here.
+
+    Beyond k = cot(dip) the block is pulled off the seam, and the closed form is none.
+    """
+    scene, factor, k, most = daylighting(np.random.default_rng(seed))
+    found = limit_equilibrium(scene)
+    assert found.spencer.value == pytest.approx(factor, rel=EXACT)
+    if found.spencer.value > 1.0 and k < 0.95 * most:
+        assert 0.9 * k - 0.003 < found.critical.value < (1.0 + EXACT) * k + 0.003
+
+
+@pytest.mark.parametrize("below", [0.0, 0.2, 3.0, 8.0, 12.0])
+def test_a_seam_through_the_toe_may_go_on_below_it(below: float) -> None:
+    """Plane at 30 degrees, c = 8 kPa and phi = 25 degrees: F = 1.179, k = 0.0814."""
+    rising = seam([up(30.0, -below), up(30.0, 30.0)], 8.0, 25.0)
+    found = limit_equilibrium(rock(45.0, 70.0, -8.0, {**soil(100.0, 45.0), "density": 2400.0}, seams=rising))
+    assert found.spencer.value == pytest.approx(1.179, abs=1e-3) and found.critical.value == pytest.approx(0.0814, abs=5e-4)
+
+
+def test_seams_that_cross_are_slid_on_like_one_that_bends() -> None:
+    """Both are drawn on beyond their crossing; the upper one crosses the lower one from below."""
+    low, bend, high = [30.0, 0.0], [45.0, 4.0], [52.0, 12.0]
+    (whole,) = seam([low, bend, high], 0.0, 20.0).values()
+    parts = {"lower": whole | {"points": [low, [60.0, 8.0]]}, "upper": whole | {"points": [[42.0, 4.0 - 24.0 / 7.0], high]}}
+    one, two = (limit_equilibrium(rock(60.0, 70.0, seams=seams)).spencer for seams in ({"joint": whole}, parts))
+    assert two.where == "along the seams lower and upper" and two.value == pytest.approx(one.value, rel=1e-6)
+
+
+def test_every_stretch_of_a_seam_in_the_ground_is_followed() -> None:
+    """It comes out half-way up the face, and goes on for longer below the level ground before the toe."""
+    rise = math.tan(math.radians(30.0))
+    start = 30.0 + 5.0 / math.tan(math.radians(60.0))
+    line = [[start - 27.0, 5.0 - 27.0 * rise], [start + 5.0 / rise, 10.0]]
+    section = Section.of(rock(60.0, 70.0, -12.0, seams=seam(line, 5.0, 20.0)))
+    below, above = guides(section)
+    assert (above.x[0], above.x[-1]) == pytest.approx((start, start + 5.0 / rise))
+    assert below.x[-1] == pytest.approx(start - 5.0 / rise) and np.ptp(below.x) > np.ptp(above.x)

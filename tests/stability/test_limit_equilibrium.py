@@ -10,11 +10,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brute
 
+from sph.command.check import check
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
-from sph.stability.slip_search import LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
+from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
 from sph.study.equilibrium import equilibrium_rows, found_equilibrium, of_equilibrium, slip_at_base
 
@@ -328,3 +329,40 @@ def test_what_is_no_slope_of_solid_soil_is_refused_and_has_no_rows() -> None:
         limit_equilibrium(column)
     fluid = merge(slope(30.0, 20.0, 20.0).model_dump(), {"coupling": {"initial_state": "fluid"}})
     assert not applies(make_scene(fluid))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("seed", range(8))
+def test_a_cut_with_little_ground_behind_its_crest_has_a_surface_or_none(seed: int) -> None:
+    """No stronger than the best plane wedge from the toe to the ground that there is; where none is as large as a failure, none."""
+    random = np.random.default_rng(seed)
+    height, face, cohesion = random.uniform(5.0, 40.0), random.uniform(50.0, 88.0), random.uniform(5.0, 100.0)
+    angle, behind = random.choice([0.0, random.uniform(5.0, 40.0)]), height * 10.0 ** random.uniform(-3.0, -1.1)
+    crest = 30.0 + height / math.tan(math.radians(face))
+    points = [[0.0, 0.0], [30.0, 0.0], [crest, height], [crest + behind, height]]
+    scene = ground(points, -random.choice([0.01, 0.5]) * height, soil(cohesion, angle, 20.0), **{"numerics.spacing": height / 20.0})
+    found = limit_equilibrium(scene)
+    out = np.linspace(0.0, behind, 201)[1:] + crest - 30.0
+    dip, weight = np.arctan2(height, out), 10.0 * height * (out - crest + 30.0)
+    held = cohesion * np.hypot(out, height) + weight * np.cos(dip) * math.tan(math.radians(angle))
+    wedges = np.where((weight >= 0.0101 * 20.0 * height**2) & (dip < math.radians(87.9)), held / (weight * np.sin(dip)), math.inf)
+    assert found.spencer.value <= (1.0 + EXACT) * wedges.min() or wedges.min() > LARGEST_FACTOR
+    assert all(each.value == math.inf or 0.0 < each.value <= LARGEST_FACTOR for each in (found.bishop, found.spencer))
+    assert found.critical.value == math.inf or found.spencer.value > 1.0
+
+
+def test_a_slope_without_a_surface_is_checked_all_the_same() -> None:
+    """A vertical cut in front of a strip of ground: no factor of 1e16, but a finding with what to change."""
+    scene = ground([[0.0, 0.0], [30.0, 0.0], [30.2, 20.0], [30.4, 20.0]], -2.0, soil(50.0, 20.0, 20.0))
+    assert limit_equilibrium(scene).bishop.value == math.inf and found_equilibrium(scene) is None
+    (told,) = (each for each in check(scene).findings if each.code == "stability-unknown")
+    assert told.line().startswith("note: limit equilibrium: no slip surface found with a factor of safety up to 20")
+    assert "should have ground behind the crest" in told.line() and told.key == "geometry.points" and of_equilibrium(scene) == [told]
+    (strong,) = of_equilibrium(slope(30.0, 0.2, 40.0))
+    assert strong.code == "stability-unknown" and strong.key == ""
+
+
+def test_no_circle_fails_below_the_critical_coefficient_of_the_supplied_cut() -> None:
+    """Its surface of least k stands on the edge of what balances."""
+    scene = load_scene("config/scenes/steep_cut.yaml")
+    assert worst_circle(Section.of(scene), limit_equilibrium(scene).critical.value)[0].value > 1.0 - EXACT
