@@ -103,7 +103,11 @@ class Simulation:
     def measure_limit(self, iterations: int) -> None:
         """Measure the limit of the time step as the particles lie."""
         frequency = stiffest_frequency(
-            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers", "no_slip"), self.team[0].gradient, iterations
+            mode_of(self.state),
+            self.pairs,
+            only(self.terms, "gradient_correction", "layers", "no_slip", "interface"),
+            self.team[0].gradient,
+            iterations,
         )
         if iterations:
             self.limit = self.present_limit.seconds(frequency)
