@@ -25,6 +25,10 @@ With 1 and 1 these are the usual sums; with 2 on the weak side and 0 on the stro
   change sides from step to step; with the fourth power the traction passes over smoothly, and exceeds the weaker strength by 8 % at most,
   where the other is 1.3 times as large (with the square by 21 %, with the eighth power by 4 %).
 
+* **Time step.**  Weights of 2 double the stiffness of a row of weak soil towards its neighbours, which lowers the limit to 0.7 where the
+  weak soil has the largest wave speed of the scene, and not at all where it is softer than that.  The limit is measured on the particles
+  with the weights of soil that has lost its solid state, before any has.
+
 Artificial viscosity acts across with the smaller weight: between two rows that slide it would be a drag of alpha rho V_p times their speed,
 which took a tenth of the acceleration of a sliding layer.
 """
@@ -41,11 +45,11 @@ from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
-from sph.solver.particles import Particles
+from sph.solver.particles import Particles, overburden
 from sph.solver.physics.artificial_viscosity import add_dissipation
 from sph.solver.physics.elasticity import pressure
 from sph.solver.physics.kernels import Kernel
-from sph.solver.physics.material import make_material, material_of
+from sph.solver.physics.material import Material, make_material, material_of
 from sph.solver.physics.residual_viscosity import add_residual
 from sph.solver.physics.seams import across
 
@@ -180,19 +184,30 @@ def _add_unlike_stresses(term, viscosity, layers, strain_rate, state, pairs, syx
     return ax, ay, sum_x, sum_y
 
 
+def once_lost(term: Interface | None) -> Interface | None:
+    """The term as if all soil beside an interface had lost its solid state: then it is stiffest."""
+    return term if term is None else term._replace(lost=np.ones_like(term.lost))
+
+
+def _materials(scene: Scene) -> list[Material]:
+    layers = (None, *scene.layers.values())
+    return [make_material(soil, scene.coupling, 0.0, layer) for soil, layer in zip(scene.soils, layers, strict=True)]
+
+
 def _numbers(scene: Scene) -> list[int]:
     """A number for each soil of a scene, the same for soils that have the same strength at the peak and when all of it is lost."""
-    made = [make_material(scene.soil, scene.coupling, 0.0)]
-    made += [make_material(layer.soil, scene.coupling, 0.0, layer) for layer in scene.layers.values()]
-    kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(made, scene.soils, strict=True)]
+    kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(_materials(scene), scene.soils, strict=True)]
     return [kinds.index(each) for each in kinds]
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Interface:
     n, soil = particles.x.size, slice(0, particles.n_soil)
-    number = np.full(n, NO_SOIL)
-    number[soil] = np.array(_numbers(scene), np.uint8)[particles.layer[soil]]
-    return Interface(number, *(np.zeros(n) for _ in range(4)))
+    number, cohesion, sine, vertical, layer = np.full(n, NO_SOIL), np.zeros(n), np.zeros(n), np.zeros(n), particles.layer[soil]
+    number[soil] = np.array(_numbers(scene), np.uint8)[layer]
+    # Until the first step: the strengths once lost, for the limit of the time step that is measured before it.
+    cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in _materials(scene)])[layer].T
+    vertical[soil] = scene.gravity.acceleration * overburden(scene, particles.x[soil], particles.y[soil])
+    return Interface(number, cohesion, sine, vertical, np.zeros(n))
 
 
 TERM = Term(
