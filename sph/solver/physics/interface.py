@@ -14,6 +14,7 @@ With 1 and 1 these are the usual sums; with 2 on the weak side and 0 on the stro
 * **Traction.**  It is that of the weak soil, at most its present strength.  The forces that carry a layer have the same weights as the
   shear that brakes it, so that their ratio is that of the soil at yield with any number of rows: soil that does not dilate bears
   c cos(phi) + sigma_n sin(phi) on the plane along which it shears (Davis 1968), with the effective normal stress sigma_n.
+  The weights are those of effective stress; a pore pressure that soil carries along is the same on both sides and enters with 1 and 1.
 * **Slip.**  The velocity jump is shear of the rows of the weak soil beside the interface, and its plastic part counts as their slip
   (``sph.solver.physics.slip``).
 * **Which soil is the weaker** say the present strengths k at the mean effective pressure of the pair, and from when on the weight of the
@@ -23,7 +24,7 @@ With 1 and 1 these are the usual sums; with 2 on the weak side and 0 on the stro
 
   So nothing changes before soil fails: two elastic soils share the strain.  A step at k_i = k_j would let pairs of nearly equal strength
   change sides from step to step; with the fourth power the traction passes over smoothly, and exceeds the weaker strength by 8 % at most,
-  where the other is 1.3 times as large (with the square by 21 %, with the eighth power by 4 %).
+  where the other is 1.4 times as large (with the square by 21 %, with the eighth power by 4 %).
 
 * **Time step.**  Weights of 2 double the stiffness of a row of weak soil towards its neighbours, which lowers the limit to 0.7 where the
   weak soil has the largest wave speed of the scene, and not at all where it is softer than that.  The limit is measured on the particles
@@ -73,6 +74,8 @@ class Interface(NamedTuple):
     """(particles,) effective pressure in this step, not below 0, Pa"""
     lost: np.ndarray
     """(particles,) 1 - beta in this step"""
+    water: np.ndarray
+    """(particles,) pore pressure that the stress of the momentum equation holds, over density squared"""
 
 
 @slot
@@ -123,6 +126,16 @@ def _weigh_soils(term, terms, state, pairs, first, last, team):  # type: ignore[
             term.pressure[i] = max(pressure(soil.bulk_modulus, state.density[i], terms.reference_density), 0.0)
             term.lost[i] = 1.0 - beta
     wait(team)
+
+
+@slot
+def keep_water(term, i, value):  # type: ignore[no-untyped-def]
+    """Keep the pore pressure over density squared of particle i."""
+
+
+@keep_water.of(Interface)
+def _keep_water(term, i, value):  # type: ignore[no-untyped-def]
+    term.water[i] = value
 
 
 @jit
@@ -176,8 +189,9 @@ def _add_unlike_stresses(term, viscosity, layers, strain_rate, state, pairs, syx
         own, other = weights(term, i, j)
         gx, gy = pairs.gx[k], pairs.gy[k]
         more = own - 1.0
-        ax += (more * sxx[i] + other * sxx[j]) * gx + (more * sxy[i] + other * sxy[j]) * gy
-        ay += (more * syx[i] + other * syx[j]) * gx + (more * syy[i] + other * syy[j]) * gy
+        u = more * term.water[i] + (other - 1.0) * term.water[j]
+        ax += (more * sxx[i] + other * sxx[j] + u) * gx + (more * sxy[i] + other * sxy[j]) * gy
+        ay += (more * syx[i] + other * syx[j]) * gx + (more * syy[i] + other * syy[j] + u) * gy
         viscous_x, viscous_y = add_residual(viscosity, layers, state, pairs, strain_rate, i, j, k, 0.0, 0.0)
         sum_x += min(own, other) * viscous_x
         sum_y += min(own, other) * viscous_y
@@ -207,7 +221,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Inte
     # Until the first step: the strengths once lost, for the limit of the time step that is measured before it.
     cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in _materials(scene)])[layer].T
     vertical[soil] = scene.gravity.acceleration * overburden(scene, particles.x[soil], particles.y[soil])
-    return Interface(number, cohesion, sine, vertical, np.zeros(n))
+    return Interface(number, cohesion, sine, vertical, np.zeros(n), np.zeros(n))
 
 
 TERM = Term(
