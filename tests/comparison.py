@@ -23,6 +23,11 @@ VARIANTS = {
     },
     "initial arrangement": {"numerics.reference": "initial", "soil.youngs_modulus": 5e4},
     "at rest": {"soil.K0": 0.8, "gravity.initial_stress": "geostatic", "gravity.ramp": 0.0},
+    "interface": {
+        "coupling.solid_after_failure": "elastic_plastic",
+        "numerics.interfaces": "weaker",
+        "layers": {"weak": {"region": {"kind": "depth", "bottom": 8.0}, "soil": {"cohesion": 60.0, "friction_angle": 12.0}}},
+    },
     "seam": {
         "coupling.solid_after_failure": "elastic_plastic",
         "seams": {

@@ -75,6 +75,12 @@ class Numerics(Section):
         source="Sec. 2.1",
         default="current",
     )
+    interfaces: Literal["weaker", "both"] = key(
+        "which soil shears where soils of unlike strength meet and the weaker one has failed: weaker, it alone, on the stronger one as "
+        "on a no-slip wall; both, as the kernel mixes them (the paper), which brakes weak soil on strong soil",
+        source="ours",
+        default="both",
+    )
     gradient_tolerance: float = key(
         "kernel gradients are kept until a particle has moved this far, over the spacing; 0 renews them every step",
         ge=0,

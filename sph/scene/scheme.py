@@ -24,6 +24,7 @@ RESOLVED: dict[str, Any] = dotted(
         "numerics.adaptive_step.courant": 0.8,
         "numerics.reference": "initial",
         "numerics.gradient_tolerance": 0.02,
+        "numerics.interfaces": "weaker",
         "numerics.artificial_viscosity.alpha": 0.03,
         "numerics.artificial_viscosity.reconstruction": "linear",
     }

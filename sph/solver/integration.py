@@ -27,6 +27,7 @@ from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import BLOCK, own_blocks, wait
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
+from sph.solver.physics.interface import weigh_soils
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.prescribed_motion import PrescribedMotion, drive
 from sph.solver.physics.rayleigh_damping import mass_damping
@@ -137,7 +138,16 @@ def accelerate(state, pairs, terms, mass, sums, block, team):  # type: ignore[no
     correction, layers, n_soil, n_moving = terms.gradient_correction, terms.layers, terms.n_soil, terms.n_moving
     first, last = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
     stress_accelerations(
-        state, pairs, correction, terms.contact, layers, terms.residual_viscosity, team.strain_rate, first, min(last, n_moving)
+        state,
+        pairs,
+        correction,
+        terms.contact,
+        layers,
+        terms.interface,
+        terms.residual_viscosity,
+        team.strain_rate,
+        first,
+        min(last, n_moving),
     )
     rubbed = set_friction(terms.wall_friction, layers, correction, state, pairs, mass, first, min(last, n_soil))
     taken = wall_work(terms.free_slip, layers, state, pairs, correction, terms.cell_mass, team.gradient, first, last)
@@ -185,6 +195,7 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
             renew_pairs(state, candidates, pairs, terms, first, last, team)
         strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
         mirror_velocity(terms.free_slip, state, pairs, n_soil, first, last, team)
+        weigh_soils(terms.interface, terms, state, pairs, first, last, team)
         for turn in range(schedule.blocks + 1):
             if turn == schedule.n_others:
                 wait(team)
@@ -193,7 +204,16 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
                 block = block_at(team, schedule, turn)
                 begin, end = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
                 velocity_gradients(
-                    state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, begin, end
+                    state,
+                    pairs,
+                    terms.artificial_viscosity,
+                    terms.no_slip,
+                    terms.contact,
+                    terms.layers,
+                    terms.interface,
+                    team.gradient,
+                    begin,
+                    end,
                 )
                 keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, begin, end)
                 sums[block, FAILURES], internal = update_stress(

@@ -28,6 +28,7 @@ from sph.solver.compiled.threads import BLOCK
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, Sums, either, invert
 from sph.solver.physics.initial_arrangement import InitialArrangement, is_intact, keep_whether_all, offset
+from sph.solver.physics.interface import Interface, part_unlike
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
 from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
 from sph.solver.physics.seams import Seams, turn_gradients
@@ -69,6 +70,7 @@ class Pairs(NamedTuple):
     stretch: np.ndarray  # (n, 4) half of the deformation gradient of intact particles, NaN for others; see
     # sph.solver.physics.initial_arrangement, empty without that term as is the next
     changing: np.ndarray  # (n,) uint8: has a neighbour that is not as at the start
+    alike_end: np.ndarray  # (n,) uint32, rows start[i] to alike_end[i]: pairs of soils that weigh the same; without interfaces empty
     nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
 
 
@@ -154,6 +156,7 @@ class PairTerms(NamedTuple):
     contact: Contact | None = None
     initial_arrangement: InitialArrangement | None = None
     seams: Seams | None = None
+    interface: Interface | None = None
 
 
 @jit
@@ -171,6 +174,7 @@ def pair_terms(terms):  # type: ignore[no-untyped-def]
         terms.contact,
         terms.initial_arrangement,
         terms.seams,
+        terms.interface,
     )
 
 
@@ -195,6 +199,7 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
         np.empty(0 if terms.residual_viscosity is None else size, zero.dtype),
         np.zeros((0 if terms.initial_arrangement is None else n, 4)),
         np.ones(0 if terms.initial_arrangement is None else n, np.uint8),
+        np.zeros(0 if terms.interface is None else n, np.uint32),
         np.empty(0 if terms.artificial_stress is None else size, zero.dtype),
     )
 
@@ -242,6 +247,7 @@ def update_pairs(pairs, candidates, terms, places, first, last):  # type: ignore
             row_dx[count] = row_dx[k]
             row_dy[count] = row_dy[k]
             count += np.uint64((row_square[k] < reach_square) & paired(terms.no_slip, i, j))
+        part_unlike(terms.interface, terms.seams, pairs, i, begin, count, row_dx, row_dy)
         if close_candidates > np.uint64(0):
             for k in range(size):
                 j = candidates.neighbour[row + k]

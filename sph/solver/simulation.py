@@ -17,6 +17,7 @@ from sph.solver.integration import advance
 from sph.solver.neighbours import Candidates, PairTerms
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.coupling import CHUNK, cauchy_stress, elastic_energy
+from sph.solver.physics.interface import once_lost
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.renewal import make_lists, renew_candidates
 from sph.solver.state import FAILURES, INTERNAL, State
@@ -103,7 +104,11 @@ class Simulation:
     def measure_limit(self, iterations: int) -> None:
         """Measure the limit of the time step as the particles lie."""
         frequency = stiffest_frequency(
-            mode_of(self.state), self.pairs, only(self.terms, "gradient_correction", "layers", "no_slip"), self.team[0].gradient, iterations
+            mode_of(self.state),
+            self.pairs,
+            only(self.terms, "gradient_correction", "layers", "no_slip")._replace(interface=once_lost(self.terms.interface)),
+            self.team[0].gradient,
+            iterations,
         )
         if iterations:
             self.limit = self.present_limit.seconds(frequency)

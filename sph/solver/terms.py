@@ -28,6 +28,7 @@ from sph.solver.physics import (
     failed_solid,
     gradient_correction,
     initial_arrangement,
+    interface,
     material,
     pore_pressure,
     prescribed_motion,
@@ -67,6 +68,7 @@ TERMS: tuple[Term, ...] = (
     seams.TERM,
     failed_solid.TERM,
     initial_arrangement.TERM,
+    interface.TERM,
 )
 
 

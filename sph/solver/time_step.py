@@ -106,7 +106,7 @@ def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: igno
         for i in range(terms.n_moving):
             state.vx[i] *= scale
             state.vy[i] *= scale
-        velocity_gradients(state, pairs, None, terms.no_slip, None, terms.layers, gradient, np.int64(0), n)
+        velocity_gradients(state, pairs, None, terms.no_slip, None, terms.layers, terms.interface, gradient, np.int64(0), n)
         for i in range(terms.n_stressed):
             s = 1.0 / state.density[i]
             l_xx, l_xy, l_yx, l_yy = correct_gradient(
@@ -124,7 +124,9 @@ def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: igno
             store_stress(
                 terms.gradient_correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s
             )
-        stress_accelerations(state, pairs, terms.gradient_correction, None, terms.layers, None, None, np.int64(0), terms.n_moving)
+        stress_accelerations(
+            state, pairs, terms.gradient_correction, None, terms.layers, terms.interface, None, None, np.int64(0), terms.n_moving
+        )
         square = 0.0
         for i in range(terms.n_moving):
             square += state.ax[i] ** 2 + state.ay[i] ** 2

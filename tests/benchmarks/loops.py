@@ -57,13 +57,13 @@ def as_c(argument: np.ndarray | float | int) -> Any:
 @jit
 def repeat_velocity_gradients(times, state, pairs, term, gradient, n):  # type: ignore[no-untyped-def]
     for _ in range(times):
-        velocity_gradients(state, pairs, term, None, None, None, gradient, 0, n)
+        velocity_gradients(state, pairs, term, None, None, None, None, gradient, 0, n)
 
 
 @jit
 def repeat_stress_accelerations(times, state, pairs, term, n):  # type: ignore[no-untyped-def]
     for _ in range(times):
-        stress_accelerations(state, pairs, term, None, None, None, None, 0, n)
+        stress_accelerations(state, pairs, term, None, None, None, None, None, 0, n)
 
 
 def stirred(ratio: float, precision: str, spacing: float) -> Simulation:

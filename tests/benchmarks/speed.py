@@ -56,7 +56,7 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
     places = Places(state.x, state.y, state.density)
     return {
         "velocity_gradients": lambda n: velocity_gradients(
-            state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, team.gradient, 0, n
+            state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, terms.interface, team.gradient, 0, n
         ),
         "stress_accelerations": lambda n: stress_accelerations(
             state,
@@ -64,6 +64,7 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
             terms.gradient_correction,
             terms.contact,
             terms.layers,
+            terms.interface,
             terms.residual_viscosity,
             team.strain_rate,
             0,

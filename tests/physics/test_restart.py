@@ -40,7 +40,7 @@ def test_pre_failure_run_and_branch_equal_an_unbranched_run(tmp_path: Path, smal
     same_bits(branched, unbranched)
 
 
-@pytest.mark.parametrize("variant", ["default", "loss by slip", "seam", "initial arrangement"])
+@pytest.mark.parametrize("variant", ["default", "loss by slip", "interface", "seam", "initial arrangement"])
 def test_a_run_that_goes_on_in_the_middle_of_a_collapse_equals_an_uninterrupted_one(
     tmp_path: Path, small_slope: SceneBuilder, variant: str
 ) -> None:

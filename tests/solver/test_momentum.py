@@ -52,7 +52,7 @@ def test_velocity_gradients(pair: tuple[State, Pairs]) -> None:
     state.vx[:] = 0.0, 3.0
     state.vy[:] = 0.0, 1.0
     gradient = np.zeros((4, 2))
-    velocity_gradients(state, pairs, None, None, None, None, gradient, 0, 2)
+    velocity_gradients(state, pairs, None, None, None, None, None, gradient, 0, 2)
     xx, xy, yx, yy = gradient
     assert xx.tolist() == pytest.approx([-3.0 * G] * 2, rel=1e-14)
     assert yx.tolist() == pytest.approx([-G] * 2, rel=1e-14)
@@ -64,7 +64,7 @@ def test_artificial_viscosity_of_an_approach(pair: tuple[State, Pairs]) -> None:
     # Approach at 3 m/s along the line between them: speed * (-3) * |g| against the motion, on both, equal and opposite.
     state, pairs = pair
     state.vx[:] = 0.0, -3.0
-    velocity_gradients(state, pairs, ArtificialViscosity(0.25), None, None, None, np.zeros((4, 2)), 0, 2)
+    velocity_gradients(state, pairs, ArtificialViscosity(0.25), None, None, None, None, np.zeros((4, 2)), 0, 2)
     assert state.viscous_x.tolist() == pytest.approx([-0.25 * 3.0 * abs(G), 0.25 * 3.0 * abs(G)], rel=1e-14)
     assert not state.viscous_y.any()
 
@@ -75,6 +75,6 @@ def test_stress_accelerations(pair: tuple[State, Pairs]) -> None:
     state.sxx[:] = 7.0, 2.0
     state.sxy[:] = 1.0, 3.0
     state.viscous_y[:] = 0.5
-    stress_accelerations(state, pairs, None, None, None, None, None, 0, 2)
+    stress_accelerations(state, pairs, None, None, None, None, None, None, 0, 2)
     assert state.ax.tolist() == pytest.approx([-9.0 * G, 9.0 * G], rel=1e-14)
     assert state.ay.tolist() == pytest.approx([-4.0 * G + 0.5, 4.0 * G + 0.5], rel=1e-14)

@@ -51,11 +51,13 @@ class Box:
 
     def strain(self) -> np.ndarray:
         """Velocity gradients (4, soil) of the plain sums, 1/s: xx, xy, yx, yy."""
-        velocity_gradients(self.state, self.pairs, None, self.terms.no_slip, self.terms.contact, None, self.gradient, 0, self.state.x.size)
+        velocity_gradients(
+            self.state, self.pairs, None, self.terms.no_slip, self.terms.contact, None, None, self.gradient, 0, self.state.x.size
+        )
         return self.gradient[:, : self.n] / self.state.density[: self.n]
 
     def accelerate(self) -> None:
-        stress_accelerations(self.state, self.pairs, self.terms.gradient_correction, self.terms.contact, None, None, None, 0, self.n)
+        stress_accelerations(self.state, self.pairs, self.terms.gradient_correction, self.terms.contact, None, None, None, None, 0, self.n)
 
 
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])

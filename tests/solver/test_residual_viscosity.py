@@ -48,9 +48,9 @@ class Block:
     def acceleration(self) -> np.ndarray:
         n, terms = self.state.x.size, self.terms
         gradient, strain_rate = np.zeros((4, n)), np.zeros((3, n))
-        velocity_gradients(self.state, self.pairs, terms.artificial_viscosity, None, None, terms.layers, gradient, 0, n)
+        velocity_gradients(self.state, self.pairs, terms.artificial_viscosity, None, None, terms.layers, None, gradient, 0, n)
         keep_strain_rate(terms.residual_viscosity, self.pairs.correction, self.state.density, gradient, strain_rate, 0, n)
-        stress_accelerations(self.state, self.pairs, None, None, terms.layers, terms.residual_viscosity, strain_rate, 0, n)
+        stress_accelerations(self.state, self.pairs, None, None, terms.layers, None, terms.residual_viscosity, strain_rate, 0, n)
         return np.array([self.state.viscous_x, self.state.viscous_y])
 
 

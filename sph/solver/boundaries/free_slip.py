@@ -96,7 +96,7 @@ def wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first
 def _wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first, last):  # type: ignore[no-untyped-def]
     taken = 0.0
     for i in range(max(term.first, first), last):
-        stress_accelerations(state, pairs, correction, None, layers, None, None, i, i + 1)
+        stress_accelerations(state, pairs, correction, None, layers, None, None, None, i, i + 1)
         taken += cell_mass * (
             power(correction, state, gradient, i)
             + (state.ax[i] - state.viscous_x[i]) / lightness(layers, i) * state.vx[i]

@@ -29,6 +29,7 @@ from sph.solver.physics.failed_solid import yields
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.gradient_correction import correct_gradient, power, store_stress
 from sph.solver.physics.initial_arrangement import deform
+from sph.solver.physics.interface import keep_water
 from sph.solver.physics.material import YieldSurface, material_of
 from sph.solver.physics.pore_pressure import carried_pressure
 from sph.solver.physics.rayleigh_damping import damping_stress
@@ -195,6 +196,7 @@ def _advance_chunk(solid, fluid, state, pairs, terms, gradient, reached, time, f
         d, q, z = blend(beta, d_s, d_f), blend(beta, q_s, q_f), blend(beta, z_s, z_f)
         keep_normal_stress(terms.seams, i, blend(beta, p_s, p_f), d, q, z)
         water = carried_pressure(terms.pore_pressure, soil, i, beta, p, time)
+        keep_water(terms.interface, i, water / (new_density * new_density))
         mean = -blend(beta, p_s, p_f) - 0.5 * z - water
         rate_d, rate_q = without_slip(terms.seams, i, rates[0], rates[1])
         damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, bulk, rate_d, rate_q, rates[2], trace)

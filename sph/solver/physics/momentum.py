@@ -15,13 +15,14 @@ from __future__ import annotations
 from sph.solver.compiled.jit import jit, rows
 from sph.solver.physics.artificial_viscosity import add_dissipation, viscous_acceleration
 from sph.solver.physics.gradient_correction import transposed_shear
+from sph.solver.physics.interface import add_unlike_gradients, add_unlike_stresses, alike_end
 from sph.solver.physics.material import lightness
 from sph.solver.physics.residual_viscosity import add_residual, keep_residual
 from sph.solver.physics.walls import add_wall_gradient, detached
 
 
 @jit
-def velocity_gradients(state, pairs, term, walls, contact, layers, gradient, first, last):  # type: ignore[no-untyped-def]
+def velocity_gradients(state, pairs, term, walls, contact, layers, interface, gradient, first, last):  # type: ignore[no-untyped-def]
     """Sums of (v_j - v_i) g into ``gradient`` (4, n), and the artificial viscosity's acceleration, of particles first to last."""
     vx, vy = state.vx, state.vy
     for i in rows(first, last):
@@ -29,7 +30,7 @@ def velocity_gradients(state, pairs, term, walls, contact, layers, gradient, fir
         vy_i = vy[i]
         l_xx = l_xy = l_yx = l_yy = 0.0
         sum_x = sum_y = 0.0
-        for k in range(pairs.start[i], pairs.end[i]):
+        for k in range(pairs.start[i], alike_end(interface, pairs, i)):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]
@@ -40,6 +41,9 @@ def velocity_gradients(state, pairs, term, walls, contact, layers, gradient, fir
             l_yx += dvy * gx
             l_yy += dvy * gy
             sum_x, sum_y = add_dissipation(term, layers, i, j, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
+        l_xx, l_xy, l_yx, l_yy, sum_x, sum_y = add_unlike_gradients(
+            interface, term, layers, state, pairs, i, l_xx, l_xy, l_yx, l_yy, sum_x, sum_y
+        )
         gradient[0, i], gradient[1, i], gradient[2, i], gradient[3, i] = add_wall_gradient(
             walls, contact, state, pairs, i, vx_i, vy_i, l_xx, l_xy, l_yx, l_yy
         )
@@ -48,7 +52,7 @@ def velocity_gradients(state, pairs, term, walls, contact, layers, gradient, fir
 
 
 @jit
-def stress_accelerations(state, pairs, term, contact, layers, viscosity, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def stress_accelerations(state, pairs, term, contact, layers, interface, viscosity, strain_rate, first, last):  # type: ignore[no-untyped-def]
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
     syx = transposed_shear(term, state)
@@ -57,13 +61,14 @@ def stress_accelerations(state, pairs, term, contact, layers, viscosity, strain_
         ax = sxx[i] * (pairs.sum_x[i] - detached_x) + sxy[i] * (pairs.sum_y[i] - detached_y)
         ay = syx[i] * (pairs.sum_x[i] - detached_x) + syy[i] * (pairs.sum_y[i] - detached_y)
         sum_x = sum_y = 0.0
-        for k in range(pairs.start[i], pairs.end[i]):
+        for k in range(pairs.start[i], alike_end(interface, pairs, i)):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]
             ax += sxx[j] * gx + sxy[j] * gy
             ay += syx[j] * gx + syy[j] * gy
             sum_x, sum_y = add_residual(viscosity, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y)
+        ax, ay, sum_x, sum_y = add_unlike_stresses(interface, viscosity, layers, strain_rate, state, pairs, syx, i, ax, ay, sum_x, sum_y)
         keep_residual(viscosity, layers, state, i, sum_x, sum_y)
         state.ax[i] = ax * lightness(layers, i) + state.viscous_x[i]
         state.ay[i] = ay * lightness(layers, i) + state.viscous_y[i]

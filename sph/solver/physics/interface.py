@@ -1,0 +1,232 @@
+"""Interfaces between soils of unlike strength: failed weak soil moves on stronger soil as on a no-slip wall that moves with it.
+
+The usual sums over neighbours mix the two sides.  Strong soil beside weak soil that flows is strained by part of the velocity jump, resists
+it with a strength that the weak soil does not have, and brakes it: a layer 2 m thick moved 0.66 of its way with four rows, 0.85 with eight.
+Here a pair of particles of unlike soils has two weights, w_i + w_j = 2, with which each soil enters,
+
+    L_i gains w_i (v_j - v_i) g_ij / rho_i,    a_i gains (w_i sigma_i / rho_i^2 + w_j sigma_j / rho_j^2) . g_ij.
+
+With 1 and 1 these are the usual sums; with 2 on the weak side and 0 on the strong one they are those of a no-slip wall
+(``sph.solver.boundaries.no_slip``): the weak soil takes all of the jump as its strain, and its stress is the traction.
+
+* **Energy.**  The stress of a soil does work with the weight with which it is strained, so that forces and strain rates stay conjugate,
+  whatever the weights.  They are made once a step.
+* **Traction.**  It is that of the weak soil, at most its present strength.  The forces that carry a layer have the same weights as the
+  shear that brakes it, so that their ratio is that of the soil at yield with any number of rows: soil that does not dilate bears
+  c cos(phi) + sigma_n sin(phi) on the plane along which it shears (Davis 1968), with the effective normal stress sigma_n.
+  The weights are those of effective stress; a pore pressure that soil carries along is the same on both sides and enters with 1 and 1.
+* **Slip.**  The velocity jump is shear of the rows of the weak soil beside the interface, and its plastic part counts as their slip
+  (``sph.solver.physics.slip``).
+* **Which soil is the weaker** say the present strengths k at the mean effective pressure of the pair, and from when on the weight of the
+  solid state beta of the weaker one, which falls from 1 after its failure,
+
+      w_i = 1 + (1 - beta) (2 k_j^4 / (k_i^4 + k_j^4) - 1).
+
+  So nothing changes before soil fails: two elastic soils share the strain.  A step at k_i = k_j would let pairs of nearly equal strength
+  change sides from step to step; with the fourth power the traction passes over smoothly, and exceeds the weaker strength by 8 % at most,
+  where the other is 1.4 times as large (with the square by 21 %, with the eighth power by 4 %).
+
+* **Time step.**  Weights of 2 double the stiffness of a row of weak soil towards its neighbours, which lowers the limit to 0.7 where the
+  weak soil has the largest wave speed of the scene, and not at all where it is softer than that.  The limit is measured on the particles
+  with the weights of soil that has lost its solid state, before any has.
+
+Artificial viscosity acts across with the smaller weight: between two rows that slide it would be a drag of alpha rho V_p times their speed,
+which took a tenth of the acceleration of a sliding layer.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.schema import Scene
+from sph.solver.compiled.jit import jit
+from sph.solver.compiled.records import by_reference
+from sph.solver.compiled.slots import slot
+from sph.solver.compiled.threads import wait
+from sph.solver.optional import Term
+from sph.solver.particles import Particles, overburden
+from sph.solver.physics.artificial_viscosity import add_dissipation
+from sph.solver.physics.elasticity import pressure
+from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.material import Material, make_material, material_of
+from sph.solver.physics.residual_viscosity import add_residual
+from sph.solver.physics.seams import across
+
+NO_SOIL = np.uint8(255)
+"""Number of what has no interface: walls."""
+STRENGTHLESS = 1.0
+"""Pa, added to strengths, so that the ratio of two that vanish is 1."""
+
+
+@by_reference
+class Interface(NamedTuple):
+    """Coefficients of the term, and what it keeps within a step, of soil beside an interface."""
+
+    soil: np.ndarray
+    """(particles,) uint8: number of the soil, the same for soils of the same strengths; ``NO_SOIL`` of walls"""
+    cohesion: np.ndarray
+    """(particles,) c cos(phi) in this step, Pa"""
+    sine: np.ndarray
+    """(particles,) sin(phi) in this step"""
+    pressure: np.ndarray
+    """(particles,) effective pressure in this step, not below 0, Pa"""
+    lost: np.ndarray
+    """(particles,) 1 - beta in this step"""
+    water: np.ndarray
+    """(particles,) pore pressure that the stress of the momentum equation holds, over density squared"""
+
+
+@slot
+def alike_end(term, pairs, i):  # type: ignore[no-untyped-def]
+    """End of the pairs of particle i whose soils weigh the same; those across an interface come after them."""
+    return pairs.end[i]
+
+
+@alike_end.of(Interface)
+def _alike_end(term, pairs, i):  # type: ignore[no-untyped-def]
+    return pairs.alike_end[i]
+
+
+@slot
+def part_unlike(term, seams, pairs, i, begin, count, row_dx, row_dy):  # type: ignore[no-untyped-def]
+    """Put those last, among the ``count`` pairs of particle i from ``begin`` on, that lie across an interface and not across a seam."""
+
+
+@part_unlike.of(Interface)
+def _part_unlike(term, seams, pairs, i, begin, count, row_dx, row_dy):  # type: ignore[no-untyped-def]
+    own, k, end = term.soil[i], np.uint64(0), count if term.soil[i] != NO_SOIL else np.uint64(0)
+    alike = count
+    while k < end:
+        j = pairs.neighbour[begin + k]
+        if term.soil[j] == own or term.soil[j] == NO_SOIL or across(seams, i, j):
+            k += np.uint64(1)
+        else:
+            end -= np.uint64(1)
+            pairs.neighbour[begin + k], pairs.neighbour[begin + end] = pairs.neighbour[begin + end], j
+            row_dx[k], row_dx[end] = row_dx[end], row_dx[k]
+            row_dy[k], row_dy[end] = row_dy[end], row_dy[k]
+            alike = end
+    pairs.alike_end[i] = begin + alike
+
+
+@slot
+def weigh_soils(term, terms, state, pairs, first, last, team):  # type: ignore[no-untyped-def]
+    """Note what the weights of this step are made of, for soil particles first to last beside an interface."""
+
+
+@weigh_soils.of(Interface)
+def _weigh_soils(term, terms, state, pairs, first, last, team):  # type: ignore[no-untyped-def]
+    for i in range(first, min(last, terms.n_soil)):
+        if pairs.alike_end[i] < pairs.end[i]:
+            soil, beta = material_of(terms.layers, terms.soil, i), state.beta[i]
+            term.cohesion[i] = beta * soil.solid.cohesion_term + (1.0 - beta) * soil.fluid.cohesion_term
+            term.sine[i] = beta * soil.solid.sine + (1.0 - beta) * soil.fluid.sine
+            term.pressure[i] = max(pressure(soil.bulk_modulus, state.density[i], terms.reference_density), 0.0)
+            term.lost[i] = 1.0 - beta
+    wait(team)
+
+
+@slot
+def keep_water(term, i, value):  # type: ignore[no-untyped-def]
+    """Keep the pore pressure over density squared of particle i."""
+
+
+@keep_water.of(Interface)
+def _keep_water(term, i, value):  # type: ignore[no-untyped-def]
+    term.water[i] = value
+
+
+@jit
+def weights(term, i, j):  # type: ignore[no-untyped-def]
+    """Weights of the soils of particles i and j in their pair."""
+    p = 0.5 * (term.pressure[i] + term.pressure[j])
+    strength_i = term.cohesion[i] + p * term.sine[i] + STRENGTHLESS
+    strength_j = term.cohesion[j] + p * term.sine[j] + STRENGTHLESS
+    fourth_i, fourth_j = strength_i * strength_i * strength_i * strength_i, strength_j * strength_j * strength_j * strength_j
+    lost = term.lost[i] if strength_i < strength_j else term.lost[j]
+    weight_i = 1.0 + lost * (fourth_j - fourth_i) / (fourth_j + fourth_i)
+    return weight_i, 2.0 - weight_i
+
+
+@slot
+def add_unlike_gradients(term, viscosity, layers, state, pairs, i, l_xx, l_xy, l_yx, l_yy, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    """Sums of velocity differences times g of particle i, and of artificial viscosity, with those of its pairs across an interface."""
+    return l_xx, l_xy, l_yx, l_yy, sum_x, sum_y
+
+
+@add_unlike_gradients.of(Interface)
+def _add_unlike_gradients(term, viscosity, layers, state, pairs, i, l_xx, l_xy, l_yx, l_yy, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    for k in range(pairs.alike_end[i], pairs.end[i]):
+        j = pairs.neighbour[k]
+        own, other = weights(term, i, j)
+        gx, gy = pairs.gx[k], pairs.gy[k]
+        dvx, dvy = state.vx[j] - state.vx[i], state.vy[j] - state.vy[i]
+        l_xx += own * dvx * gx
+        l_xy += own * dvx * gy
+        l_yx += own * dvy * gx
+        l_yy += own * dvy * gy
+        opening = min(own, other) * (dvx * gx + dvy * gy)
+        sum_x, sum_y = add_dissipation(viscosity, layers, i, j, sum_x, sum_y, opening, pairs.inverse_norm[k], gx, gy)
+    return l_xx, l_xy, l_yx, l_yy, sum_x, sum_y
+
+
+@slot
+def add_unlike_stresses(term, viscosity, layers, strain_rate, state, pairs, syx, i, ax, ay, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    """Sums of stresses times g of particle i, and of residual viscosity, with those of its pairs across an interface.
+
+    Its own stress enters with its weight less 1, since the sum of g over all pairs holds it once.
+    """
+    return ax, ay, sum_x, sum_y
+
+
+@add_unlike_stresses.of(Interface)
+def _add_unlike_stresses(term, viscosity, layers, strain_rate, state, pairs, syx, i, ax, ay, sum_x, sum_y):  # type: ignore[no-untyped-def]
+    sxx, syy, sxy = state.sxx, state.syy, state.sxy
+    for k in range(pairs.alike_end[i], pairs.end[i]):
+        j = pairs.neighbour[k]
+        own, other = weights(term, i, j)
+        gx, gy = pairs.gx[k], pairs.gy[k]
+        more = own - 1.0
+        u = more * term.water[i] + (other - 1.0) * term.water[j]
+        ax += (more * sxx[i] + other * sxx[j] + u) * gx + (more * sxy[i] + other * sxy[j]) * gy
+        ay += (more * syx[i] + other * syx[j]) * gx + (more * syy[i] + other * syy[j] + u) * gy
+        viscous_x, viscous_y = add_residual(viscosity, layers, state, pairs, strain_rate, i, j, k, 0.0, 0.0)
+        sum_x += min(own, other) * viscous_x
+        sum_y += min(own, other) * viscous_y
+    return ax, ay, sum_x, sum_y
+
+
+def once_lost(term: Interface | None) -> Interface | None:
+    """The term as if all soil beside an interface had lost its solid state: then it is stiffest."""
+    return term if term is None else term._replace(lost=np.ones_like(term.lost))
+
+
+def _materials(scene: Scene) -> list[Material]:
+    layers = (None, *scene.layers.values())
+    return [make_material(soil, scene.coupling, 0.0, layer) for soil, layer in zip(scene.soils, layers, strict=True)]
+
+
+def _numbers(scene: Scene) -> list[int]:
+    """A number for each soil of a scene, the same for soils that have the same strength at the peak and when all of it is lost."""
+    kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(_materials(scene), scene.soils, strict=True)]
+    return [kinds.index(each) for each in kinds]
+
+
+def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Interface:
+    n, soil = particles.x.size, slice(0, particles.n_soil)
+    number, cohesion, sine, vertical, layer = np.full(n, NO_SOIL), np.zeros(n), np.zeros(n), np.zeros(n), particles.layer[soil]
+    number[soil] = np.array(_numbers(scene), np.uint8)[layer]
+    # Until the first step: the strengths once lost, for the limit of the time step that is measured before it.
+    cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in _materials(scene)])[layer].T
+    vertical[soil] = scene.gravity.acceleration * overburden(scene, particles.x[soil], particles.y[soil])
+    return Interface(number, cohesion, sine, vertical, np.zeros(n), np.zeros(n))
+
+
+TERM = Term(
+    "interface",
+    "numerics.interfaces: weaker; soils of unlike strength",
+    lambda scene: scene.numerics.interfaces == "weaker" and len(set(_numbers(scene))) > 1,
+    _make,
+)
