@@ -244,7 +244,9 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
 
 def at_places(table: pd.DataFrame, spacing: float) -> list[tuple[str, str, str]]:
     """What the debris does at each place: in how many runs it is reached, how deep it lies there and when it arrives; where it is reached
-    in none, by how much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it."""
+    in none, by how much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it.
+
+    While debris moves nothing is known of how far it goes."""
     facts = []
     for place in places_in(table.columns):
         passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
@@ -253,8 +255,12 @@ def at_places(table: pd.DataFrame, spacing: float) -> list[tuple[str, str, str]]
             words = f"reached in {int(there.sum())} of {known} runs; debris up to {metres(depth[there].max())} m deep"
             first = f"first arrival {arrival.min():.3g} s after the start of the run" if arrival.notna().any() else ""
         else:
+            moving = table["still_moving"][passed.notna()] > 0
             words, first = f"not reached in {known} runs", ""
-            if known:
+            if moving.any():
+                words = f"not reached by the end of {known} runs, in {int(moving.sum())} of which debris still moves"
+                first = f"the debris is at least {metres(-passed.max())} m short of it then; run them for longer"
+            elif known:
                 first = f"the debris stops at least {metres(-passed.max())} m short of it"
                 if depth.max() > 0.5 * spacing:
                     words += f"; the ground there rises by up to {metres(depth.max())} m"

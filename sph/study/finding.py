@@ -66,6 +66,7 @@ CODES: dict[str, Code] = {
     "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
     "layer-broken": Code(ERROR, "a layer that is continuous in the scene becomes separate particles, or none at all"),
     "thin-layer": Code(WARNING, "few particles across a layer"),
+    "weak-on-strong": Code(WARNING, "soils of unlike strength mix at their interface, which brakes weak soil that has failed"),
     "thin-box": Code(WARNING, "the boundary particles do not fill the kernel's support"),
     "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
     "no-process-zone": Code(WARNING, "failure has no length scale, so results depend on the spacing; a note in the paper's scheme"),

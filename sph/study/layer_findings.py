@@ -13,6 +13,7 @@ from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.particles import Particles, place_particles
+from sph.solver.physics.interface import soil_numbers
 from sph.solver.physics.seams import seam_sides
 from sph.study.finding import Finding, finding, off_by
 
@@ -49,8 +50,20 @@ def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
 
 
 def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
-    """A finding for each layer that is thin, and an error instead for each that its particles do not make continuous."""
+    """A finding for each layer that is thin, an error instead for each that its particles do not make continuous, and one for weak soil
+    that stronger soil brakes."""
     found, cut = [], broken(scene, particles)
+    if scene.numerics.interfaces == "both" and len(set(soil_numbers(scene))) > 1:
+        rows = min(layer.thickness for layer in layers_of(scene, particles))
+        found.append(
+            finding(
+                "weak-on-strong",
+                "weak soil that has failed is braked by the stronger soil beside it, so its run-out is too short",
+                f"numerics.interfaces: both, with {rows:g} particles across the thinnest soil",
+                "weaker (with 2, 4 and 12 particles a layer accelerated at 0.3, 0.6 and 0.8 of what its strength allows)",
+                "numerics.interfaces",
+            )
+        )
     for layer in layers_of(scene, particles):
         if layer.thickness < FEWEST_IN_LAYER and layer.name not in {each.subject for each in cut}:
             found.append(

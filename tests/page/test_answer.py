@@ -20,6 +20,7 @@ RUNS = pd.DataFrame(
         "runout": [0.0, 2.0, 4.0, 10.0, 14.0, 20.0],
         "reached_side": ["", "", "", "", "", "front"],
         "expected_runout_error": [0.12] * 6,
+        "still_moving": [0] * 6,
     }
 ).assign(
     road_passed=lambda table: table["runout"] - 12.0,
@@ -38,6 +39,15 @@ def test_what_the_debris_does_at_a_place() -> None:
     ]
     diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan)
     assert [fact[1:] for fact in at_places(diverged, 1.0)] == [("not reached in 0 runs", "")] * 2
+
+
+def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> None:
+    _, house = at_places(RUNS.assign(still_moving=[0, 0, 0, 0, 1, 1]), 1.0)
+    assert house == (
+        "At house",
+        "not reached by the end of 6 runs, in 2 of which debris still moves",
+        "the debris is at least 10.0 m short of it then; run them for longer",
+    )
 
 
 @pytest.mark.parametrize(("depth", "words"), [(0.5, ""), (0.75, "; the ground there rises by up to 0.750 m")])

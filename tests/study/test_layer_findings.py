@@ -157,3 +157,16 @@ def test_the_searches_say_what_the_check_says_before_they_begin(tmp_path: Path, 
         assert [line.rpartition("[")[2][:-1] for line in lines] == [each["code"] for each in checked if each["severity"] != "note"]
         assert told.stderr.endswith("no search in this test\n")
     assert len(searched) == 2
+
+
+def test_weak_soil_that_the_kernel_lets_strong_soil_brake_is_told() -> None:
+    """And not where the soils have the same strength, nor with the law of the interface, which a scene of one's own has."""
+
+    def is_told(soil: dict[str, float], interfaces: str) -> bool:
+        layers = {"clay": {"region": level(435.0, 4.0), "soil": soil}}
+        made = make_scene(merge(SLOPE, {"layers": layers, "numerics": {"interfaces": interfaces}}))
+        return "weak-on-strong" in [each.code for each in findings(made)]
+
+    assert is_told({"cohesion": 1.0}, "both")
+    assert not is_told({"cohesion": 1.0}, "weaker")
+    assert not is_told({"density": 1500.0}, "both")

@@ -208,7 +208,7 @@ def _materials(scene: Scene) -> list[Material]:
     return [make_material(soil, scene.coupling, 0.0, layer) for soil, layer in zip(scene.soils, layers, strict=True)]
 
 
-def _numbers(scene: Scene) -> list[int]:
+def soil_numbers(scene: Scene) -> list[int]:
     """A number for each soil of a scene, the same for soils that have the same strength at the peak and when all of it is lost."""
     kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(_materials(scene), scene.soils, strict=True)]
     return [kinds.index(each) for each in kinds]
@@ -217,7 +217,7 @@ def _numbers(scene: Scene) -> list[int]:
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Interface:
     n, soil = particles.x.size, slice(0, particles.n_soil)
     number, cohesion, sine, vertical, layer = np.full(n, NO_SOIL), np.zeros(n), np.zeros(n), np.zeros(n), particles.layer[soil]
-    number[soil] = np.array(_numbers(scene), np.uint8)[layer]
+    number[soil] = np.array(soil_numbers(scene), np.uint8)[layer]
     # Until the first step: the strengths once lost, for the limit of the time step that is measured before it.
     cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in _materials(scene)])[layer].T
     vertical[soil] = scene.gravity.acceleration * overburden(scene, particles.x[soil], particles.y[soil])
@@ -227,6 +227,6 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Inte
 TERM = Term(
     "interface",
     "numerics.interfaces: weaker; soils of unlike strength",
-    lambda scene: scene.numerics.interfaces == "weaker" and len(set(_numbers(scene))) > 1,
+    lambda scene: scene.numerics.interfaces == "weaker" and len(set(soil_numbers(scene))) > 1,
     _make,
 )
