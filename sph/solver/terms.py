@@ -67,8 +67,8 @@ TERMS: tuple[Term, ...] = (
     slip.TERM,
     seams.TERM,
     failed_solid.TERM,
-    initial_arrangement.TERM,
     interface.TERM,
+    initial_arrangement.TERM,
 )
 
 

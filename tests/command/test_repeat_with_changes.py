@@ -94,7 +94,7 @@ def test_a_change_that_is_none_is_refused(tmp_path: Path, changes: dict[str, Any
 
 
 def test_a_factor_of_the_vertical_needs_no_file(tmp_path: Path) -> None:
-    (tmp_path / "record.csv").write_text("t,x,y\n" + "".join(f"{0.01 * n:.2f},{n % 7 - 3},{n % 5 - 2}\n" for n in range(100)))
+    (tmp_path / "record.csv").write_text("t,x (m/s2),y (m/s2)\n" + "".join(f"{0.01 * n:.2f},{n % 7 - 3},{n % 5 - 2}\n" for n in range(100)))
     motion = {"kind": "record", "file": str(tmp_path / "record.csv"), "start": 3.0, "vertical": {"factor": 1.0}}
     by_file, by_run = both(tmp_path, LAYERED | {"motion": motion}, {"motion.vertical.factor": 2.0})
     (tmp_path / "record.csv").unlink()
