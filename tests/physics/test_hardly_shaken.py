@@ -83,28 +83,16 @@ def test_a_slope_that_stands_well_and_is_hardly_shaken_does_not_move(seed: int, 
     assert found["displacement_magnitude"] < 1e-3
 
 
-DECADES = (0.1, 1.0, 10.0, 100.0)
-"""Young's modulus over that of the slope drawn."""
-
-
 @pytest.mark.parametrize(
-    ("seed", "decade"),
-    [
-        (0, 1),
-        *(pytest.param(seed, decade, marks=pytest.mark.long) for seed in (0, 1, 3) for decade in range(4) if (seed, decade) != (0, 1)),
-    ],
+    ("seed", "stiffer", "rows"),
+    [(0, 1.0, 8), *(pytest.param(*case, marks=pytest.mark.long) for case in ((0, 1.0, 12), (0, 0.1, 8), (0, 100.0, 8), (1, 10.0, 8)))],
 )
-@pytest.mark.parametrize("rows", [8, pytest.param(12, marks=pytest.mark.long)])
-def test_such_a_slope_that_the_clock_brings_down_has_failed_unshaken(seed: int, decade: int, rows: int) -> None:
-    # With strength that is lost by time it may collapse, whatever its stiffness and the spacing; not by the shaking.
+def test_such_a_slope_that_the_clock_brings_down_has_failed_unshaken(seed: int, stiffer: float, rows: int) -> None:
+    """With strength that is lost by time it collapses, whatever its stiffness and the spacing; not by the shaking."""
     data = slope(seed)
-    stiffness = {"youngs_modulus": DECADES[decade] * data["soil"]["youngs_modulus"]}
-    clock = {"soil": data["soil"] | stiffness, "coupling": {"S_R": data["coupling"]["S_R"], "gamma": 100.0}}
+    soil = data["soil"] | {"youngs_modulus": stiffer * data["soil"]["youngs_modulus"]}
+    clock = {"soil": soil, "coupling": {"S_R": data["coupling"]["S_R"], "gamma": 100.0}}
     result = run(make_scene(data | clock | {"numerics": {"spacing": data["geometry"]["slope_height"] / rows}}))
     found = measure(result.trajectory)
-    moved = float(found["displacement_magnitude"])
-    print(f"slope {seed}, E x {DECADES[decade]:g}, {rows} rows: {moved:.3g} m, {found['failed_unshaken']:.1%} unshaken, {result.status}")
-    stays = moved <= 0.01 * data["geometry"]["slope_height"]
-    assert stays or result.status in ("failed_unshaken", "diverged"), "what diverged, as debris does at a side, has no numbers"
-    if (seed, decade, rows) == (0, 1, 8):
-        assert result.status == "failed_unshaken" and "shaken by less than" in result.trajectory.attrs["status_reason"]
+    assert found["displacement_magnitude"] > 0.01 * data["geometry"]["slope_height"]
+    assert result.status == "failed_unshaken" and "shaken by less than" in result.trajectory.attrs["status_reason"]
