@@ -391,7 +391,7 @@ def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings
     t_f = trajectory["t_f"].values
     values: dict[str, Value] = {
         "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
-        "failed_unshaken": float(np.mean(scene.unshaken(t_f[soil]))),
+        "failed_unshaken": float(np.mean(scene.unshaken(t_f[soil], scene.held(*(trajectory[name].values[soil] for name in ("x0", "y0")))))),
         "mobilised_strength": max(mobilised_by_layer(trajectory, gravity_frame(trajectory)).values(), default=math.nan),
         "failed_fraction": float(trajectory["failed_fraction"].values[-1]),
         "peak_speed": float(trajectory["maximum_speed"].values[after_gravity].max()),

@@ -32,11 +32,10 @@ from sph.scene.gravity import (
     UniformStress,
     VelocityGradient,
 )
-from sph.scene.ground_motion import loading_of
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.laboratory import RESIDUALS, as_computed
 from sph.scene.layers import Layer, check_coupling
-from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker
+from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker, vertical_acceleration
 from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
 from sph.scene.scheme import filled, missing
@@ -375,17 +374,36 @@ class Scene(Section):
     def shaken_from(self) -> float:
         """Time from which on shaking can be the cause of failure, s: of the first acceleration above ``UNSHAKEN`` of gravity; infinite
         where there is none."""
-        loading = loading_of(self)
-        shaken = np.maximum(np.abs(loading.ground), np.abs(loading.vertical)) > UNSHAKEN * self.gravity.acceleration
-        return float(loading.time[np.argmax(shaken)]) if shaken.any() else math.inf
+        steps = self.steps(self.duration) + 1
+        for first in range(0, steps, 10_000):  # all at once would take more memory than the run's metrics
+            time = np.arange(first, min(first + 10_000, steps)) * self.numerics.time_step
+            ground, vertical = self.motion.acceleration(time), vertical_acceleration(self.motion, time)
+            shaken = np.maximum(np.abs(ground), np.abs(vertical)) > UNSHAKEN * self.gravity.acceleration
+            if shaken.any():
+                return float(time[np.argmax(shaken)])
+        return math.inf
 
-    def unshaken(self, t_f: np.ndarray) -> np.ndarray:
+    def held(self, x: np.ndarray, y: np.ndarray) -> np.ndarray:
+        """Which places (n,) in the box lie within the kernel's support of a fixed side wall or lid, m.
+
+        Soil that settles under gravity is carried by such a wall, and yields for that; a fixed base supports it from below.
+        """
+        (columns, rows), dx, support = self.lattice, self.numerics.spacing, 2.0 * self.numerics.smoothing_length
+        held = np.zeros(np.shape(x), bool)
+        if self.walls.kinds.sides.holds_soil:
+            held |= np.minimum(x, columns * dx - x) < support
+        if self.walls.kinds.top.holds_soil:
+            held |= rows * dx - y < support
+        return held
+
+    def unshaken(self, t_f: np.ndarray, held: np.ndarray | bool = False) -> np.ndarray:
         """Which particles (n,) failed under gravity alone, by their times of failure (s): when the gravity stage ended, or from then until
-        the ground is shaken (``shaken_from``).  Soil that a prescribed deformation moves fails by that."""
+        the ground is shaken (``shaken_from``), but for those that walls ``held``, which fail at the least shaking because a wall carries
+        them.  Soil that a prescribed deformation moves fails by that."""
         failed = self.gravity.failed(t_f)
         if self.prescribed_velocity_gradient is not None:
             return failed
-        return failed | ((t_f > self.gravity.duration) & (t_f < self.shaken_from - 0.5 * self.numerics.time_step))
+        return failed | ((t_f > self.gravity.duration) & (t_f < self.shaken_from - 0.5 * self.numerics.time_step) & ~np.asarray(held))
 
     def length_in_soil(self, seam: Seam) -> float:
         """Length of a seam below the ground and above the base, m, to a two-hundredth of each part of its line."""

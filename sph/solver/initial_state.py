@@ -16,6 +16,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
     n, density = particles.x.size, scene.soil.density
     generator = np.random.default_rng(0)
     fluid = scene.coupling.initial_state == "fluid"
+    held = (np.arange(n) >= particles.n_soil) | scene.held(particles.x, particles.y)
     zero = {name: np.zeros(n) for name in State._fields}
     start = {
         "x": particles.x.copy(),
@@ -23,7 +24,7 @@ def initial_state(particles: Particles, scene: Scene) -> State:
         "density": np.full(n, density),
         "beta": np.full(n, 0.0 if fluid else 1.0),
         "t_f": np.full(n, 0.0 if fluid else np.nan),
-        "phase": np.where(fluid, FAILED, np.where(_held(particles, scene), HELD, UNARMED)).astype(np.uint8),
+        "phase": np.where(fluid, FAILED, np.where(held, HELD, UNARMED)).astype(np.uint8),
         "x_pairs": particles.x.copy(),
         "y_pairs": particles.y.copy(),
         "density_pairs": np.full(n, density),
@@ -56,18 +57,3 @@ def _intact(scene: Scene, particles: Particles) -> np.ndarray:
     keeps = (number < particles.first_contact) | (number >= particles.first_slip)
     solid = scene.coupling.initial_state == "solid"
     return (solid & keeps & (seam_sides(scene, particles)[0] == 0)).astype(np.uint8)
-
-
-def _held(particles: Particles, scene: Scene) -> np.ndarray:
-    """Particles (n,) that fixed walls hold: those of the box, and soil within the kernel's support of a fixed side wall or lid.
-
-    Soil that settles under gravity is carried by such a wall; a fixed base supports it from below.
-    """
-    held = np.arange(particles.x.size) >= particles.n_soil
-    columns, rows = scene.lattice
-    dx, support = scene.numerics.spacing, 2.0 * scene.numerics.smoothing_length
-    if scene.walls.kinds.sides.holds_soil:
-        held |= np.minimum(particles.x, columns * dx - particles.x) < support
-    if scene.walls.kinds.top.holds_soil:
-        held |= rows * dx - particles.y < support
-    return held

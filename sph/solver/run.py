@@ -146,7 +146,8 @@ class Run:
         """Status and reason of a run that has reached its duration or came to ``rest``."""
         simulation = self.simulation
         scene, n_soil, t_f = simulation.scene, simulation.particles.n_soil, simulation.state.t_f[: simulation.particles.n_soil]
-        unshaken, layer = scene.unshaken(t_f), simulation.particles.layer[:n_soil]
+        particles, soil = simulation.particles, slice(0, n_soil)
+        unshaken, layer = scene.unshaken(t_f, scene.held(particles.x[soil], particles.y[soil])), particles.layer[soil]
         parts = [f"{np.mean(unshaken[layer == k]):.2%} of {name}" for k, name in enumerate(scene.layers, 1) if unshaken[layer == k].any()]
         share = f"{np.mean(unshaken):.2%} of the soil yields under gravity alone" if unshaken.any() else ""
         share += f" ({', '.join(parts)})" if parts else ""

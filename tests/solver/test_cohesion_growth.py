@@ -132,7 +132,7 @@ def test_a_growth_of_zero_is_the_constant_to_the_bit() -> None:
 
 
 def test_a_datum_at_level_ground_is_that_ground() -> None:
-    by_ground = scene(geometry={"points": [[100.0, 60.0], [150.0, 60.0], [150.1, 60.1], [151.0, 60.1]]})
+    by_ground = scene(geometry={"points": [[100.0, 60.0], [150.0, 60.0], [150.2, 60.2], [151.0, 60.2]]})
     by_datum = merge(by_ground.model_dump(), {"soil": {"cohesion_growth": {"datum": 60.0}}})
     particles = place_particles(by_ground)
     left = particles.x < 49.0

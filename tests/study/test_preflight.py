@@ -452,6 +452,8 @@ def test_soil_that_fails_before_the_ground_is_shaken_has_failed_unshaken() -> No
     late = scene(**{"motion.start": 5.0, "motion.ramp": 0.0, "motion.decay_start": 5.5, "motion.end": 6.0})
     assert late.unshaken(t_f).tolist() == [True, True, True, True, False, False, False], "at 5 s the sine is 0"
     assert scene().unshaken(t_f).tolist() == [True] + 6 * [False]
+    held = np.array([True, True, False, True, True, True, True])
+    assert late.unshaken(t_f, held).tolist() == [True, False, True, False, False, False, False], "what a wall carries fails at nothing"
     for motion in ({"kind": "none"}, scene().motion.model_dump() | {"amplitude": UNSHAKEN * GRAVITY}):
         assert scene(motion=motion).shaken_from == np.inf
         assert scene(motion=motion).unshaken(t_f).tolist() == 5 * [True] + 2 * [False]

@@ -43,4 +43,4 @@ def test_a_change_of_the_file_runs_the_simulations_again(tmp_path: Path) -> None
     assert planned_jobs(tmp_path, *configured) == {"stage": 1}
     ground.write_text("100,440\n150,440\n140,460\n200,460\n")
     refused = snakemake(tmp_path, "--dry-run", *configured)
-    assert refused.returncode != 0 and "the ground may not overhang" in refused.stdout + refused.stderr
+    assert refused.returncode != 0 and "the line may not overhang" in refused.stdout + refused.stderr
