@@ -358,8 +358,10 @@ def test_a_slope_on_a_no_slip_base_fails_between_absorbing_sides_as_in_a_long_bo
     # contact base, 11.8 m between free-slip sides, and 12.2 m between those of a box twice as long.
     paper = read_yaml(PAPER) | {"name": "long_box"}
     resolved = {
-        "geometry": {"apron_length": 110.0, "crest_length": 68.0},
-        "walls": {"base": "no_slip", "sides": "free_slip"},
+        "geometry.apron_length": 110.0,
+        "geometry.crest_length": 68.0,
+        "walls.base": "no_slip",
+        "walls.sides": "free_slip",
         "numerics.spacing": 2.0,
         "numerics.smoothing_ratio": 1.3,
         "numerics.time_step": 2e-3,
@@ -375,7 +377,7 @@ def test_a_slope_on_a_no_slip_base_fails_between_absorbing_sides_as_in_a_long_bo
         return float(np.hypot(*(ds[f"probe_displacement_{c}"].values[-1, 0] for c in "xy")))
 
     boxed = move({})
-    absorbed = {base: move({"walls": {"base": base, "sides": "absorbing"}}) for base in ("no_slip", "contact")}
+    absorbed = {base: move({"walls.base": base, "walls.sides": "absorbing"}) for base in ("no_slip", "contact")}
     print(boxed, absorbed)
     assert absorbed["no_slip"] == pytest.approx(boxed, rel=0.1)
     assert absorbed["contact"] == pytest.approx(absorbed["no_slip"], rel=0.05)
