@@ -50,7 +50,7 @@ from sph.solver.particles import Particles, overburden
 from sph.solver.physics.artificial_viscosity import add_dissipation
 from sph.solver.physics.elasticity import pressure
 from sph.solver.physics.kernels import Kernel
-from sph.solver.physics.material import Material, make_material, material_of
+from sph.solver.physics.material import material_of, materials_of
 from sph.solver.physics.residual_viscosity import add_residual
 from sph.solver.physics.seams import across
 
@@ -203,14 +203,9 @@ def once_lost(term: Interface | None) -> Interface | None:
     return term if term is None else term._replace(lost=np.ones_like(term.lost))
 
 
-def _materials(scene: Scene) -> list[Material]:
-    layers = (None, *scene.layers.values())
-    return [make_material(soil, scene.coupling, 0.0, layer) for soil, layer in zip(scene.soils, layers, strict=True)]
-
-
 def soil_numbers(scene: Scene) -> list[int]:
     """A number for each soil of a scene, the same for soils that have the same strength at the peak and when all of it is lost."""
-    kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(_materials(scene), scene.soils, strict=True)]
+    kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(materials_of(scene, 0.0), scene.soils, strict=True)]
     return [kinds.index(each) for each in kinds]
 
 
@@ -219,7 +214,7 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Inte
     number, cohesion, sine, vertical, layer = np.full(n, NO_SOIL), np.zeros(n), np.zeros(n), np.zeros(n), particles.layer[soil]
     number[soil] = np.array(soil_numbers(scene), np.uint8)[layer]
     # Until the first step: the strengths once lost, for the limit of the time step that is measured before it.
-    cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in _materials(scene)])[layer].T
+    cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in materials_of(scene, dt)])[layer].T
     vertical[soil] = scene.gravity.acceleration * overburden(scene, particles.x[soil], particles.y[soil])
     return Interface(number, cohesion, sine, vertical, np.zeros(n), np.zeros(n))
 

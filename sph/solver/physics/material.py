@@ -96,6 +96,12 @@ def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None
     )
 
 
+def materials_of(scene: Scene, dt: float) -> list[Material]:
+    """Coefficients of the scene's own soil and of those of its layers in order, at a time step (s)."""
+    layers = (None, *scene.layers.values())
+    return [make_material(soil, scene.coupling, dt, layer) for soil, layer in zip(scene.soils, layers, strict=True)]
+
+
 def loss_of(coupling: Coupling) -> str:
     """Name of the law by which strength is lost."""
     return coupling.softening.shape if coupling.softening is not None and coupling.softening.by_slip else "time"
@@ -120,9 +126,8 @@ def _surfaces(
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Layers:
     layer = particles.layer
-    materials = [make_material(scene.soil, scene.coupling, dt)]
-    materials += [make_material(its.soil, scene.coupling, dt, its) for its in scene.layers.values()]
-    table = np.array([[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, *m.fluid_law, m.peak_strain, *m.loss] for m in materials])
+    rows_of = [[m.bulk_modulus, m.shear_modulus, *m.solid, *m.fluid, *m.fluid_law, m.peak_strain, *m.loss] for m in materials_of(scene, dt)]
+    table = np.array(rows_of)
     density = np.array([soil.density for soil in scene.soils])
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
     rows = layer.astype(np.uint8)
