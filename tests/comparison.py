@@ -26,7 +26,7 @@ VARIANTS = {
     "interface": {
         "coupling.solid_after_failure": "elastic_plastic",
         "numerics.interfaces": "weaker",
-        "layers": {"weak": {"region": {"kind": "depth", "bottom": 8.0}, "soil": {"cohesion": 60.0, "friction_angle": 12.0}}},
+        "layers": {"weak": {"region": {"kind": "depth", "bottom": 8.0}, "soil": {"cohesion": 100.0, "friction_angle": 18.0}}},
     },
     "seam": {
         "coupling.solid_after_failure": "elastic_plastic",

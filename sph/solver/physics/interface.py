@@ -204,8 +204,14 @@ def once_lost(term: Interface | None) -> Interface | None:
 
 
 def soil_numbers(scene: Scene) -> list[int]:
-    """A number for each soil of a scene, the same for soils that have the same strength at the peak and when all of it is lost."""
-    kinds = [(each.solid, each.fluid, soil.gradient) for each, soil in zip(materials_of(scene, 0.0), scene.soils, strict=True)]
+    """A number for each soil of a scene, the same for soils of which the same strengths are written.
+
+    It does not depend on the scene's own S_R and gamma, so that runs which differ in these share what comes before the first failure.
+    """
+    kinds = [
+        (soil.cohesion, soil.friction_angle, soil.gradient, soil.residual_cohesion, soil.residual_friction_angle, layer and layer.S_R)
+        for soil, layer in zip(scene.soils, (None, *scene.layers.values()), strict=True)
+    ]
     return [kinds.index(each) for each in kinds]
 
 
@@ -213,8 +219,10 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Inte
     n, soil = particles.x.size, slice(0, particles.n_soil)
     number, cohesion, sine, vertical, layer = np.full(n, NO_SOIL), np.zeros(n), np.zeros(n), np.zeros(n), particles.layer[soil]
     number[soil] = np.array(soil_numbers(scene), np.uint8)[layer]
-    # Until the first step: the strengths once lost, for the limit of the time step that is measured before it.
-    cohesion[soil], sine[soil] = np.array([(made.fluid.cohesion_term, made.fluid.sine) for made in materials_of(scene, dt)])[layer].T
+    # Until the first step, for the limit of the time step that is measured before it: the strengths at the start.
+    fluid = scene.coupling.initial_state == "fluid"
+    surfaces = [made.fluid if fluid else made.solid for made in materials_of(scene, dt)]
+    cohesion[soil], sine[soil] = np.array([(each.cohesion_term, each.sine) for each in surfaces])[layer].T
     vertical[soil] = scene.gravity.acceleration * overburden(scene, particles.x[soil], particles.y[soil])
     return Interface(number, cohesion, sine, vertical, np.zeros(n), np.zeros(n))
 
