@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from hypothesis import strategies as st
 from small_scenes import TWO_BODIES
 
 from sph.scene.configuration import dotted, merge
-from sph.scene.schema import Scene, make_scene, stored_scene
+from sph.scene.schema import Scene, load_scene, make_scene, stored_scene
 from sph.scene.walls import KINDS
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
@@ -267,3 +268,11 @@ def test_stored_runs_may_call_fixed_walls_sticky_and_scenes_may_not() -> None:
     assert stored_scene(stored).walls.kinds[:2] == (KINDS["fixed"], KINDS["fixed"])
     with pytest.raises(ValueError, match=r"walls\.sides: .*'fixed'.*\(found 'sticky'\)"):
         make_scene(merge(BOX, {"walls": {"sides": "sticky"}}))
+
+
+def test_a_run_stored_before_the_law_of_interfaces_repeats_without_it() -> None:
+    own = load_scene(Path(__file__).parents[2] / "config" / "scenes" / "slope_on_rock.yaml")
+    stored = json.loads(own.stored())
+    assert stored_scene(stored) == own and own.numerics.interfaces == "weaker"
+    del stored["numerics"]["interfaces"]
+    assert stored_scene(stored).numerics.interfaces == "both"
