@@ -449,17 +449,17 @@ def _made(data: Mapping[str, Any], origin: str) -> Scene:
 def stored_scene(data: Mapping[str, Any], origin: str = "scene") -> Scene:
     """The scene that a file of this or an earlier version holds; ValueError as above.
 
-    Versions before schemes wrote every key, as this one does; what has become a key since then was as in the paper's scene, but for the
-    solid state of failed soil, which stayed on its yield surface.  Unlike soils both sheared at their interface, with either scheme.  Fixed
-    walls were called sticky by 0.1.0.
+    Every version has written every key, with what the scheme filled in, so the scheme fills in nothing here.  What has become a key since
+    then was as in the paper's scene, but for the solid state of failed soil, which stayed on its yield surface.  Fixed walls were called
+    sticky by 0.1.0.
     """
     walls = data.get("walls")
     if isinstance(walls, Mapping):
         data = {**data, "walls": {name: "fixed" if kind == "sticky" else kind for name, kind in walls.items()}}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)  # nobody can write a stored scene anew
-        earlier = {"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}, "numerics": {"interfaces": "both"}}
-        return _made(merge(earlier, data), origin)
+        earlier = {"scheme": "paper", "coupling": {"solid_after_failure": "elastic_plastic"}}
+        return validated(Scene, merge(earlier, data), origin)
 
 
 def written_scene(path: Path | str) -> dict[str, Any]:

@@ -8,13 +8,12 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.geometry import Bodies
-from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
-from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.interface import soil_numbers
 from sph.solver.physics.seams import seam_sides
+from sph.study.cover_rows import HELD_BELOW, RUN_OUT_BY_ROWS, Cover, covers, enough_rows, strata
 from sph.study.finding import Finding, finding, off_by
 
 FEWEST_IN_LAYER = 4
@@ -50,10 +49,13 @@ def layers_of(scene: Scene, particles: Particles) -> list[Layer]:
 
 
 def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
-    """A finding for each layer that is thin, an error instead for each that its particles do not make continuous, and one for weak soil
-    that stronger soil brakes."""
+    """A finding for each layer that is thin, an error instead for each that its particles do not make continuous, and for each weak soil
+    on stronger ground what its rows of particles do to its run-out."""
     found, cut = [], broken(scene, particles)
-    if scene.numerics.interfaces == "both" and len(set(soil_numbers(scene))) > 1:
+    left_out = {each.subject for each in cut}
+    weak = [cover for cover in covers(scene) if cover.name not in left_out]
+    left_out |= {cover.name for cover in weak}
+    if scene.numerics.interfaces == "both" and not weak and len(set(soil_numbers(scene))) > 1:
         rows = min(layer.thickness for layer in layers_of(scene, particles))
         found.append(
             finding(
@@ -65,7 +67,7 @@ def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
             )
         )
     for layer in layers_of(scene, particles):
-        if layer.thickness < FEWEST_IN_LAYER and layer.name not in {each.subject for each in cut}:
+        if layer.thickness < FEWEST_IN_LAYER and layer.name not in left_out:
             found.append(
                 finding(
                     "thin-layer",
@@ -77,7 +79,35 @@ def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
                     off_by=off_by(layer.thickness, FEWEST_IN_LAYER),
                 )
             )
-    return cut + found
+    return cut + [of_cover(cover, scene) for cover in weak] + found
+
+
+def of_cover(cover: Cover, scene: Scene) -> Finding:
+    """What the rows of particles in weak soil on stronger ground do to its run-out: a note where they suffice."""
+    name, thickness = cover.name, cover.thickness
+    rows = f"{cover.rows:.2g} rows of particles in {thickness:.3g} m"
+    if cover.held:
+        return finding(
+            "layer-held",
+            f"{name}, weak soil between stronger ones, is held, since the kernel reaches across it",
+            rows,
+            f"at least {HELD_BELOW}, with a spacing of at most {thickness / HELD_BELOW:.3g} m",
+            f"numerics.spacing, or describe it as a seam (seams.{name})",
+            subject=name,
+            off_by=off_by(cover.rows, HELD_BELOW),
+        )
+    fewer = "at most" if cover.rows < min(RUN_OUT_BY_ROWS[cover.law]) and not cover.between else "about"
+    measured = f"{rows}, with which debris runs {fewer} {cover.run_out:.0%} as far as with fine particles"
+    if not cover.short:
+        return finding("cover-rows", f"{name}, weak soil on stronger {cover.ground}, has enough rows", measured, subject=name)
+    what = f"{name}, weak soil that slides on stronger {cover.ground}, is braked, so its run-out is too short"
+    if (enough := enough_rows(cover.law)) is not None:
+        wanted, key = f"at least {enough}, with a spacing of at most {thickness / enough:.3g} m", "numerics.spacing"
+    elif scene.numerics.interfaces == "both":
+        wanted, key = "computed with numerics.interfaces: weaker", "numerics.interfaces"
+    else:
+        wanted, key = "free to lose its solid state after failure", "coupling.gamma, or coupling.softening.slip_at_residual"
+    return finding("weak-on-strong", what, measured, wanted, key, subject=name, off_by=1.0 - cover.run_out)
 
 
 def broken(scene: Scene, particles: Particles) -> list[Finding]:
@@ -154,35 +184,11 @@ def sections(scene: Scene, particles: Particles) -> dict[str, Section]:
     """The layers in the columns of the lattice, by name, the later one where two overlap; none of bodies, which have no section."""
     if isinstance(scene.geometry, Bodies) or not scene.layers:
         return {}
-    geometry, dx = scene.geometry, scene.numerics.spacing
-    column = (np.arange(scene.lattice[0]) + 0.5 + RIGHT + scene.numerics.lattice_shift) * dx
-    ground = geometry.ground(column)
-    x, top = geometry.in_survey(column, ground)
-    base = geometry.in_survey(column, np.zeros_like(column))[1]
-    crossed = [side for layer in scene.layers.values() for side in _sides(layer.region, x, top)]
-    heights = np.sort([base, top, *(np.clip(np.nan_to_num(side, nan=base[0]), base, top) for side in crossed)], axis=0)
-    middle, part = 0.5 * (heights[1:] + heights[:-1]), np.diff(heights, axis=0)
-    number = np.zeros(middle.shape, int)
-    for index, layer in enumerate(scene.layers.values(), 1):
-        number[layer.region.contains(np.broadcast_to(x, middle.shape), middle, np.broadcast_to(top, middle.shape))] = index
+    _, part, number = strata(scene)
     return {
         name: Section(np.where(number == index, part, 0.0).sum(axis=0), _in_columns(scene, particles, index))
         for index, name in enumerate(scene.layers, 1)
     }
-
-
-def _sides(region: DepthRegion | ElevationRegion | PolygonRegion, x: np.ndarray, ground: np.ndarray) -> list[np.ndarray]:
-    """Heights (n,) at which a region begins or ends at places x (n,) below a ground (n,), m; NaN where a side of a polygon is not."""
-    if isinstance(region, DepthRegion):
-        return [ground - depth for depth in (region.top, region.bottom) if depth is not None]
-    if isinstance(region, ElevationRegion):
-        return [np.full_like(x, height) for height in (region.bottom, region.top) if height is not None]
-    found = []
-    for (x1, y1), (x2, y2) in zip(region.points, np.roll(region.outline, -1, axis=0), strict=True):
-        if x1 != x2:
-            share = (x - x1) / (x2 - x1)
-            found.append(np.where((share >= 0.0) & (share <= 1.0), y1 + share * (y2 - y1), np.nan))
-    return found
 
 
 def _in_columns(scene: Scene, particles: Particles, number: int) -> np.ndarray:

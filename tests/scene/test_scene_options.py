@@ -12,8 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from small_scenes import TWO_BODIES
 
-from sph.scene.configuration import dotted, merge
+from sph.scene.configuration import dotted, flat, merge
 from sph.scene.schema import Scene, load_scene, make_scene, stored_scene
+from sph.scene.scheme import RESOLVED
 from sph.scene.walls import KINDS
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
@@ -276,3 +277,18 @@ def test_a_run_stored_before_the_law_of_interfaces_repeats_without_it() -> None:
     assert stored_scene(stored) == own and own.numerics.interfaces == "weaker"
     del stored["numerics"]["interfaces"]
     assert stored_scene(stored).numerics.interfaces == "both"
+
+
+@pytest.mark.parametrize("name", sorted(set(flat(RESOLVED)) - {"numerics.smoothing_ratio"}))  # whose paper's value needs thicker walls
+def test_the_scheme_fills_in_nothing_that_a_stored_scene_lacks(name: str) -> None:
+    """A file has all keys of its version; one that the scheme has set since then was not in force when it was written."""
+    own = load_scene(Path(__file__).parents[2] / "config" / "scenes" / "slope_on_rock.yaml")
+    assert make_scene(json.loads(own.stored())) == own, "else the key would be filled in"
+    stored = json.loads(own.stored())
+    *sections, key = name.split(".")
+    at = stored
+    for section in sections:
+        at = at[section]
+    del at[key]
+    as_in_paper = stored_scene(stored | {"scheme": "paper"}).model_copy(update={"scheme": "resolved"})
+    assert stored_scene(stored) == as_in_paper

@@ -1,0 +1,151 @@
+"""Rows of particles in weak soil on stronger ground, and how far its debris goes with them: facts of a scene, for findings and the page."""
+
+from __future__ import annotations
+
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+
+from sph.scene.geometry import SLOPES, Bodies
+from sph.scene.layers import DepthRegion, ElevationRegion, Layer, PolygonRegion
+from sph.scene.places import RIGHT
+from sph.scene.schema import Scene
+from sph.solver.physics.interface import soil_numbers
+
+RUN_OUT_BY_ROWS: dict[str, dict[float, float]] = {
+    "weaker": {2: 0.75, 3: 0.95, 4: 1.0},
+    "both": {2: 0.28, 3: 0.49, 6: 0.71, 12: 0.81},
+}
+"""Run-out of a weak cover over the converged one, by ``numerics.interfaces`` and rows of particles across the cover.
+
+``weaker``: hillsides of docs/model/interfaces.md, the lower of two run-outs.  ``both``: acceleration of a frictional layer on an incline
+over that which its strength allows (same page); the run-outs of the hillsides are no larger.
+"""
+CLOSE = 0.05
+"""Error of the run-out up to which the rows suffice."""
+HELD_BELOW = 2
+"""Rows below which a layer between two stronger soils is held, since the kernel reaches across it: a block on one row moved a quarter of
+its way, on two 98 % (``tests/physics/test_weak_on_strong.py``)."""
+STRONGER = 1.5
+"""Strength of the ground over that of weak soil on it from which on the weak soil takes nearly all of the slip: its weight is then 1.67 of
+2 (``sph.solver.physics.interface``).  Below it a slip surface passes through both."""
+
+
+class Cover(NamedTuple):
+    """Weak soil on stronger ground, within the slope."""
+
+    name: str
+    ground: str  # the stronger soil below it
+    thickness: float  # vertically, that three quarters of its columns exceed, m
+    rows: float  # of particles in that thickness
+    law: str  # of the interface: that of ``numerics.interfaces``, or "both" where soil never loses its solid state
+    between: bool  # stronger soil lies on it, too
+
+    @property
+    def held(self) -> bool:
+        """Whether it cannot slide, whatever its strength."""
+        return self.between and self.rows < HELD_BELOW * (1.0 - 1e-9)
+
+    @property
+    def run_out(self) -> float:
+        """Run-out over the converged one; an upper bound for fewer rows than the least that were measured."""
+        return 0.0 if self.held else 1.0 if self.between and self.law == "weaker" else run_out(self.law, self.rows)
+
+    @property
+    def short(self) -> bool:
+        """Whether a run-out, or that nothing moves, is a lower bound for lack of rows."""
+        return self.run_out < 1.0 - CLOSE - 1e-9
+
+
+def run_out(law: str, rows: float) -> float:
+    """``RUN_OUT_BY_ROWS`` between the measured rows; that of the nearest beyond them."""
+    table = RUN_OUT_BY_ROWS[law]
+    return float(np.interp(rows, [*table], [*table.values()]))
+
+
+def enough_rows(law: str = "weaker") -> int | None:
+    """The least whole number of rows whose run-out is ``CLOSE`` to the converged one; None where that many were not measured."""
+    rows = RUN_OUT_BY_ROWS[law]
+    return next((each for each in range(1, int(max(rows)) + 1) if run_out(law, each) >= 1.0 - CLOSE - 1e-9), None)
+
+
+def covers(scene: Scene) -> list[Cover]:
+    """The weak soils that lie on stronger ground in most of their columns between the toe and a height behind the crest, in order.
+
+    Strengths are those before failure, at the weight of what lies on the interface, without water, which weakens both soils alike.
+    """
+    if not isinstance(scene.geometry, SLOPES) or len(set(soil_numbers(scene))) == 1:
+        return []
+    geometry, names, kinds, soils = scene.geometry, ("soil", *scene.layers), soil_numbers(scene), scene.soils
+
+    def strength(number: int, depth: float, weight: float) -> float:
+        soil = soils[number].at_depth(depth)
+        return float(soil.cohesion_si * np.cos(soil.friction_angle_si) + weight * np.sin(soil.friction_angle_si))
+
+    column, thickness, number = strata(scene)
+    (toe, _), (crest, _) = geometry.toe, geometry.crest
+    inside = (column > toe) & (column < crest + geometry.slope_height)
+    there = [int(np.count_nonzero(((number == each) & (thickness > 0.0)).any(axis=0) & inside)) for each in range(len(soils))]
+    found: dict[int, list[tuple[float, int, bool]]] = {}
+    for parts, numbers in zip(thickness.T[inside], number.T[inside], strict=True):
+        column_parts = [(part, each) for part, each in zip(parts[::-1], numbers[::-1], strict=True) if part > 0.0]  # from the ground down
+        beds = [list(bed) for _, bed in groupby(column_parts, key=lambda pair: kinds[pair[1]])]
+        weight, above = 0.0, None
+        for bed, below in zip(beds, [*beds[1:], None], strict=True):
+            depth, (first, last) = sum(part for part, _ in bed), (bed[0][1], bed[-1][1])
+            under = above is not None and strength(above, 0.0, weight) >= STRONGER * strength(first, 0.0, weight)
+            weight += scene.gravity.acceleration * sum(part * soils[each].density for part, each in bed)
+            if below is not None and strength(below[0][1], 0.0, weight) >= STRONGER * strength(last, depth, weight):
+                found.setdefault(last, []).append((depth, below[0][1], under))
+            above = last
+    return [_cover(scene, names, each, found[each]) for each in sorted(found) if 2 * len(found[each]) > there[each]]
+
+
+def _cover(scene: Scene, names: tuple[str, ...], number: int, columns: list[tuple[float, int, bool]]) -> Cover:
+    depths, grounds, between = zip(*columns, strict=True)
+    thickness = float(np.percentile(depths, 25))
+    ground = names[int(np.bincount(grounds).argmax())]
+    law = scene.numerics.interfaces if _softens(scene, [None, *scene.layers.values()][number]) else "both"
+    return Cover(names[number], ground, thickness, thickness / scene.numerics.spacing, law, 2 * sum(between) > len(between))
+
+
+def _softens(scene: Scene, layer: Layer | None) -> bool:
+    """Whether failed soil loses its solid state, without which it shares the strain with the ground."""
+    coupling = scene.coupling
+    rate = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
+    return rate > 0 or coupling.softens_by_slip or coupling.initial_state == "fluid"
+
+
+def strata(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Columns of the lattice: their x (columns,), m, and thickness (m) and soil (parts, columns) of their parts, from the base upwards.
+
+    The soil is 0 for the scene's own and k for its k-th layer, the later one where two overlap.
+    """
+    assert not isinstance(scene.geometry, Bodies), "bodies have no section"
+    geometry, dx = scene.geometry, scene.numerics.spacing
+    column = (np.arange(scene.lattice[0]) + 0.5 + RIGHT + scene.numerics.lattice_shift) * dx
+    ground = geometry.ground(column)
+    x, top = geometry.in_survey(column, ground)
+    base = geometry.in_survey(column, np.zeros_like(column))[1]
+    crossed = [side for layer in scene.layers.values() for side in _sides(layer.region, x, top)]
+    heights = np.sort([base, top, *(np.clip(np.nan_to_num(side, nan=base[0]), base, top) for side in crossed)], axis=0)
+    middle = 0.5 * (heights[1:] + heights[:-1])
+    number = np.zeros(middle.shape, int)
+    for index, layer in enumerate(scene.layers.values(), 1):
+        number[layer.region.contains(np.broadcast_to(x, middle.shape), middle, np.broadcast_to(top, middle.shape))] = index
+    return column, np.diff(heights, axis=0), number
+
+
+def _sides(region: DepthRegion | ElevationRegion | PolygonRegion, x: np.ndarray, ground: np.ndarray) -> list[np.ndarray]:
+    """Heights (n,) at which a region begins or ends at places x (n,) below a ground (n,), m; NaN where a side of a polygon is not."""
+    if isinstance(region, DepthRegion):
+        return [ground - depth for depth in (region.top, region.bottom) if depth is not None]
+    if isinstance(region, ElevationRegion):
+        return [np.full_like(x, height) for height in (region.bottom, region.top) if height is not None]
+    found = []
+    for (x1, y1), (x2, y2) in zip(region.points, np.roll(region.outline, -1, axis=0), strict=True):
+        if x1 != x2:
+            share = (x - x1) / (x2 - x1)
+            found.append(np.where((share >= 0.0) & (share <= 1.0), y1 + share * (y2 - y1), np.nan))
+    return found

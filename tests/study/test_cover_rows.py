@@ -1,0 +1,86 @@
+"""Rows of particles in weak soil on stronger ground: what they do to the run-out is told before a run."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
+from sph.study.cover_rows import CLOSE, RUN_OUT_BY_ROWS, covers, enough_rows, run_out
+from sph.study.finding import Finding
+from sph.study.findings import findings
+
+SLOPE: dict[str, Any] = {
+    "scheme": "paper",
+    "name": "cover",
+    "geometry": {"shape": "ground_line", "points": [[100, 440], [160, 440], [180, 460], [220, 460]], "base": 430},
+    "soil": {"cohesion": 100.0, "friction_angle": 35.0},
+    "numerics": {"spacing": 1.0, "smoothing_ratio": 1.3, "time_step": 5e-4, "interfaces": "weaker"},
+}
+WEAK = {"cohesion": 5.0, "friction_angle": 25.0}
+
+
+def scene(top: float, bottom: float, **settings: Any) -> Scene:
+    layers = {"weak": {"region": {"kind": "depth", "top": top, "bottom": bottom}, "soil": WEAK}}
+    return make_scene(merge(SLOPE, {"layers": layers} | dotted(settings)))
+
+
+def told(made: Scene) -> Finding:
+    codes = ("weak-on-strong", "layer-held", "cover-rows", "thin-layer", "layer-broken")
+    (one,) = (each for each in findings(made) if each.code in codes)
+    return one
+
+
+@pytest.mark.parametrize("law", RUN_OUT_BY_ROWS)
+def test_more_rows_never_go_less_far(law: str) -> None:
+    far = [run_out(law, 0.1 * tenths) for tenths in range(1, 200)]
+    assert far == sorted(far) and far[0] > 0.0 and far[-1] <= 1.0
+    assert {rows: run_out(law, rows) for rows in RUN_OUT_BY_ROWS[law]} == RUN_OUT_BY_ROWS[law]
+    enough = enough_rows(law)
+    assert enough is None or run_out(law, enough - 1) < 1.0 - CLOSE <= run_out(law, enough) + 1e-9
+
+
+def test_a_cover_of_few_rows_is_told_with_what_it_does_to_the_run_out() -> None:
+    """The spacing that it names is enough."""
+    made = scene(0.0, 2.0)
+    (cover,) = covers(made)
+    assert (cover.name, cover.ground, cover.rows, cover.between) == ("weak", "soil", 2.0, False)
+    few, enough = told(made), enough_rows()
+    assert (few.code, few.severity, few.key) == ("weak-on-strong", "warning", "numerics.spacing")
+    assert f"2 rows of particles in 2 m, with which debris runs about {run_out('weaker', 2):.0%}" in few.measured
+    assert enough is not None and f"at least {enough}, with a spacing of at most {2.0 / enough:.3g} m" in few.wanted
+    resolved = told(scene(0.0, 2.0, **{"numerics.spacing": 2.0 / enough, "numerics.time_step": 2e-4}))
+    assert (resolved.code, resolved.severity) == ("cover-rows", "note")
+    assert "runs at most" in told(scene(0.0, 1.5)).measured, "fewer rows than were measured"
+
+
+def test_the_scene_s_own_soil_may_be_the_cover() -> None:
+    rock = {"rock": {"region": {"kind": "depth", "top": 2.0}, "soil": SLOPE["soil"]}}
+    made = make_scene(merge(SLOPE, {"soil": WEAK, "layers": rock}))
+    assert [(cover.name, cover.ground, cover.rows) for cover in covers(made)] == [("soil", "rock", pytest.approx(2.0))]
+    assert told(made).subject == "soil"
+
+
+def test_the_former_law_needs_the_present_one() -> None:
+    braked = told(scene(0.0, 4.0, **{"numerics.interfaces": "both"}))
+    assert (braked.code, braked.key) == ("weak-on-strong", "numerics.interfaces") and "weaker" in braked.wanted
+    solid = told(scene(0.0, 4.0, **{"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}))
+    assert solid.code == "weak-on-strong" and solid.key.startswith("coupling."), "soil that stays solid has weights of 1 for ever"
+
+
+def test_one_row_between_two_strong_soils_is_an_error_with_its_remedies() -> None:
+    held = told(scene(4.0, 5.0))
+    assert (held.code, held.severity, held.subject) == ("layer-held", "error", "weak")
+    assert "a spacing of at most 0.5 m" in held.wanted and "numerics.spacing" in held.key and "seams.weak" in held.key
+    assert told(scene(4.0, 6.0)).code == "cover-rows", "two rows slide"
+    (cover,) = covers(scene(4.0, 5.0))
+    assert cover.held and cover.short and cover.run_out == 0.0
+
+
+def test_soil_that_is_not_weaker_or_hardly_lies_on_stronger_soil_is_no_cover() -> None:
+    assert covers(scene(0.0, 2.0, **{"soil": {"density": 1600.0} | WEAK})) == []
+    assert covers(scene(0.0, 2.0, **{"soil": {"cohesion": 6.0, "friction_angle": 26.0}})) == [], "the slip surface passes through both"
+    far = {"kind": "polygon", "points": [[90, 438], [150, 438], [150, 441], [90, 441]]}
+    assert covers(make_scene(merge(SLOPE, {"layers": {"weak": {"region": far, "soil": WEAK}}}))) == [], "it lies before the toe"
