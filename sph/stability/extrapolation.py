@@ -43,7 +43,7 @@ UNASKED_RATIO = 1.5
 STRONGER = 1.1
 """Strength of the search by which the sensitivity of a yield acceleration is found, over that of the soil."""
 
-VALIDATED = Path(__file__).parents[1] / "experiments" / "validation" / "measured" / "validation.csv"
+VALIDATED = Path(__file__).parents[1] / "experiments" / "measured" / "validation.csv"
 """The validation table of this release: a file here, since the library knows no experiment."""
 
 At = tuple[float, float]

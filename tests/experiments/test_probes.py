@@ -67,7 +67,8 @@ def test_a_scene_without_a_probe(folder: Path) -> None:
 @pytest.mark.parametrize(("case", "probes"), [("V2", {"A": [1.0, 5.0]}), ("V3", {}), ("V4", {})])
 def test_a_reference_case_has_the_probes_that_it_measures_at(folder: Path, case: str, probes: dict[str, Any]) -> None:
     (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": probes}))
-    data = {"title": "t", "scene": "slope.yaml", "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
+    quantity = {"kind": "stress", "tolerance": 1, "coarse": 1, "reason": "r"}
+    data = {"title": "t", "scene": "slope.yaml", "source": "s", "quantities": {"q": quantity}}
     (folder / "validation.yaml").write_text(yaml.safe_dump({"cases": {case: data}}))
     with pytest.raises(ValueError, match=rf"case {case}, run 'run', level 'only': probes: {len(probes)}"):
         load_suite("validation.yaml", study_plan(), [folder])

@@ -149,7 +149,7 @@ VALIDATION = {
             "scene": "tiny.yaml",
             "source": "s",
             "levels": {"1 m": {}, "0.5 m": {"numerics": {"spacing": 0.5}}},
-            "quantities": {"q": {"tolerance": 0.1, "coarse": 0.2, "reason": "r"}},
+            "quantities": {"q": {"kind": "stress", "tolerance": 0.1, "coarse": 0.2, "reason": "r"}},
         }
     }
 }

@@ -18,7 +18,7 @@ from sph.experiments.validation.measure import read_validation
 from sph.study.verdicts import MISSES
 
 ROOT = Path(__file__).resolve().parents[2]
-MEASURED = ROOT / "sph" / "experiments" / "validation" / "measured" / "validation.csv"
+MEASURED = ROOT / "sph" / "experiments" / "measured" / "validation.csv"
 
 
 CODE = Code("1.2.3", "0123456789abcdef", "2026-11-26")

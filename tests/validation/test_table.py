@@ -29,7 +29,7 @@ SUITE: dict[str, Any] = {
             "by": "computation",
             "source": "a source",
             "levels": {"1 m": {"numerics": {"spacing": 1.0}}, "0.5 m": {"numerics": {"spacing": 0.5}}},
-            "quantities": {"overshoot": {"tolerance": 0.1, "coarse": 0.2, "reason": "a reason"}},
+            "quantities": {"overshoot": {"kind": "stress", "tolerance": 0.1, "coarse": 0.2, "reason": "a reason"}},
         }
     }
 }
@@ -108,7 +108,10 @@ def test_suite_gives_a_scene_a_run_and_level(tmp_path: Path) -> None:
         ({"scene": "nowhere.yaml"}, ["cases.V14.scene", "nowhere.yaml"]),
         ({"runs": {"a": {"soil": {"cohesin": 3.0}}}}, ["case V14, run 'a', level '1 m'", "soil.cohesin"]),
         ({"levels": {"1 m": {"numerics": {"time_step": 0.1, "spacing": 1.0}}}}, ["case V14", "time_step"]),
-        ({"quantities": {"overshoot": {"tolerance": -1.0, "coarse": 0.2, "reason": "x"}}}, ["cases.V14.quantities.overshoot.tolerance"]),
+        (
+            {"quantities": {"overshoot": {"kind": "stress", "tolerance": -1.0, "coarse": 0.2, "reason": "x"}}},
+            ["cases.V14.quantities.overshoot.tolerance"],
+        ),
         ({"by": "guessing"}, ["cases.V14.by", "guessing"]),
     ],
 )

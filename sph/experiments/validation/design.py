@@ -14,6 +14,7 @@ from pydantic import model_validator
 
 from sph.experiments.base import Experiment, Label, Name, Overrides, check_file_names, checked, file_name
 from sph.experiments.validation.cases import CASES, PROBES
+from sph.experiments.validation.level import Kind
 from sph.scene.configuration import Section, found_file, key, merge, read_scene, read_yaml, validated
 from sph.scene.names import check_known
 from sph.study.plan import Plan
@@ -24,6 +25,7 @@ from sph.study.runs import Run
 class Quantity(Section):
     """One number that is compared with its reference."""
 
+    kind: Kind = key("what it is a number of")
     tolerance: float = key("largest error on the finest level, relative to the reference, absolute where that is 0", ge=0)
     coarse: float = key("largest error on the coarsest level, which the tests run", ge=0)
     reason: str = key("why these tolerances", min_length=1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from enum import StrEnum
 from pathlib import Path
 from typing import NamedTuple
 
@@ -34,6 +35,36 @@ class Result(NamedTuple):
     def start(self, name: str) -> np.ndarray:
         """Initial ``x0`` or ``y0``, or ``mass``, of the soil (n,)."""
         return self.data[name].values[self.soil]
+
+
+class Kind(StrEnum):
+    """What a quantity is a number of, by which rows of the table are chosen."""
+
+    AMPLIFICATION = "amplification"
+    ANGLE = "angle"
+    CRITICAL_AMPLITUDE = "critical_amplitude"
+    CRITICAL_STRENGTH_RATIO = "critical_strength_ratio"
+    DAMPING_RATIO = "damping_ratio"
+    DISPLACEMENT = "displacement"
+    ENERGY = "energy"
+    FACTOR_OF_SAFETY = "factor_of_safety"
+    FREQUENCY = "frequency"
+    HEIGHT = "height"
+    INFINITE_SLOPE_FACTOR = "infinite_slope_factor"
+    """factor of safety of a slope without end, which slips along a plane"""
+    LENGTH = "length"
+    MOMENTUM = "momentum"
+    PERIOD = "period"
+    PIECES = "pieces"
+    PROFILE = "profile"
+    RUNOUT = "runout"
+    SPEED = "speed"
+    STRENGTH = "strength"
+    STRESS = "stress"
+    TRACTION = "traction"
+    WATER_LEVEL = "water_level"
+    WAVE_SPEED = "wave_speed"
+    YIELD_ACCELERATION = "yield_acceleration"
 
 
 Level = Mapping[str, Result]

@@ -24,7 +24,7 @@ from sph.study.tables import number_column, read_csv, text_column
 from sph.study.verdicts import HOLDS, MISSES
 
 FOLDER = EXPERIMENT.folder
-SHIPPED_VALIDATION = Path(__file__).with_name("measured") / "validation.csv"
+SHIPPED_VALIDATION = Path(__file__).parents[1] / "measured" / "validation.csv"
 """Table measured for this release, by ``snakemake validation``."""
 NO_ORDER_BELOW = 1e-6
 """Errors below this are rounding: no order of convergence is given."""
@@ -34,6 +34,7 @@ VALIDATION: tuple[Variable, ...] = (
     text_column("case", "name of the case"),
     text_column("title", "what is tested"),
     text_column("quantity", "name of the quantity"),
+    text_column("kind", "what it is a number of, such as factor_of_safety, runout or displacement"),
     text_column("text", "the quantity in words"),
     text_column("units", "its unit"),
     number_column("computed", "see units", "value on the finest level, or extrapolated from the two finest"),
@@ -86,6 +87,7 @@ def case_rows(name: str, case: Case, levels: Mapping[str, Level], sizes: Sequenc
                 "case": name,
                 "title": case.title,
                 "quantity": quantity,
+                "kind": asked.kind.value,
                 "text": finest.text,
                 "units": finest.units,
                 "computed": finest.computed,
