@@ -61,15 +61,16 @@ class Simulation:
 
     def prepare(self) -> None:
         """Check the time step, compile or load the variant this scene needs, and make the neighbour lists."""
-        with compile_lock(str(self.wanted)):
+        with compile_lock():
             if self.enforce_limit:
                 check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.list_terms)
-            self.advance_steps(0)
             self.measure_limit(FIRST_POWER_ITERATIONS if self.step == 0 else 0)
             self.elastic_energy()
             self.cauchy_stress()
+        with compile_lock(str(self.wanted)):
+            self.advance_steps(0)
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
             raise ValueError(
                 f"numerics.time_step: {self.terms.dt:g} s exceeds the limit measured on the particles at the start, {self.limit:.3g} s; "

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import rows
+from sph.solver.compiled.jit import compile_lock, rows
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -79,7 +79,9 @@ def _add_artificial_stress(term, layers, state, pairs, first, last):  # type: ig
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialStress:
     tension = scene.numerics.artificial_stress
     assert tension is not None
-    return ArtificialStress(tension.factor, tension.exponent, 1.0 / evaluate(kernel, scene.numerics.spacing)[0])
+    with compile_lock(required=False):
+        value, _ = evaluate(kernel, scene.numerics.spacing)
+    return ArtificialStress(tension.factor, tension.exponent, 1.0 / value)
 
 
 TERM = Term(

@@ -33,7 +33,7 @@ import scipy.spatial  # type: ignore[import-untyped]
 
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import compile_lock, jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
@@ -237,7 +237,8 @@ def line_integral(kernel: Kernel, distance: np.ndarray) -> np.ndarray:
     reach = 2.0 * kernel.h
     along = (np.arange(PARTS) + 0.5) / PARTS * reach
     places = np.linspace(0.0, reach, PARTS + 1)
-    values = [2.0 * reach / PARTS * sum(evaluate(kernel, math.hypot(place, part))[0] for part in along) for place in places]
+    with compile_lock(required=False):
+        values = [2.0 * reach / PARTS * sum(evaluate(kernel, math.hypot(place, part))[0] for part in along) for place in places]
     found: np.ndarray = np.interp(distance, places, values, right=0.0)
     return found
 
