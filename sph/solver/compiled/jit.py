@@ -51,7 +51,6 @@ COMPILED = tuple(
         "neighbours.py",
         "physics",
         "renewal.py",
-        "schedule.py",
         "state.py",
         "terms.py",
         "time_step.py",
@@ -92,7 +91,8 @@ def cache_folder() -> Path:
 
 
 OPTIONS: dict[str, Any] = {
-    "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True, "no_cfunc_wrapper": True, "pipeline_class": SolverCompiler,
+    "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True,
+    "no_cfunc_wrapper": True, "pipeline_class": SolverCompiler,
 }  # fmt: skip
 """Sums may be reordered, division by zero gives infinity; everything is inlined.
 
