@@ -150,7 +150,7 @@ def take_gradients(state, pairs, terms, team):  # type: ignore[no-untyped-def]
         first,
         last,
     )
-    keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, first, last)
+    keep_strain_rate(terms.residual_viscosity, pairs, state.density, team.gradient, team.strain_rate, first, last)
 
 
 @jit

@@ -16,7 +16,7 @@ from sph.solver.initial_stress import NO_LOADING, impose_stress
 from sph.solver.integration import advance
 from sph.solver.neighbours import Candidates, PairTerms
 from sph.solver.particles import Particles, place_particles
-from sph.solver.physics.coupling import CHUNK, cauchy_stress, elastic_energy
+from sph.solver.physics.coupling import cauchy_stress, elastic_energy
 from sph.solver.physics.interface import once_lost
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.renewal import make_lists, renew_candidates
@@ -48,7 +48,7 @@ class Simulation:
         self.state: State = initial_state(self.particles, scene)
         impose_stress(self.state, scene, self.particles, self.terms.n_stressed)
         self.wanted = wanted_terms(scene)
-        self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
+        self.team = make_team(threads, self.particles.x.size, FAILURES + 1)
         self.step = 0
         self.substeps = 1
         self.limit = math.inf

@@ -42,13 +42,13 @@ def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-
 def _set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
     for i in rows(first, last):
         mean = 0.5 * (state.sxx[i] + state.syy[i])
-        d = 0.5 * (state.sxx[i] - state.syy[i])
-        q = state.sxy[i]
-        radius = math.sqrt(d * d + q * q)
+        diff = 0.5 * (state.sxx[i] - state.syy[i])
+        shear = state.sxy[i]
+        radius = math.sqrt(diff * diff + shear * shear)
         first_principal = -term.factor * max(mean + radius, 0.0)
         second_principal = -term.factor * max(mean - radius, 0.0)
         middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
-        cosine, sine = (d / radius, q / radius) if radius > 0.0 else (1.0, 0.0)
+        cosine, sine = (diff / radius, shear / radius) if radius > 0.0 else (1.0, 0.0)
         state.tension_xx[i] = middle + half * cosine
         state.tension_yy[i] = middle - half * cosine
         state.tension_xy[i] = half * sine
