@@ -94,8 +94,8 @@ def _impose_geostatic_stress(state: State, scene: Scene, particles: Particles, n
     mean = vertical * (1.0 + 2.0 * ratio) / 3.0
     state.density[:n_stressed] = scene.soil.density * (1.0 + mean / np.array([soil.bulk_modulus_si for soil in scene.soils])[layer])
     state.density_pairs[:] = state.density
-    state.solid_d[:n_stressed] = 0.5 * (1.0 - ratio) * vertical
-    state.solid_z[:n_stressed] = mean - ratio * vertical
+    state.solid_diff[:n_stressed] = 0.5 * (1.0 - ratio) * vertical
+    state.solid_zz[:n_stressed] = mean - ratio * vertical
     if scene.coupling.initial_state == "fluid":
-        for solid, fluid in ((state.solid_d, state.fluid_d), (state.solid_q, state.fluid_q), (state.solid_z, state.fluid_z)):
+        for solid, fluid in ((state.solid_diff, state.fluid_diff), (state.solid_xy, state.fluid_xy), (state.solid_zz, state.fluid_zz)):
             fluid[:] = solid

@@ -3,8 +3,8 @@
     v(n+1/2) = v(n-1/2) + a(n) dt,  x(n+1) = x(n) + v(n+1/2) dt,
     stress(n+1) from the strain rates of v(n+1/2) at x(n+1),  a(n+1) from stress(n+1).
 
-A step kicks and drifts, renews pairs where that is due, brings free field and mirroring walls up to the velocities, then takes velocity
-gradients and stresses, and accelerations, block by block of rows (``sph.solver.schedule``), and at last the averages and the sums.
+A step (``advance``) is: kick and drift; renewal of pairs where that is due; velocity gradients; stresses; forces; averages around
+particles; sums of energies and failures.  Each goes over the rows of a team's members (``sph.solver.compiled.threads``), which then meet.
 
 Mass-proportional damping is taken at the midpoint of the kick and is therefore stable at any step.
 Stiffness damping and artificial viscosity use the velocities half a step back, which lowers the
@@ -19,12 +19,12 @@ from typing import NamedTuple
 from sph.scene.loading import Loading
 from sph.solver.boundaries.dashpots import kick_boundary
 from sph.solver.boundaries.free_field import kick_free_field, strain_free_field
-from sph.solver.boundaries.free_slip import first_mirror, mirror_stress, mirror_velocity, wall_work
+from sph.solver.boundaries.free_slip import mirror_stress, mirror_velocity, wall_work
 from sph.solver.boundaries.friction import WallFriction, apply_wall_friction, set_friction
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
-from sph.solver.compiled.threads import BLOCK, own_blocks, wait
+from sph.solver.compiled.threads import BLOCK, own_blocks, own_rows, wait
 from sph.solver.physics.artificial_stress import set_artificial_stress
 from sph.solver.physics.coupling import update_stress
 from sph.solver.physics.interface import weigh_soils
@@ -35,8 +35,7 @@ from sph.solver.physics.residual_viscosity import keep_strain_rate
 from sph.solver.physics.seams import average_seams, not_slip
 from sph.solver.physics.seepage import with_seepage
 from sph.solver.physics.slip import average_plastic_strain
-from sph.solver.renewal import DUE, HOLD, SPENT, look_at_pairs, own_rows, renew_pairs
-from sph.solver.schedule import block_at, first_of_turn, make_schedule
+from sph.solver.renewal import DUE, HOLD, SPENT, look_at_pairs, renew_pairs
 from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.solver.terms import active_terms, add_forces
 
@@ -133,26 +132,70 @@ def kick_and_drift(state, terms, mass, loads, sums, team):  # type: ignore[no-un
 
 
 @jit
-def accelerate(state, pairs, terms, mass, sums, block, team):  # type: ignore[no-untyped-def]
-    """Accelerations of a block by the stresses around it and by other forces."""
-    correction, layers, n_soil, n_moving = terms.gradient_correction, terms.layers, terms.n_soil, terms.n_moving
-    first, last = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
-    stress_accelerations(
+def take_gradients(state, pairs, terms, team):  # type: ignore[no-untyped-def]
+    """Velocity gradients of this thread's particles, and what they need of free field, walls that mirror the soil, and interfaces."""
+    first, last = own_rows(team, state.x.size)
+    strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
+    mirror_velocity(terms.free_slip, state, pairs, terms.n_soil, first, last, team)
+    weigh_soils(terms.interface, terms, state, pairs, first, last, team)
+    velocity_gradients(
         state,
         pairs,
-        correction,
+        terms.artificial_viscosity,
+        terms.no_slip,
         terms.contact,
-        layers,
+        terms.layers,
         terms.interface,
-        terms.residual_viscosity,
-        team.strain_rate,
+        team.gradient,
         first,
-        min(last, n_moving),
+        last,
     )
-    rubbed = set_friction(terms.wall_friction, layers, correction, state, pairs, mass, first, min(last, n_soil))
-    taken = wall_work(terms.free_slip, layers, state, pairs, correction, terms.cell_mass, team.gradient, first, last)
-    sums[block, WALLS] += terms.dt * (rubbed + taken)
-    sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
+    keep_strain_rate(terms.residual_viscosity, pairs, state.density, team.gradient, team.strain_rate, first, last)
+
+
+@jit
+def take_stresses(state, pairs, terms, time, sums, team):  # type: ignore[no-untyped-def]
+    """Stresses of this thread's particles at a time (s), and which of them fail."""
+    first, last = own_blocks(team)
+    for block in range(first, last):
+        begin, end = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
+        sums[block, FAILURES], internal = update_stress(state, pairs, terms, team.gradient, team.reached, time, begin, end)
+        sums[block, INTERNAL] = internal * terms.dt
+        set_artificial_stress(terms.artificial_stress, state, begin, min(end, terms.n_stressed))
+
+
+@jit
+def take_forces(state, pairs, terms, mass, sums, team):  # type: ignore[no-untyped-def]
+    """Accelerations of this thread's particles by the stresses around them and by other forces."""
+    correction, layers, n_soil, n_moving = terms.gradient_correction, terms.layers, terms.n_soil, terms.n_moving
+    mirror_stress(terms.free_slip, state, pairs, n_soil, *own_rows(team, state.x.size), team)
+    first_block, last_block = own_blocks(team)
+    for block in range(first_block, last_block):
+        first, last = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
+        stress_accelerations(
+            state,
+            pairs,
+            correction,
+            terms.contact,
+            layers,
+            terms.interface,
+            terms.residual_viscosity,
+            team.strain_rate,
+            first,
+            min(last, n_moving),
+        )
+        rubbed = set_friction(terms.wall_friction, layers, correction, state, pairs, mass, first, min(last, n_soil))
+        taken = wall_work(terms.free_slip, layers, state, pairs, correction, terms.cell_mass, team.gradient, first, last)
+        sums[block, WALLS] += terms.dt * (rubbed + taken)
+        sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
+
+
+@jit
+def take_averages(state, pairs, terms, team):  # type: ignore[no-untyped-def]
+    """Averages of slip around this thread's soil particles, which decide in the next step."""
+    first, last = own_rows(team, terms.n_soil)
+    average_plastic_strain(terms.slip, state, first, last)
+    average_seams(terms.seams, state, pairs, first, last)
 
 
 @jit
@@ -177,9 +220,6 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
     renewed, it goes on from there with ``kicked``.  Fewer steps without that mean that a particle jumped
     further than the candidates' skin allows or to NaN.
     """
-    n, n_soil = state.x.size, terms.n_soil
-    first, last = own_rows(team, n)
-    schedule = make_schedule(team, candidates, n_soil, first_mirror(terms.free_slip, n))
     failed = done = 0
     found = HOLD
     for s in range(step, step + n_steps):
@@ -192,43 +232,15 @@ def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicke
         if found not in (HOLD, DUE):
             break
         if found == DUE:
-            renew_pairs(state, candidates, pairs, terms, first, last, team)
-        strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
-        mirror_velocity(terms.free_slip, state, pairs, n_soil, first, last, team)
-        weigh_soils(terms.interface, terms, state, pairs, first, last, team)
-        for turn in range(schedule.blocks + 1):
-            if turn == schedule.n_others:
-                wait(team)
-            if turn < schedule.blocks:
-                # Here and not in a function of its own: one level more of inlining rounds the fluid state otherwise.
-                block = block_at(team, schedule, turn)
-                begin, end = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
-                velocity_gradients(
-                    state,
-                    pairs,
-                    terms.artificial_viscosity,
-                    terms.no_slip,
-                    terms.contact,
-                    terms.layers,
-                    terms.interface,
-                    team.gradient,
-                    begin,
-                    end,
-                )
-                keep_strain_rate(terms.residual_viscosity, pairs.correction, state.density, team.gradient, team.strain_rate, begin, end)
-                sums[block, FAILURES], internal = update_stress(
-                    state, pairs, terms, team.gradient, team.reached, loading.time[s + 1], begin, end
-                )
-                sums[block, INTERNAL] = internal * terms.dt
-                set_artificial_stress(terms.artificial_stress, state, begin, min(end, terms.n_stressed))
-            else:
-                wait(team)
-                mirror_stress(terms.free_slip, state, pairs, n_soil, first, last, team)
-            for k in range(first_of_turn(schedule, turn), min(turn + 1, schedule.blocks)):
-                if team.turn[k] == turn:
-                    accelerate(state, pairs, terms, mass, sums, block_at(team, schedule, k), team)
-        average_plastic_strain(terms.slip, state, first, min(last, n_soil))
-        average_seams(terms.seams, state, pairs, first, min(last, n_soil))
+            renew_pairs(state, candidates, pairs, terms, team)
+            wait(team)
+        take_gradients(state, pairs, terms, team)
+        wait(team)
+        take_stresses(state, pairs, terms, loading.time[s + 1], sums, team)
+        wait(team)
+        take_forces(state, pairs, terms, mass, sums, team)
+        wait(team)
+        take_averages(state, pairs, terms, team)
         wait(team)
         if team.rank == 0:
             failed += add_up(sums, state.work)

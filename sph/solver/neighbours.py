@@ -24,7 +24,6 @@ from sph.solver.boundaries.no_slip import NoSlip
 from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
-from sph.solver.compiled.threads import BLOCK
 from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
 from sph.solver.physics.gradient_correction import GradientCorrection, Sums, either, invert
 from sph.solver.physics.initial_arrangement import InitialArrangement, is_intact, keep_whether_all, offset
@@ -44,8 +43,6 @@ class Candidates(NamedTuple):
 
     start: np.ndarray  # (n + 1,) uint32
     neighbour: np.ndarray  # (m,) uint32
-    near_start: np.ndarray  # (blocks + 1,) uint32
-    near: np.ndarray  # uint32, near_start[b]:near_start[b + 1]: blocks of rows that hold candidates of block b's
 
 
 @by_reference
@@ -86,9 +83,7 @@ def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic
     start, index, done = np.zeros(n + 1, np.uint32), np.empty(64 * n, np.uint32), 0
     while (done := gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_cells, start, index, done)) < n:
         index = np.concatenate((index, np.empty(index.size + n, np.uint32)))
-    near_start, near = np.zeros(-(-n // BLOCK) + 1, np.uint32), np.empty(n + start[n], np.uint32)
-    blocks_near(start, index, np.zeros(-(-n // BLOCK), np.uint32), near_start, near)
-    return Candidates(start, index[: start[n]].copy(), near_start, near[: near_start[-1]].copy())
+    return Candidates(start, index[: start[n]].copy())
 
 
 @entry
@@ -115,23 +110,6 @@ def gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_
                 total += np.uint64((j != i) & (wrap(period, x[i] - x[j]) ** 2 + (y[i] - y[j]) ** 2 < reach_square))
         start[i + 1] = total
     return x.size
-
-
-@entry
-def blocks_near(start, neighbour, seen, near_start, near):  # type: ignore[no-untyped-def]
-    """Fill the lists of blocks that hold candidates of each block's rows, itself among them; ``seen`` (blocks,) is zero."""
-    count = np.uint64(0)
-    for block in rows(0, seen.size):
-        number = np.uint32(block) + np.uint32(1)
-        seen[block] = number
-        near[count] = block
-        count += np.uint64(1)
-        for k in rows(start[block * np.uint64(BLOCK)], start[min((block + np.uint64(1)) * np.uint64(BLOCK), np.uint64(start.size - 1))]):
-            other = neighbour[k] // np.uint32(BLOCK)
-            near[count] = other
-            count += np.uint64(seen[other] != number)
-            seen[other] = number
-        near_start[block + np.uint64(1)] = count
 
 
 class Places(NamedTuple):

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from sph.solver.compiled.jit import entry, jit
-from sph.solver.compiled.threads import BLOCK, own_blocks, wait
+from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.moves import largest_move
 from sph.solver.neighbours import Candidates, Pairs, Places, allocate_pairs, find_candidates, pair_terms, update_pairs
 from sph.solver.physics.initial_arrangement import largest_changes, note_intact, place_of_pairs, start_pairs
@@ -22,13 +22,6 @@ PAIRS_MOVE, CANDIDATES_MOVE = np.int64(0), np.int64(1)
 HOLD, DUE, SPENT, LOST = range(4)
 """What becomes of the pairs after a drift: they hold; they are to be renewed; so are the candidates before them; a particle has jumped
 further than the candidates' skin allows, or to NaN."""
-
-
-@jit
-def own_rows(team, n):  # type: ignore[no-untyped-def]
-    """First and last row of this thread among the first n."""
-    first, last = own_blocks(team)
-    return min(n, first * BLOCK), min(n, last * BLOCK)
 
 
 @jit
@@ -61,15 +54,15 @@ def look_at_pairs(state, pairs, terms, step, team):  # type: ignore[no-untyped-d
 
 
 @jit
-def renew_pairs(state, candidates, pairs, terms, first, last, team):  # type: ignore[no-untyped-def]
-    """Pairs of particles first to last, this thread's, at the present positions or half a step before."""
+def renew_pairs(state, candidates, pairs, terms, team):  # type: ignore[no-untyped-def]
+    """Pairs of this thread's particles, at the present positions or half a step before."""
+    first, last = own_rows(team, state.x.size)
     note_intact(terms.initial_arrangement, state, pairs, first, last)
     for i in range(first, last):
         state.x_pairs[i], state.y_pairs[i] = place_of_pairs(terms.initial_arrangement, state, terms.dt if i < terms.n_moving else 0.0, i)
         state.density_pairs[i] = state.density[i]
     wait(team)
     update_pairs(pairs, candidates, pair_terms(terms), Places(state.x_pairs, state.y_pairs, state.density_pairs), first, last)
-    wait(team)
 
 
 def renew_candidates(state: State, terms: Any, pairs: Pairs) -> tuple[Candidates, Pairs]:

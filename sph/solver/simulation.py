@@ -16,7 +16,7 @@ from sph.solver.initial_stress import NO_LOADING, impose_stress
 from sph.solver.integration import advance
 from sph.solver.neighbours import Candidates, PairTerms
 from sph.solver.particles import Particles, place_particles
-from sph.solver.physics.coupling import CHUNK, cauchy_stress, elastic_energy
+from sph.solver.physics.coupling import cauchy_stress, elastic_energy
 from sph.solver.physics.interface import once_lost
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.renewal import make_lists, renew_candidates
@@ -48,7 +48,7 @@ class Simulation:
         self.state: State = initial_state(self.particles, scene)
         impose_stress(self.state, scene, self.particles, self.terms.n_stressed)
         self.wanted = wanted_terms(scene)
-        self.team = make_team(threads, self.particles.x.size, FAILURES + 1, CHUNK)
+        self.team = make_team(threads, self.particles.x.size, FAILURES + 1)
         self.step = 0
         self.substeps = 1
         self.limit = math.inf
@@ -61,15 +61,16 @@ class Simulation:
 
     def prepare(self) -> None:
         """Check the time step, compile or load the variant this scene needs, and make the neighbour lists."""
-        with compile_lock(str(self.wanted)):
+        with compile_lock():
             if self.enforce_limit:
                 check_time_step(self.scene)
             self.present_limit = PresentLimit(self.scene)
             self.candidates, self.pairs = make_lists(self.state, self.list_terms)
-            self.advance_steps(0)
             self.measure_limit(FIRST_POWER_ITERATIONS if self.step == 0 else 0)
             self.elastic_energy()
             self.cauchy_stress()
+        with compile_lock(str(self.wanted)):
+            self.advance_steps(0)
         if self.enforce_limit and self.step == 0 and self.scene.numerics.adaptive_step is None and self.terms.dt >= self.limit:
             raise ValueError(
                 f"numerics.time_step: {self.terms.dt:g} s exceeds the limit measured on the particles at the start, {self.limit:.3g} s; "

@@ -32,12 +32,12 @@ class State(NamedTuple):
     ax: np.ndarray  # acceleration by stress, repulsion and artificial viscosity
     ay: np.ndarray
     density: np.ndarray  # of the scene's own soil in the particle's place, see sph.solver.physics.material
-    solid_d: np.ndarray  # deviator of the solid state, see sph.solver.physics.elasticity
-    solid_q: np.ndarray
-    solid_z: np.ndarray
-    fluid_d: np.ndarray  # deviator of the fluid state
-    fluid_q: np.ndarray
-    fluid_z: np.ndarray
+    solid_diff: np.ndarray  # deviator of the solid state, see sph.solver.physics.elasticity
+    solid_xy: np.ndarray
+    solid_zz: np.ndarray
+    fluid_diff: np.ndarray  # deviator of the fluid state
+    fluid_xy: np.ndarray
+    fluid_zz: np.ndarray
     beta: np.ndarray  # weight of the solid state
     t_f: np.ndarray  # time of failure, NaN before
     phase: np.ndarray  # uint8: UNARMED, ARMED, FAILED, HELD, YIELDED

@@ -28,8 +28,8 @@ from sph.scene.schema import MOST_STEPS, Scene
 from sph.solver.compiled.jit import entry
 from sph.solver.optional import Limit
 from sph.solver.physics.artificial_viscosity import viscous_rate
-from sph.solver.physics.elasticity import elastic_increment
-from sph.solver.physics.gradient_correction import correct_gradient, store_stress
+from sph.solver.physics.elasticity import Strain, elastic_rate
+from sph.solver.physics.gradient_correction import store_stress, velocity_gradient
 from sph.solver.physics.kernels import Lattice, lattice_of
 from sph.solver.physics.material import FLUID_LAWS, material_of
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
@@ -109,20 +109,12 @@ def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: igno
         velocity_gradients(state, pairs, None, terms.no_slip, None, terms.layers, terms.interface, gradient, np.int64(0), n)
         for i in range(terms.n_stressed):
             s = 1.0 / state.density[i]
-            l_xx, l_xy, l_yx, l_yy = correct_gradient(
-                terms.gradient_correction,
-                pairs.correction,
-                i,
-                gradient[0, i] * s,
-                gradient[1, i] * s,
-                gradient[2, i] * s,
-                gradient[3, i] * s,
-            )
+            l_xx, l_xy, l_yx, l_yy = velocity_gradient(terms.gradient_correction, pairs, state.density, gradient, i)
             soil = material_of(terms.layers, terms.soil, i)
-            rate_d, rate_q, rate_z = elastic_increment(soil.shear_modulus, l_xx, l_yy, 0.5 * (l_xy + l_yx))
-            mean = (soil.bulk_modulus * (l_xx + l_yy) - 0.5 * rate_z) * s * s
+            rate = elastic_rate(soil.shear_modulus, Strain(l_xx, l_yy, 0.5 * (l_xy + l_yx), 0.0, 0.0))
+            mean = (soil.bulk_modulus * (l_xx + l_yy) - 0.5 * rate.zz) * s * s
             store_stress(
-                terms.gradient_correction, pairs.correction, i, state, mean + rate_d * s * s, mean - rate_d * s * s, rate_q * s * s
+                terms.gradient_correction, pairs.correction, i, state, mean + rate.diff * s * s, mean - rate.diff * s * s, rate.xy * s * s
             )
         stress_accelerations(
             state, pairs, terms.gradient_correction, None, terms.layers, terms.interface, None, None, np.int64(0), terms.n_moving

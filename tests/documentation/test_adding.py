@@ -39,13 +39,14 @@ assert (place_particles(scene).kind == SIDE).any() and scene.walls.kinds.sides.f
 """,
     "A law": f"""
 from sph.scene.schema import make_scene
+from sph.solver.physics.elasticity import Deviator, Strain
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.material import make_material
 from sph.solver.terms import wanted_terms
 scene = make_scene({SCENE % "'soil': {'viscosity': 3.0}, 'coupling': {'fluid': {'law': 'newtonian'}}"})
 assert wanted_terms(scene)["newtonian"]
 soil = make_material(scene.soil, scene.coupling, 1e-3)
-assert fluid_deviator(soil.fluid_law, soil.fluid, 0.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.5, 0.0, 1e-3) == (0.0, 3.0, 0.0)
+assert fluid_deviator(soil.fluid_law, soil.fluid, 0.0, Deviator(1.0, 1.0, 1.0), Strain(0.0, 0.0, 0.5, 0.0, 1e-3)) == (0.0, 3.0, 0.0)
 from sph.solver.physics.newtonian import LAW
 limit = LAW.limit(scene)
 assert abs(limit.seconds * 3.0 / (0.125 * scene.numerics.smoothing_length**2 * scene.soil.density) - 1.0) < 1e-12

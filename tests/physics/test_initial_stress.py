@@ -13,6 +13,7 @@ from small_scenes import SceneBuilder
 from sph.scene.configuration import dotted, merge
 from sph.scene.places import RIGHT
 from sph.scene.schema import Scene, make_scene
+from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.yield_surface import shear_demand, strength
 from sph.solver.run import Result, run
 from sph.solver.simulation import Simulation
@@ -111,8 +112,8 @@ def test_no_particle_starts_outside_the_surface() -> None:
 
     def excess(simulation: Simulation) -> float:
         state, bulk = simulation.state, simulation.terms.soil.bulk_modulus
-        deviators = zip(state.solid_d, state.solid_q, state.solid_z, strict=True)
-        demand = np.array([shear_demand(surface, *deviator) for deviator in deviators])
+        deviators = zip(state.solid_diff, state.solid_xy, state.solid_zz, strict=True)
+        demand = np.array([shear_demand(surface, Deviator(*deviator)) for deviator in deviators])
         available = np.array([strength(surface, bulk * (density / DENSITY - 1)) for density in state.density])
         return float((demand / available).max())
 

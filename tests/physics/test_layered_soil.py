@@ -68,7 +68,7 @@ def test_a_wave_is_reflected_by_the_ratio_of_impedances() -> None:
     # A pulse in the lower soil that travels upwards: velocity f(y - V t) with the stress that belongs to it.
     pulse = 0.01 * np.exp(-0.5 * ((y - 14.0) / width) ** 2)
     state.vx[:] = pulse
-    state.solid_q[:] = -z_below * pulse
+    state.solid_xy[:] = -z_below * pulse
     simulation.prepare()
     simulation.balance()
     arrival = (30.0 - 14.0) / below.s_wave_speed

@@ -132,7 +132,7 @@ def test_stress_of_the_p_pulse() -> None:
     stress = state.sxx[front] * state.density[front] ** 2
     assert stress == pytest.approx(-scene.soil.density * scene.soil.p_wave_speed * state.vx[front], rel=0.03)
     # Plane strain: sigma_zz = nu / (1 - nu) sigma_xx.
-    z = state.solid_z[front]
+    z = state.solid_zz[front]
     p = scene.soil.bulk_modulus_si * (state.density[front] / scene.soil.density - 1)
     assert (-p + z) / stress == pytest.approx(0.346 / 0.654, rel=0.01)
     assert math.isfinite(z)

@@ -40,7 +40,7 @@ class Mixture(NamedTuple):
         state = State(*(array.copy() for array in self.state))
         failed, internal = 0, 0.0
         for first, last in ranges:
-            new, work = update_stress(state, self.pairs, self.terms, self.gradient, np.full(CHUNK, np.nan), TIME, first, last)
+            new, work = update_stress(state, self.pairs, self.terms, self.gradient, np.zeros(state.x.size, np.bool_), TIME, first, last)
             failed, internal = failed + new, internal + work
         return state, failed, internal
 
@@ -75,7 +75,7 @@ def mixed(free_block: SceneBuilder, overrides: dict[str, Any]) -> Mixture:
     state.t_f[was] = 0.4
     # From beyond the apex in tension (412 kPa) to pressures at which most deviators are elastic.
     state.density[:] = scene.soil.density * (1 + generator.uniform(-6e5, 1.5e6, n) / scene.soil.bulk_modulus_si)
-    for name in ("solid_d", "solid_q", "solid_z"):
+    for name in ("solid_diff", "solid_xy", "solid_zz"):
         getattr(state, name)[:] = generator.normal(0, 1.2e5, n)
         getattr(state, name.replace("solid", "fluid"))[was] = generator.normal(0, 3e4, np.count_nonzero(was))
     for name in ("sxx", "syy", "sxy", "syx"):
@@ -109,10 +109,10 @@ def test_chunks_do_not_show(mixture: Mixture, size: int) -> None:
     pascal = 10 * np.finfo(float).eps * mixture.terms.soil.bulk_modulus
     assert pascal < 1e-5
     per_square = pascal / mixture.terms.reference_density**2
-    tolerance = dict.fromkeys(("solid_d", "solid_q", "solid_z", "fluid_d", "fluid_q", "fluid_z"), pascal)
+    tolerance = dict.fromkeys(("solid_diff", "solid_xy", "solid_zz", "fluid_diff", "fluid_xy", "fluid_zz"), pascal)
     tolerance |= dict.fromkeys(("sxx", "syy", "sxy", "syx"), per_square)
     tolerance |= {"density": 4 * np.finfo(float).eps * mixture.terms.reference_density}
-    matters = {name: whole.beta > 0.0 for name in ("solid_d", "solid_q", "solid_z")}
+    matters = {name: whole.beta > 0.0 for name in ("solid_diff", "solid_xy", "solid_zz")}
     assert failed_in_parts == failed
     for name, expected in whole._asdict().items():
         found, rows = getattr(parts, name), matters.get(name, slice(None))
@@ -137,7 +137,7 @@ def test_the_solid_state_differs_after_failure_alone(free_block: SceneBuilder) -
         if before.shape == was.shape:
             np.testing.assert_array_equal(before[~was], after[~was], err_msg=name)
     solid = was & (elastic.beta > 0.0)
-    deviators = [np.stack([s.solid_d, s.solid_q, s.solid_z])[:, solid] for s in states]
+    deviators = [np.stack([s.solid_diff, s.solid_xy, s.solid_zz])[:, solid] for s in states]
     factor = np.linalg.norm(deviators[1], axis=0) / np.linalg.norm(deviators[0], axis=0)
     np.testing.assert_allclose(deviators[1], deviators[0] * factor, rtol=0, atol=1e-6)
     assert np.all(factor <= 1.0 + 1e-12) and np.count_nonzero(factor < 0.99) > 20 and np.count_nonzero(factor > 0.99) > 5

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from sph.solver.physics.capped_viscosity import CappedViscosity
 from sph.solver.physics.elastic_viscoplastic import ElasticViscoplastic
+from sph.solver.physics.elasticity import Deviator, Strain
 from sph.solver.physics.fluid_law import fluid_deviator
 from sph.solver.physics.mohr_coulomb import make_mohr_coulomb
 
@@ -18,14 +19,14 @@ TAU_Y = 20e3
 DT = 1e-4
 NO_FRICTION = make_mohr_coulomb(TAU_Y, 0.0)
 
-Deviator = tuple[float, float, float]
+AT_REST = Deviator(0.0, 0.0, 0.0)
 
 
-def shear_steps(law: ElasticViscoplastic | CappedViscosity, rate: float, n: int, start: Deviator = (0.0, 0.0, 0.0)) -> Deviator:
+def shear_steps(law: ElasticViscoplastic | CappedViscosity, rate: float, n: int, start: Deviator = AT_REST) -> Deviator:
     """n steps of pure shear strain at the engineering shear rate dv_x/dy + dv_y/dx, without spin."""
     deviator = start
     for _ in range(n):
-        deviator = fluid_deviator(law, NO_FRICTION, 0.0, *deviator, 0.0, 0.0, 0.5 * rate, 0.0, DT)
+        deviator = fluid_deviator(law, NO_FRICTION, 0.0, deviator, Strain(0.0, 0.0, 0.5 * rate, 0.0, DT))
     return deviator
 
 
@@ -53,28 +54,28 @@ def test_elastic_below_yield() -> None:
 @settings(max_examples=100)
 @given(radius=st.floats(0, 0.999), angle=st.floats(0, 2 * math.pi), z=st.floats(-1e4, 1e4))
 def test_no_creep_below_yield(radius: float, angle: float, z: float) -> None:
-    start = (radius * TAU_Y * math.cos(angle), radius * TAU_Y * math.sin(angle), z)
+    start = Deviator(radius * TAU_Y * math.cos(angle), radius * TAU_Y * math.sin(angle), z)
     assert shear_steps(ElasticViscoplastic(G, 2.0), 0.0, 20, start) == start
 
 
 def test_relaxes_to_the_yield_stress_and_not_below() -> None:
     # Overstress decays as 1 / (1 + theta)^n with 1/theta = G dt / eta = 1: 60 steps leave 2^-60 of it.
-    _, q, _ = shear_steps(ElasticViscoplastic(G, G * DT), 0.0, 60, (0.0, 3 * TAU_Y, 0.0))
+    _, q, _ = shear_steps(ElasticViscoplastic(G, G * DT), 0.0, 60, Deviator(0.0, 3 * TAU_Y, 0.0))
     assert q == pytest.approx(TAU_Y, rel=1e-12)
 
 
 def test_relaxation_by_hand() -> None:
     # theta = 0.5: (tau_y + 0.5 * 3 tau_y) / 1.5 = 5/3 tau_y.
     law = ElasticViscoplastic(G, 0.5 * G * DT)
-    _, q, _ = shear_steps(law, 0.0, 1, (0.0, 3 * TAU_Y, 0.0))
+    _, q, _ = shear_steps(law, 0.0, 1, Deviator(0.0, 3 * TAU_Y, 0.0))
     assert q == pytest.approx(5 / 3 * TAU_Y, rel=1e-12)
 
 
 def test_yield_stress_follows_the_pressure() -> None:
     surface = make_mohr_coulomb(10e3, math.radians(30))
-    deviator: Deviator = (0.0, 0.0, 0.0)
+    deviator = AT_REST
     for _ in range(200):
-        deviator = fluid_deviator(ElasticViscoplastic(G, 0.0), surface, 100e3, *deviator, 0.0, 0.0, 5.0, 0.0, DT)
+        deviator = fluid_deviator(ElasticViscoplastic(G, 0.0), surface, 100e3, deviator, Strain(0.0, 0.0, 5.0, 0.0, DT))
     assert deviator[1] == pytest.approx(10e3 * math.cos(math.radians(30)) + 50e3, rel=1e-12)
 
 
@@ -101,19 +102,19 @@ def test_capped_viscosity_is_continuous_and_zero_at_rest() -> None:
     at = TAU_Y / (CAP - ETA)
     below, above = (shear_steps(CAPPED, at * s, 1)[1] for s in (1 - 1e-9, 1 + 1e-9))
     assert above == pytest.approx(below, rel=1e-6)
-    assert shear_steps(CAPPED, 0.0, 1, (1e3, 2e3, 3e3)) == (0.0, 0.0, 0.0)
+    assert shear_steps(CAPPED, 0.0, 1, Deviator(1e3, 2e3, 3e3)) == (0.0, 0.0, 0.0)
 
 
 def test_capped_viscosity_in_compression() -> None:
     # Pure d_yy = -e: deviatoric rates xx e/3, yy -2e/3, zz e/3; rate = sqrt(2 d:d) = e sqrt(4/3).
     # Slow: s = 2 eta_max d', that is d = (s_xx - s_yy)/2 = eta_max e, z = 2/3 eta_max e.
     e = 1e-3
-    d, q, z = fluid_deviator(CAPPED, NO_FRICTION, 0.0, 0.0, 0.0, 0.0, 0.0, -e, 0.0, 0.0, DT)
+    d, q, z = fluid_deviator(CAPPED, NO_FRICTION, 0.0, AT_REST, Strain(0.0, -e, 0.0, 0.0, DT))
     assert (d, q, z) == pytest.approx((CAP * e, 0.0, 2 / 3 * CAP * e), rel=1e-12)
     # Fast: viscosity eta + tau_y / rate.
     e = 10.0
     viscosity = ETA + TAU_Y / (e * math.sqrt(4 / 3))
-    d, q, z = fluid_deviator(CAPPED, NO_FRICTION, 0.0, 0.0, 0.0, 0.0, 0.0, -e, 0.0, 0.0, DT)
+    d, q, z = fluid_deviator(CAPPED, NO_FRICTION, 0.0, AT_REST, Strain(0.0, -e, 0.0, 0.0, DT))
     assert (d, q, z) == pytest.approx((viscosity * e, 0.0, 2 / 3 * viscosity * e), rel=1e-12)
 
 
@@ -133,11 +134,11 @@ def test_a_rotated_strain_rate_gives_the_rotated_stress(xx: float, yy: float, xy
         c, s = math.cos(2 * turn), math.sin(2 * turn)
         return c * half_difference - s * shear, s * half_difference + c * shear
 
-    start = (radius * TAU_Y, 0.3 * radius * TAU_Y, -0.2 * TAU_Y)
-    plain = fluid_deviator(law, surface, 5e4, *start, xx, yy, xy, 0.0, DT)
+    start = Deviator(radius * TAU_Y, 0.3 * radius * TAU_Y, -0.2 * TAU_Y)
+    plain = fluid_deviator(law, surface, 5e4, start, Strain(xx, yy, xy, 0.0, DT))
     mean, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
     half, shear = rotated(half, xy)
-    start = (*rotated(start[0], start[1]), start[2])
-    turned = fluid_deviator(law, surface, 5e4, *start, mean + half, mean - half, shear, 0.0, DT)
+    start = Deviator(*rotated(start.diff, start.xy), start.zz)
+    turned = fluid_deviator(law, surface, 5e4, start, Strain(mean + half, mean - half, shear, 0.0, DT))
     # Rounding of stresses of up to about 1e5 Pa, times the sensitivity at the cap's corner.
     assert turned == pytest.approx((*rotated(plain[0], plain[1]), plain[2]), rel=1e-9, abs=1e-6)

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 
@@ -34,7 +35,7 @@ def excess(stress: np.ndarray, cohesion: float, angle: float) -> float:
 def returned(surface: MohrCoulomb, p: float, d: float, q: float, z: float) -> tuple[float, float, float, float]:
     """Stress after the return, as the solver does it."""
     p = limit_tension(surface, p)
-    factor = return_factor(surface, p, d, q, z)
+    factor = return_factor(surface, p, Deviator(d, q, z))
     return p, factor * d, factor * q, factor * z
 
 
@@ -141,5 +142,5 @@ def test_strength_and_demand_by_hand() -> None:
     surface = make_mohr_coulomb(100e3, math.radians(30))
     assert strength(surface, 40e3) == pytest.approx(106.6025e3, rel=1e-6)
     assert strength(surface, -1e6) == 0.0
-    assert shear_demand(surface, 30e3, -40e3, 20e3) == pytest.approx(50e3 - 5e3, rel=1e-12)
-    assert return_factor(surface, 40e3, 180e3, -240e3, 0.0) == pytest.approx(106.6025 / 300, rel=1e-6)
+    assert shear_demand(surface, Deviator(30e3, -40e3, 20e3)) == pytest.approx(50e3 - 5e3, rel=1e-12)
+    assert return_factor(surface, 40e3, Deviator(180e3, -240e3, 0.0)) == pytest.approx(106.6025 / 300, rel=1e-6)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numba.core.registry import cpu_target
 
-from sph.solver.compiled.jit import OPTIONS, jit
+from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import Record, by_reference
 
 
@@ -63,7 +63,7 @@ def of_maybe(inner):  # type: ignore[no-untyped-def]
         return inner.scale * inner.weights.sum()
 
 
-@numba.jit(**OPTIONS)
+@jit
 def everything(record, i):  # type: ignore[no-untyped-def]
     record.x[i] += record.table[2, i] + record.inner.weights[i] * record.inner.scale
     return (
@@ -116,7 +116,7 @@ class Fields(NamedTuple):
 def test_loops_over_a_record_vectorise() -> None:
     """Without loads marked as constant every write could change the table, and the loop would read it again each time."""
 
-    @numba.jit(**OPTIONS)
+    @jit
     def kick(record, dt):  # type: ignore[no-untyped-def]
         for i in range(np.uint64(record.v.size)):
             record.v[i] += record.a[i] * dt
@@ -137,6 +137,6 @@ def test_nothing_is_owned() -> None:
     assert (sys.getrefcount(record.v), sys.getrefcount(record)) == before
 
 
-@numba.jit(**OPTIONS)
+@jit
 def total(record):  # type: ignore[no-untyped-def]
     return record.v.sum() + record.a.sum()

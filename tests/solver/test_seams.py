@@ -11,6 +11,7 @@ import pytest
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
 from sph.solver.particles import place_particles
+from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.kernels import kernel_of, make_kernel
 from sph.solver.physics.seams import TERM, average_seams, line_integral, not_slip, slide, without_slip
 from sph.solver.simulation import Simulation
@@ -92,23 +93,23 @@ def test_the_strength_on_the_plane_and_what_slips(simulation: Simulation) -> Non
         cohesion = 20e3 - lost * 15e3
         friction = math.tan(math.radians(30.0)) - lost * (math.tan(math.radians(30.0)) - math.tan(math.radians(10.0)))
         limit = cohesion + normal * friction
-        new_d, new_q = slide(terms.seams, state, i, normal - parallel, d, q, 0.0, 1.0, modulus, 10.0)
+        new_d, new_q, _ = slide(terms.seams, state, i, normal - parallel, Deviator(d, q, 0.0), 1.0, modulus, 10.0)
         assert new_q * c - new_d * s == pytest.approx(limit, rel=1e-2)
         assert new_d * c + new_q * s == pytest.approx(parallel, abs=300.0)
         assert state.seam_strain[i] == pytest.approx((shear - limit) / modulus)
     state.seam_strain[i] = 0.0
-    slide(terms.seams, state, i, normal - parallel, d, q, 0.0, 1.0, modulus, 0.5)
+    slide(terms.seams, state, i, normal - parallel, Deviator(d, q, 0.0), 1.0, modulus, 0.5)
     assert state.seam_strain[i] == 0.0, "slip before the end of the gravity stage does not count"
     away = int(np.flatnonzero(terms.seams.side == 0)[0])
-    assert slide(terms.seams, state, away, 0.0, d, q, 0.0, 1.0, modulus, 10.0) == (d, q)
+    assert slide(terms.seams, state, away, 0.0, Deviator(d, q, 0.0), 1.0, modulus, 10.0) == (d, q, 0.0)
 
 
 def test_damping_does_not_act_on_shear_along_the_seam(simulation: Simulation) -> None:
     terms = simulation.terms.seams
     i = int(np.flatnonzero(terms.side)[0])
     c, s = math.cos(2.0 * DIP), math.sin(2.0 * DIP)
-    assert without_slip(terms, i, -3.0 * s, 3.0 * c) == pytest.approx((0.0, 0.0), abs=1e-12)
-    assert without_slip(terms, i, 3.0 * c, 3.0 * s) == pytest.approx((3.0 * c, 3.0 * s))
+    assert without_slip(terms, i, Deviator(-3.0 * s, 3.0 * c, 0.0)) == pytest.approx((0.0, 0.0, 0.0), abs=1e-12)
+    assert without_slip(terms, i, Deviator(3.0 * c, 3.0 * s, 0.0)) == pytest.approx((3.0 * c, 3.0 * s, 0.0))
 
 
 def test_mass_damping_fades_as_the_velocity_becomes_slip(simulation: Simulation) -> None:

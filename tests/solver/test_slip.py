@@ -9,6 +9,7 @@ import pytest
 
 from sph.scene.configuration import merge
 from sph.scene.schema import make_scene
+from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.slip import average_plastic_strain, gather_plastic_strain
 from sph.solver.run import run
 from sph.solver.simulation import Simulation
@@ -78,7 +79,7 @@ def test_a_particle_gathers_while_its_solid_state_has_a_weight() -> None:
     state.beta[:4] = 1.0, 0.4, 0.0, 1.0
     modulus = terms.soil.shear_modulus
     for i, factor in enumerate((0.5, 0.5, 0.5, 1.0)):
-        gather_plastic_strain(terms.slip, state, i, factor, 0.02 * modulus, 0.0, 0.0, modulus)
+        gather_plastic_strain(terms.slip, state, i, factor, Deviator(0.02 * modulus, 0.0, 0.0), 0.0, modulus)
     np.testing.assert_allclose(state.plastic_strain[:4], [0.26, 0.26, 0.25, 0.25], rtol=1e-12)
     assert terms.slip.at_yield[:4].tolist() == [True, True, False, False]
 

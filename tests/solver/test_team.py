@@ -37,20 +37,20 @@ def exchange(board, rounds, team):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize("size", [2, 3, pytest.param(5, marks=pytest.mark.long)])
 def test_threads_meet(size: int) -> None:
     # Also with more threads than cores, where a waiting thread must let others run.
-    team = make_team(size, 1, 1, 1)
+    team = make_team(size, 1, 1)
     for _ in range(3):
         assert together(exchange, team, np.zeros(size, np.int64), 2000) == [0] * size
 
 
 def test_one_thread_passes_without_a_look_at_the_barrier() -> None:
-    team = make_team(1, 1, 1, 1)
+    team = make_team(1, 1, 1)
     assert together(exchange, team, np.zeros(1, np.int64), 10) == [0]
     assert not team[0].barrier.any()
 
 
 @given(size=st.integers(1, 20), n=st.integers(1, 20 * BLOCK))
 def test_every_block_is_taken_once(size: int, n: int) -> None:
-    team = make_team(size, n, 1, 1)
+    team = make_team(size, n, 1)
     taken = [block for member in team for block in range(*own_blocks(member))]
     assert taken == list(range(-(-n // BLOCK)))
 

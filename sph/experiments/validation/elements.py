@@ -12,6 +12,7 @@ from sph.experiments.validation.level import Found, Level, Result
 from sph.figures.style import GREY, WIDTH, curve_colours, label_panels, styled
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
+from sph.solver.physics.elasticity import Deviator
 from sph.solver.physics.mohr_coulomb import MohrCoulomb, make_mohr_coulomb
 from sph.solver.physics.yield_surface import limit_tension, return_factor, strength
 from sph.stability.newmark import sliding_block
@@ -178,12 +179,12 @@ STRESSES = 100_000
 
 
 def returned(surface: MohrCoulomb, size: float) -> tuple[np.ndarray, np.ndarray]:
-    """Random stresses (p, d, q, z) (4, n) of a size (Pa), and the same after the return; deviator as in ``elasticity``."""
+    """Random pressures and deviators (4, n) of a size (Pa), as in ``elasticity``, and the same after the return."""
     trial = np.random.default_rng(14).normal(0.0, size, (4, STRESSES))
     after = trial.copy()
     for i, (p, *deviator) in enumerate(trial.T):
         after[0, i] = limit_tension(surface, p)
-        after[1:, i] *= return_factor(surface, after[0, i], *deviator)
+        after[1:, i] *= return_factor(surface, after[0, i], Deviator(*deviator))
     return trial, after
 
 

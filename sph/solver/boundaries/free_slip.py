@@ -32,17 +32,6 @@ class FreeSlip(NamedTuple):
     """first of those that belong to a side wall; they come last"""
 
 
-@slot
-def first_mirror(term, n):  # type: ignore[no-untyped-def]
-    """First particle that mirrors the soil, of n; n if none does."""
-    return n
-
-
-@first_mirror.of(FreeSlip)
-def _first_mirror(term, n):  # type: ignore[no-untyped-def]
-    return term.first
-
-
 @jit
 def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
     total = weights = 0.0

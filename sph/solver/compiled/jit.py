@@ -3,9 +3,9 @@
 numba's on-disk cache has two traps: it does not see edits in imported files, and when two
 processes compile different variants of one function at the same time a third can be handed the
 wrong one.  Three measures answer them: the cache folder is named after a digest of the compiled
-sources and numba's version; loading and saving happen under a lock between processes
-(``compile_lock``); and every run checks that the variant it got reports the terms it asked for
-(``sph.solver.terms.active_terms``).
+sources and numba's version; each variant of the solver has a folder of its own in it, which one process
+at a time uses (``compile_lock``); and every run checks that the variant it got reports the terms it asked
+for (``sph.solver.terms.active_terms``).
 
 Nor does numba ask whose files it executes: a folder that another user owns or can write to is refused (``private``).
 """
@@ -29,7 +29,7 @@ import numpy as np
 from filelock import FileLock
 from numba.core import event
 
-from sph.solver.compiled.numba_internals import InlinedCompiler, SolverCompiler, cache_in, inlined_dispatcher
+from sph.solver.compiled.numba_internals import SolverCompiler
 from sph.solver.compiled.private import PRIVATE, for_user_alone, make_private, refuse_shared
 from sph.storage.sources import sources_digest
 
@@ -51,7 +51,6 @@ COMPILED = tuple(
         "neighbours.py",
         "physics",
         "renewal.py",
-        "schedule.py",
         "state.py",
         "terms.py",
         "time_step.py",
@@ -92,7 +91,8 @@ def cache_folder() -> Path:
 
 
 OPTIONS: dict[str, Any] = {
-    "nopython": True, "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True, "pipeline_class": SolverCompiler,
+    "nogil": True, "fastmath": FASTMATH, "error_model": "numpy", "forceinline": True,
+    "no_cfunc_wrapper": True, "pipeline_class": SolverCompiler,
 }  # fmt: skip
 """Sums may be reordered, division by zero gives infinity; everything is inlined.
 
@@ -100,26 +100,20 @@ Inlining makes code compiled here and code loaded from the cache give the same b
 step (a test compares them), probably because a function called from the cached object is optimised apart from the one compiled
 here, with sums in another order.
 """
-INLINED: dict[str, Any] = OPTIONS | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "pipeline_class": InlinedCompiler}
-"""For what is compiled into its callers: wrappers for calls from Python would take more time to compile than the functions themselves
-(measured: a variant of ``advance`` takes 26 s, with wrappers 63 s)."""
-_uncached: list[Any] = []
-"""Entries whose compiled code is not kept yet."""
-
-
-def jit(function: Callable[..., Any]) -> Any:
-    """Compile for the solver, into the functions that call this one; from Python it can be called too, but is compiled in each process."""
-    return function if numba.config.DISABLE_JIT else inlined_dispatcher(function, INLINED, OPTIONS)  # type: ignore[attr-defined]
+_entries: list[Any] = []
+"""Functions whose compiled code is kept."""
+jit: Callable[[Callable[..., Any]], Any] = numba.njit(**OPTIONS)
+"""Compile for the solver, into the functions that call this one; code for calls from Python is not kept."""
 
 
 def entry(function: Callable[..., Any]) -> Any:
-    """Compile for calls from Python; what is compiled under ``compile_lock`` is cached.
+    """Compile for calls from Python; what is compiled under ``compile_lock`` is kept.
 
     Importing this package needs no folder that can be written.
     """
-    compiled = numba.jit(**(OPTIONS | {"no_cfunc_wrapper": True}))(function)
+    compiled = jit(function)
     if not numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
-        _uncached.append(compiled)
+        _entries.append(compiled)
     return compiled
 
 
@@ -171,37 +165,57 @@ def rows(first, last):  # type: ignore[no-untyped-def]
     return range(np.uint64(first), np.uint64(max(first, last)))
 
 
+_locked = False
+
+
 @contextmanager
 def compile_lock(variant: str = "", required: bool = True) -> Iterator[None]:
-    """Compile or load from the cache; one process at a time where a ``variant`` is named.
+    """Compile or load entries for a variant of the solver, or those that all share; one process at a time for each variant.
 
-    Others that want the same one wait and load it; those of other variants compile beside it.  OSError names the folder and the remedy if
-    compiled code cannot be kept there, or others may change it; if that is not ``required``, what is compiled serves this process alone.
+    Others that want the same one wait and load it; those of other variants compile beside it.  Within another lock it does nothing.
+    OSError names the folder and the remedy if compiled code cannot be kept there, or others may change it; if that is not ``required``,
+    what is compiled serves this process alone.
     """
+    global _locked
     with ExitStack() as stack:
-        try:
-            stack.enter_context(_cache(variant))
-        except OSError:
-            if required:
-                raise
+        if not _locked:
+            try:
+                stack.enter_context(_kept(variant))
+            except OSError:
+                if required:
+                    raise
+            stack.callback(_unlock)
+            _locked = True
         yield
 
 
+def _unlock() -> None:
+    global _locked
+    _locked = False
+
+
 @contextmanager
-def _cache(variant: str) -> Iterator[None]:
-    folder = cache_folder()
+def _kept(variant: str) -> Iterator[None]:
+    """Have numba keep the code of all entries in the variant's folder; where it could not write, it would choose another without a word."""
+    home = cache_folder()
+    folder = home / (hashlib.sha256(variant.encode()).hexdigest()[:16] if variant else "shared")
     try:
+        make_private(home)
+        refuse_shared(home)
         make_private(folder)
-        refuse_shared(folder)
-        with _alone(folder):
-            _keep_in(folder)
         with ExitStack() as stack:
-            if variant:
-                stack.enter_context(FileLock(folder / f"{hashlib.sha256(variant.encode()).hexdigest()[:16]}.lock", mode=PRIVATE))
+            stack.enter_context(FileLock(folder / "lock", mode=PRIVATE))
+            for place in (folder, *folder.glob("*/")):
+                tempfile.TemporaryFile(dir=place).close()
+            stack.enter_context(for_user_alone())
+            earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
+            stack.callback(setattr, numba.config, "CACHE_DIR", earlier)  # type: ignore[attr-defined]
+            for compiled in _entries:
+                compiled.enable_caching()
             stack.enter_context(_no_collection())
             yield
     except OSError as error:
-        raise OSError(f"{folder}: compiled code cannot be kept there ({error.strerror or error}); mend that, or {REMEDY}") from error
+        raise OSError(f"{home}: compiled code cannot be kept there ({error.strerror or error}); mend that, or {REMEDY}") from error
 
 
 @contextmanager
@@ -214,17 +228,3 @@ def _no_collection() -> Iterator[None]:
     finally:
         if collecting:
             gc.enable()
-
-
-def _keep_in(folder: Path) -> None:
-    """Have numba cache every entry there; where it could not write, it would choose another place without a word: OSError."""
-    for place in (folder, *folder.glob("*/")):
-        tempfile.TemporaryFile(dir=place).close()
-    while _uncached:
-        cache_in(_uncached.pop(), folder, lambda: _alone(folder))
-
-
-@contextmanager
-def _alone(folder: Path) -> Iterator[None]:
-    with FileLock(folder / "lock", mode=PRIVATE), for_user_alone():
-        yield

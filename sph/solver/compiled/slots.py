@@ -15,7 +15,7 @@ import numba
 from numba import types
 from numba.extending import overload
 
-from sph.solver.compiled.jit import INLINED, OPTIONS
+from sph.solver.compiled.jit import OPTIONS, jit
 
 Function = Callable[..., Any]
 
@@ -32,7 +32,7 @@ def slot(function: Function) -> Any:
     def from_python(*arguments: Any) -> Any:
         return (own[type(arguments[0])] if numba.config.DISABLE_JIT else compiled)(*arguments)  # type: ignore[attr-defined]
 
-    compiled = numba.jit(**OPTIONS)(lambda *arguments: from_python(*arguments))
+    compiled = jit(lambda *arguments: from_python(*arguments))
 
     @functools.wraps(function)
     def choose(*types: Any) -> Function:
@@ -45,7 +45,7 @@ def slot(function: Function) -> Any:
 
         return give
 
-    overload(from_python, jit_options=INLINED)(choose)  # type: ignore[arg-type]
+    overload(from_python, jit_options=OPTIONS)(choose)  # type: ignore[arg-type]
     from_python.of = of  # type: ignore[attr-defined]
     return from_python
 

@@ -42,15 +42,15 @@ class Team(NamedTuple):
     sums: np.ndarray  # (2, blocks, sums), shared: sums over the rows of each block, of even and odd steps
     gradient: np.ndarray  # (4, n) shared: velocity gradients of the current step
     strain_rate: np.ndarray  # (3, n) shared: strain rates of the current step, see sph.solver.physics.residual_viscosity
-    turn: np.ndarray  # (blocks,) int64 of this thread alone, see sph.solver.schedule
-    reached: np.ndarray  # (CHUNK,) of this thread alone, see sph.solver.physics.coupling
+    reached: np.ndarray  # (n,) bool, shared: at the yield surface in the current step, see sph.solver.physics.coupling
 
 
-def make_team(size: int, n: int, n_sums: int, chunk: int) -> list[Team]:
-    """The places of ``size`` threads that share n particles, ``n_sums`` sums and work in chunks of ``chunk`` particles."""
+def make_team(size: int, n: int, n_sums: int) -> list[Team]:
+    """The places of ``size`` threads that share n particles and ``n_sums`` sums."""
     blocks = -(-n // BLOCK)
-    shared = np.zeros(16, np.int64), np.zeros((2, size)), np.zeros((2, blocks, n_sums)), np.zeros((4, n)), np.zeros((3, n))
-    return [Team(rank, size, *shared, np.zeros(blocks, np.int64), np.zeros(chunk)) for rank in range(size)]
+    fields = np.zeros((4, n)), np.zeros((3, n)), np.zeros(n, np.bool_)
+    shared = np.zeros(16, np.int64), np.zeros((2, size)), np.zeros((2, blocks, n_sums)), *fields
+    return [Team(rank, size, *shared) for rank in range(size)]
 
 
 def together(function: Callable[..., Any], team: list[Team], *arguments: Any) -> list[Any]:
@@ -97,3 +97,10 @@ def own_blocks(team):  # type: ignore[no-untyped-def]
     """First and last block of this thread."""
     blocks = team.sums.shape[1]
     return team.rank * blocks // team.size, (team.rank + 1) * blocks // team.size
+
+
+@jit
+def own_rows(team, n):  # type: ignore[no-untyped-def]
+    """First and last row of this thread among the first n."""
+    first, last = own_blocks(team)
+    return min(n, first * BLOCK), min(n, last * BLOCK)

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import rows
+from sph.solver.compiled.jit import compile_lock, rows
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
@@ -42,13 +42,13 @@ def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-
 def _set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
     for i in rows(first, last):
         mean = 0.5 * (state.sxx[i] + state.syy[i])
-        d = 0.5 * (state.sxx[i] - state.syy[i])
-        q = state.sxy[i]
-        radius = math.sqrt(d * d + q * q)
+        diff = 0.5 * (state.sxx[i] - state.syy[i])
+        shear = state.sxy[i]
+        radius = math.sqrt(diff * diff + shear * shear)
         first_principal = -term.factor * max(mean + radius, 0.0)
         second_principal = -term.factor * max(mean - radius, 0.0)
         middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
-        cosine, sine = (d / radius, q / radius) if radius > 0.0 else (1.0, 0.0)
+        cosine, sine = (diff / radius, shear / radius) if radius > 0.0 else (1.0, 0.0)
         state.tension_xx[i] = middle + half * cosine
         state.tension_yy[i] = middle - half * cosine
         state.tension_xy[i] = half * sine
@@ -79,7 +79,9 @@ def _add_artificial_stress(term, layers, state, pairs, first, last):  # type: ig
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialStress:
     tension = scene.numerics.artificial_stress
     assert tension is not None
-    return ArtificialStress(tension.factor, tension.exponent, 1.0 / evaluate(kernel, scene.numerics.spacing)[0])
+    with compile_lock(required=False):
+        value, _ = evaluate(kernel, scene.numerics.spacing)
+    return ArtificialStress(tension.factor, tension.exponent, 1.0 / value)
 
 
 TERM = Term(

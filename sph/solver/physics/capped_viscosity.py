@@ -12,7 +12,7 @@ from sph.scene.schema import Scene
 from sph.scene.soil import CappedViscosity as Section
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.optional import Limit
-from sph.solver.physics.elasticity import deviator_square, elastic_increment
+from sph.solver.physics.elasticity import deviator_square, elastic_rate, scaled
 from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
 from sph.solver.physics.yield_surface import strength
 
@@ -27,13 +27,13 @@ class CappedViscosity(NamedTuple):
 
 
 @fluid_deviator.of(CappedViscosity)
-def _deviator(law, surface, p, d, q, z, d_xx, d_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
-    rate_d, rate_q, rate_z = elastic_increment(1.0, d_xx, d_yy, d_xy)
-    shear_rate = math.sqrt(0.5 * deviator_square(rate_d, rate_q, rate_z))
+def _deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
+    rate = elastic_rate(1.0, strain)
+    shear_rate = math.sqrt(0.5 * deviator_square(rate))
     viscosity = law.cap
     if strength(surface, p) < (law.cap - law.viscosity) * shear_rate:
         viscosity = law.viscosity + strength(surface, p) / shear_rate
-    return rate_d * viscosity, rate_q * viscosity, rate_z * viscosity
+    return scaled(rate, viscosity)
 
 
 @with_numbers.of(CappedViscosity)

@@ -35,17 +35,17 @@ class Dilation(NamedTuple):
 
 
 @slot
-def dilate(term, surface, state, i, p, d, q, z, shear_modulus, bulk_modulus):  # type: ignore[no-untyped-def]
-    """Pressure (Pa) after the dilation of particle i in a step, from its pressure p and trial deviator (d, q, z); notes the density."""
+def dilate(term, state, soil, i, p, s):  # type: ignore[no-untyped-def]
+    """Pressure (Pa) after the dilation of particle i in a step, from its pressure p and trial deviator s (Pa); notes the density."""
     return p
 
 
 @dilate.of(Dilation)
-def _dilate(term, surface, state, i, p, d, q, z, shear_modulus, bulk_modulus):  # type: ignore[no-untyped-def]
-    excess = max(shear_demand(surface, d, q, z) - strength(surface, p), 0.0)
-    growth = state.beta[i] * excess * term.flow[i] / (shear_modulus + bulk_modulus * term.friction[i] * term.flow[i])
+def _dilate(term, state, soil, i, p, s):  # type: ignore[no-untyped-def]
+    excess = max(shear_demand(soil.solid, s) - strength(soil.solid, p), 0.0)
+    growth = state.beta[i] * excess * term.flow[i] / (soil.shear_modulus + soil.bulk_modulus * term.friction[i] * term.flow[i])
     state.density[i] *= 1.0 + growth
-    return p + (bulk_modulus + p) * growth
+    return p + (soil.bulk_modulus + p) * growth
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Dilation:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from sph.solver.compiled.slots import with_numbers
-from sph.solver.physics.elasticity import elastic_increment, rotate
+from sph.solver.physics.elasticity import elastic_rate, scaled, strained
 from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
 from sph.solver.physics.yield_surface import shear_demand, strength
 
@@ -28,19 +28,15 @@ class ElasticViscoplastic(NamedTuple):
 
 
 @fluid_deviator.of(ElasticViscoplastic)
-def _deviator(law, surface, p, d, q, z, d_xx, d_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
-    d, q = rotate(d, q, angle)
-    rate_d, rate_q, rate_z = elastic_increment(law.shear_modulus, d_xx, d_yy, d_xy)
-    d += rate_d * dt
-    q += rate_q * dt
-    z += rate_z * dt
-    demand = shear_demand(surface, d, q, z)
+def _deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
+    trial = strained(s, elastic_rate(law.shear_modulus, strain), strain)
+    demand = shear_demand(surface, trial)
     yield_stress = strength(surface, p)
     factor = 1.0
-    theta = law.viscosity / (law.shear_modulus * dt)
+    theta = law.viscosity / (law.shear_modulus * strain.dt)
     if demand > yield_stress:
         factor = (yield_stress + theta * demand) / ((1.0 + theta) * demand)
-    return d * factor, q * factor, z * factor
+    return scaled(trial, factor)
 
 
 @with_numbers.of(ElasticViscoplastic)

@@ -5,13 +5,37 @@ pressure follows from the density, p = K (rho / rho_0 - 1), which is -K tr(eps),
 from 2 G times the deviatoric strain rate with the Jaumann rate.  Plane strain: the out-of-plane
 deviator s_zz is kept.
 
-A deviator is stored as (d, q, z) = ((s_xx - s_yy) / 2, s_xy, s_zz); s_xx = d - z/2 and
-s_yy = -d - z/2.  A rotation changes d and q only, and their norm is the in-plane radius.
+A rotation changes the in-plane part of a deviator only, and not its norm, the in-plane radius.
 """
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 from sph.solver.compiled.jit import jit
+
+
+class Deviator(NamedTuple):
+    """Deviatoric stress s in plane strain, Pa: s_xx = diff - zz / 2, s_yy = -diff - zz / 2."""
+
+    diff: float
+    """(s_xx - s_yy) / 2"""
+    xy: float
+    zz: float
+    """out of the plane"""
+
+
+class Strain(NamedTuple):
+    """What the velocity gradient does to a particle in a step."""
+
+    xx: float
+    """strain rates, 1/s"""
+    yy: float
+    xy: float
+    spin: float
+    """increment, 1/2 (dv_x/dy - dv_y/dx) dt"""
+    dt: float
+    """s"""
 
 
 @jit
@@ -25,28 +49,41 @@ def pressure(bulk_modulus, density, reference_density):  # type: ignore[no-untyp
 
 
 @jit
-def rotate(d, q, angle):  # type: ignore[no-untyped-def]
-    """Turn (d, q) by the spin increment ``angle`` = 1/2 (dv_x/dy - dv_y/dx) dt.
+def rotate(s, angle):  # type: ignore[no-untyped-def]
+    """Turn a deviator by the spin increment ``angle``.
 
     Midpoint form (Hughes and Winget 1980): to first order the Jaumann terms, and exact in norm.
     """
     scale = 1.0 / (1.0 + angle * angle)
     cosine = (1.0 - angle * angle) * scale
     sine = 2.0 * angle * scale
-    return d * cosine + q * sine, q * cosine - d * sine
+    return Deviator(s.diff * cosine + s.xy * sine, s.xy * cosine - s.diff * sine, s.zz)
 
 
 @jit
-def elastic_increment(shear_modulus, d_xx, d_yy, d_xy):  # type: ignore[no-untyped-def]
-    """Rate of the deviator (d, q, z) (Pa/s) for strain rates d_xx, d_yy, d_xy (1/s), d_zz = 0."""
-    return (
-        shear_modulus * (d_xx - d_yy),
-        2.0 * shear_modulus * d_xy,
-        -2.0 / 3.0 * shear_modulus * (d_xx + d_yy),
+def elastic_rate(shear_modulus, strain):  # type: ignore[no-untyped-def]
+    """Rate of the deviator (Pa/s) for the rates of a plane strain, without that of its spin."""
+    return Deviator(
+        shear_modulus * (strain.xx - strain.yy),
+        2.0 * shear_modulus * strain.xy,
+        -2.0 / 3.0 * shear_modulus * (strain.xx + strain.yy),
     )
 
 
 @jit
-def deviator_square(d, q, z):  # type: ignore[no-untyped-def]
-    """s : s of a deviator (d, q, z), Pa2."""
-    return 2.0 * (d * d + q * q) + 1.5 * z * z
+def strained(s, rate, strain):  # type: ignore[no-untyped-def]
+    """Deviator after a step: turned by the spin, then changed at an elastic ``rate`` (Pa/s)."""
+    turned = rotate(s, strain.spin)
+    return Deviator(turned.diff + rate.diff * strain.dt, turned.xy + rate.xy * strain.dt, turned.zz + rate.zz * strain.dt)
+
+
+@jit
+def scaled(s, factor):  # type: ignore[no-untyped-def]
+    """A deviator times a number."""
+    return Deviator(s.diff * factor, s.xy * factor, s.zz * factor)
+
+
+@jit
+def deviator_square(s):  # type: ignore[no-untyped-def]
+    """s : s, Pa2."""
+    return 2.0 * (s.diff * s.diff + s.xy * s.xy) + 1.5 * s.zz * s.zz

@@ -26,5 +26,5 @@ class FluidLaw(NamedTuple):
 
 
 @slot
-def fluid_deviator(law, surface, p, d, q, z, d_xx, d_yy, d_xy, angle, dt):  # type: ignore[no-untyped-def]
-    """New deviator (d, q, z) (Pa) of the fluid state after a step of strain rates (1/s) and spin ``angle``."""
+def fluid_deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
+    """New deviator (Pa) of the fluid state after a step, from its pressure p and deviator s (Pa)."""

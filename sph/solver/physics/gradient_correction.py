@@ -81,6 +81,13 @@ def corrected(term, b, i, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-de
     )
 
 
+@jit
+def velocity_gradient(term, pairs, density, gradient, i):  # type: ignore[no-untyped-def]
+    """Velocity gradient (xx, xy, yx, yy) of particle i, 1/s, from sums over its pairs."""
+    s = 1.0 / density[i]
+    return correct_gradient(term, pairs.correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s)
+
+
 @slot
 def store_stress(term, b, i, state, sxx, syy, sxy):  # type: ignore[no-untyped-def]
     """Stress for the momentum equation, times the correction matrix where that is on."""

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import entry, jit
+from sph.solver.compiled.jit import compile_lock, entry, jit
 from sph.solver.compiled.slots import slot
 
 
@@ -77,7 +77,10 @@ def _wendland_c2(kernel, r):  # type: ignore[no-untyped-def]
 
 @entry
 def evaluate(kernel, r):  # type: ignore[no-untyped-def]
-    """Value W(r) (1/m2) and derivative over distance W'(r)/r (1/m4), scaled as sums of it are, at distance r (m)."""
+    """Value W(r) (1/m2) and derivative over distance W'(r)/r (1/m4), scaled as sums of it are, at distance r (m).
+
+    To be called under ``compile_lock``.
+    """
     value, slope = value_and_slope(kernel, r)
     return value, kernel.gradient_scale * slope
 
@@ -107,7 +110,9 @@ def _lattice(kernel: Kernel, spacing: float) -> Lattice:
     x, y = (a.ravel() for a in np.meshgrid(offsets, offsets))
     r = np.hypot(x, y)
     x, r = x[r > 0], r[r > 0]
-    return Lattice(x, spacing**2, np.array([evaluate(kernel, distance)[1] for distance in r]))
+    with compile_lock(required=False):
+        factor = np.array([evaluate(kernel, distance)[1] for distance in r])
+    return Lattice(x, spacing**2, factor)
 
 
 def kernel_of(scene: Scene) -> Kernel:

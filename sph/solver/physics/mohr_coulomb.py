@@ -1,10 +1,10 @@
 """Mohr-Coulomb surface in plane strain, for both states (Sec. 2.3, Eqs. 14 and 15).
 
-In the plane: radius <= c cos(phi) + p_plane sin(phi) with p_plane = -(s_xx + s_yy) / 2 = p + z / 2,
-where p is the mean pressure and z the out-of-plane deviator.  The return keeps the pressure and the
-direction of the deviator (no dilation); since z shrinks with the deviator, the factor solves
+In the plane: radius <= c cos(phi) + p_plane sin(phi) with p_plane = -(s_xx + s_yy) / 2 = p + s_zz / 2,
+where p is the mean pressure and s_zz the out-of-plane deviator.  The return keeps the pressure and the
+direction of the deviator (no dilation); since s_zz shrinks with the deviator, the factor solves
 
-    f (radius - z/2 sin(phi)) = c cos(phi) + p sin(phi).
+    f (radius - s_zz/2 sin(phi)) = c cos(phi) + p sin(phi).
 
 In tension the surface ends at its apex, p = -c cot(phi).
 """
@@ -53,9 +53,9 @@ def _strength(surface, p):  # type: ignore[no-untyped-def]
 
 
 @shear_demand.of(MohrCoulomb)
-def _shear_demand(surface, d, q, z):  # type: ignore[no-untyped-def]
-    """Radius - z/2 sin(phi)."""
-    return math.sqrt(d * d + q * q) - 0.5 * z * surface.sine
+def _shear_demand(surface, s):  # type: ignore[no-untyped-def]
+    """Radius - s_zz/2 sin(phi)."""
+    return math.sqrt(s.diff * s.diff + s.xy * s.xy) - 0.5 * s.zz * surface.sine
 
 
 @with_numbers.of(MohrCoulomb)

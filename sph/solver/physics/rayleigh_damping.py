@@ -43,16 +43,19 @@ def _stiffness_damping(term):  # type: ignore[no-untyped-def]
 
 
 @slot
-def damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
-    """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa."""
+def damping_stress(term, beta, bulk_modulus, rate, trace):  # type: ignore[no-untyped-def]
+    """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa.
+
+    The rate is that of a deviator (Pa/s) and of a volume, whose strain rate is ``trace`` (1/s).
+    """
     return 0.0, 0.0, 0.0
 
 
 @damping_stress.of(RayleighDamping)
-def _damping_stress(term, beta, bulk_modulus, rate_d, rate_q, rate_z, trace):  # type: ignore[no-untyped-def]
+def _damping_stress(term, beta, bulk_modulus, rate, trace):  # type: ignore[no-untyped-def]
     scale = beta * term.stiffness
-    mean = bulk_modulus * trace - 0.5 * rate_z
-    return scale * (mean + rate_d), scale * (mean - rate_d), scale * rate_q
+    mean = bulk_modulus * trace - 0.5 * rate.zz
+    return scale * (mean + rate.diff), scale * (mean - rate.diff), scale * rate.xy
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> RayleighDamping:

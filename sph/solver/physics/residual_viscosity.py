@@ -21,7 +21,7 @@ from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics import artificial_viscosity
-from sph.solver.physics.gradient_correction import correct_gradient, corrected, inverse, invert
+from sph.solver.physics.gradient_correction import correct_gradient, corrected, inverse, invert, velocity_gradient
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import lightness, mean_impedance
 
@@ -52,17 +52,14 @@ def _keep_distance(term, distance, k, r):  # type: ignore[no-untyped-def]
 
 
 @slot
-def keep_strain_rate(term, correction, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def keep_strain_rate(term, pairs, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
     """Strain rates of particles first to last into ``strain_rate`` (3, n): xx, yy and twice xy, 1/s."""
 
 
 @keep_strain_rate.of(ResidualViscosity)
-def _keep_strain_rate(term, correction, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def _keep_strain_rate(term, pairs, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
     for i in rows(first, last):
-        s = 1.0 / density[i]
-        l_xx, l_xy, l_yx, l_yy = correct_gradient(
-            term, correction, i, gradient[0, i] * s, gradient[1, i] * s, gradient[2, i] * s, gradient[3, i] * s
-        )
+        l_xx, l_xy, l_yx, l_yy = velocity_gradient(term, pairs, density, gradient, i)
         strain_rate[0, i] = l_xx
         strain_rate[1, i] = l_yy
         strain_rate[2, i] = l_xy + l_yx

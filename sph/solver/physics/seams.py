@@ -33,12 +33,12 @@ import scipy.spatial  # type: ignore[import-untyped]
 
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import compile_lock, jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
-from sph.solver.physics.elasticity import rotate
+from sph.solver.physics.elasticity import Deviator, rotate
 from sph.solver.physics.kernels import Kernel, evaluate
 
 OPENING = 0.99
@@ -101,19 +101,20 @@ def _soil_row(term, i):  # type: ignore[no-untyped-def]
 
 
 @slot
-def slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
-    """Deviator (d, q) of a state of particle i, with its weight, whose stress on the seam is at most the seam's strength."""
-    return d, q
+def slide(term, state, i, p, s, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
+    """Deviator (Pa) of a state of particle i, with its weight, whose stress on the seam is at most the seam's strength."""
+    return s
 
 
 @slide.of(Seams)
-def _slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
+def _slide(term, state, i, p, s, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
     k = _soil_row(term, i)
     if k < 0:
-        return d, q
-    c, s = term.cosine[k], term.sine[k]
-    along, shear = d * c + q * s, q * c - d * s
-    own = p + 0.5 * z + along
+        return s
+    cosine, sine = term.cosine[k], term.sine[k]
+    in_plane = p + 0.5 * s.zz
+    along, shear = s.diff * cosine + s.xy * sine, s.xy * cosine - s.diff * sine
+    own = in_plane + along
     normal = state.seam_normal[i] if state.seam_normal[i] != 0.0 else own  # 0 before the first step only
     lost = min(max((state.seam_slip[i] - term.slip_at_peak[k]) / term.span[k], 0.0), 1.0)
     cohesion = term.cohesion[k, 0] - lost * term.cohesion[k, 1]
@@ -122,39 +123,39 @@ def _slide(term, state, i, p, d, q, z, weight, shear_modulus, time):  # type: ig
     held = min(max(shear, -limit), limit)
     if time >= term.armed_from:
         state.seam_strain[i] += weight * abs(shear - held) / shear_modulus
-    along, held = rotate(along, held, 0.5 * (held - shear) / shear_modulus)  # back by the spin of the slip
-    held = min(max(held, -limit), limit)
+    turned = rotate(Deviator(along, held, s.zz), 0.5 * (held - shear) / shear_modulus)  # back by the spin of the slip
+    along, held = turned.diff, min(max(turned.xy, -limit), limit)
     opens = friction > 0.0 and normal * friction <= -OPENING * cohesion
-    along += max(-cohesion / friction - (p + 0.5 * z + along), 0.0) if opens else 0.0
-    return along * c - held * s, along * s + held * c
+    along += max(-cohesion / friction - (in_plane + along), 0.0) if opens else 0.0
+    return Deviator(along * cosine - held * sine, along * sine + held * cosine, s.zz)
 
 
 @slot
-def keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
+def keep_normal_stress(term, i, p, s):  # type: ignore[no-untyped-def]
     """Keep the effective normal stress of particle i on its seam."""
 
 
 @keep_normal_stress.of(Seams)
-def _keep_normal_stress(term, i, p, d, q, z):  # type: ignore[no-untyped-def]
+def _keep_normal_stress(term, i, p, s):  # type: ignore[no-untyped-def]
     k = _soil_row(term, i)
     if k >= 0:
-        term.normal[k] = p + 0.5 * z + d * term.cosine[k] + q * term.sine[k]
-        term.shear[k] = q * term.cosine[k] - d * term.sine[k]
+        term.normal[k] = p + 0.5 * s.zz + s.diff * term.cosine[k] + s.xy * term.sine[k]
+        term.shear[k] = s.xy * term.cosine[k] - s.diff * term.sine[k]
 
 
 @slot
-def without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
-    """Rates (d, q) of the deviator of particle i without that of shear along its seam."""
-    return d, q
+def without_slip(term, i, rate):  # type: ignore[no-untyped-def]
+    """Rate of the deviator of particle i without that of shear along its seam."""
+    return rate
 
 
 @without_slip.of(Seams)
-def _without_slip(term, i, d, q):  # type: ignore[no-untyped-def]
+def _without_slip(term, i, rate):  # type: ignore[no-untyped-def]
     k = _soil_row(term, i)
     if k < 0:
-        return d, q
-    along = d * term.cosine[k] + q * term.sine[k]
-    return along * term.cosine[k], along * term.sine[k]
+        return rate
+    along = rate.diff * term.cosine[k] + rate.xy * term.sine[k]
+    return Deviator(along * term.cosine[k], along * term.sine[k], rate.zz)
 
 
 @slot
@@ -237,7 +238,8 @@ def line_integral(kernel: Kernel, distance: np.ndarray) -> np.ndarray:
     reach = 2.0 * kernel.h
     along = (np.arange(PARTS) + 0.5) / PARTS * reach
     places = np.linspace(0.0, reach, PARTS + 1)
-    values = [2.0 * reach / PARTS * sum(evaluate(kernel, math.hypot(place, part))[0] for part in along) for place in places]
+    with compile_lock(required=False):
+        values = [2.0 * reach / PARTS * sum(evaluate(kernel, math.hypot(place, part))[0] for part in along) for place in places]
     found: np.ndarray = np.interp(distance, places, values, right=0.0)
     return found
 

@@ -58,13 +58,13 @@ class Slip(NamedTuple):
 
 
 @slot
-def gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):  # type: ignore[no-untyped-def]
-    """Gather the plastic strain of a step of particle i, from its trial deviator (d, q), its return factor and its opening strain."""
+def gather_plastic_strain(term, state, i, factor, s, opening, shear_modulus):  # type: ignore[no-untyped-def]
+    """Gather the plastic strain of a step of particle i, from its trial deviator s, its return factor and its opening strain."""
 
 
 @gather_plastic_strain.of(Slip)
-def _gather_plastic_strain(term, state, i, factor, d, q, opening, shear_modulus):  # type: ignore[no-untyped-def]
-    slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(d * d + q * q) / shear_modulus
+def _gather_plastic_strain(term, state, i, factor, s, opening, shear_modulus):  # type: ignore[no-untyped-def]
+    slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(s.diff * s.diff + s.xy * s.xy) / shear_modulus
     carries = state.beta[i] > 0.0
     state.plastic_strain[i] = max(slipped, opening) if carries else state.plastic_strain[i]
     term.at_yield[i] = carries and (factor < 1.0 or opening > 0.0)

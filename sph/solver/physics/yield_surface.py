@@ -17,13 +17,13 @@ def strength(surface, p):  # type: ignore[no-untyped-def]
 
 
 @slot
-def shear_demand(surface, d, q, z):  # type: ignore[no-untyped-def]
-    """What a deviator (d, q, z) asks of the strength, Pa."""
+def shear_demand(surface, s):  # type: ignore[no-untyped-def]
+    """What a deviator asks of the strength, Pa."""
 
 
 @jit
-def return_factor(surface, p, d, q, z):  # type: ignore[no-untyped-def]
+def return_factor(surface, p, s):  # type: ignore[no-untyped-def]
     """Factor (<= 1) that brings the deviator to the surface at pressure p; 1 inside or on it."""
-    demand = shear_demand(surface, d, q, z)
+    demand = shear_demand(surface, s)
     available = strength(surface, p)
     return available / demand if demand > available else 1.0
