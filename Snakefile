@@ -14,8 +14,8 @@ from sph.experiments.registry import load_study
 from sph.study.plan import claim_results
 from sph.study.planned import contents, digest, planned, sources
 from sph.study.preflight import MOST_SCENES, preflight_searches
+from sph.study.runs import SAFETY
 from sph.study.sampling import chosen_study, keys_of
-from sph.study.searches import SAFETY
 from sph.jobs.catalogue import ALONE, Catalogue
 from sph.scene.configuration import check_files
 from sph.solver.compiled.jit import solver_digest

@@ -23,9 +23,10 @@ from matplotlib.figure import Figure
 from sph.figures.style import DPI, WIDTH, styled
 from sph.measures.metrics import measure
 from sph.scene.configuration import merge, read_scene
-from sph.scene.ground_motion import GroundMotion, motion_of
+from sph.scene.ground_motion import GroundMotion
 from sph.scene.ground_motion.measures import measure as measure_motion
 from sph.scene.ground_motion.record import Record
+from sph.scene.loading import motion_of
 from sph.scene.natural_periods import natural_frequency
 from sph.scene.schema import Scene, make_scene
 from sph.solver.compiled.jit import solver_digest

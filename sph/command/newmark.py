@@ -10,8 +10,9 @@ import numpy as np
 
 from sph.command.motion import CURE, laid_over, read_treated
 from sph.command.options import aligned
-from sph.scene.ground_motion import SCENES, GroundMotion, check_record, motion_of
+from sph.scene.ground_motion import SCENES, GroundMotion, check_record
 from sph.scene.ground_motion.record import Record
+from sph.scene.loading import motion_of
 from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both

@@ -29,8 +29,8 @@ from sph.study.dimensions import CASE, Dimension, dimension, shown_unit, title_o
 from sph.study.equilibrium import RESIDUAL, spencers, weakest_words
 from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
-from sph.study.runs import OF_MEAN
-from sph.study.searches import SAFETY, SLOPE_LIMITS, YIELD, found_words
+from sph.study.runs import OF_MEAN, SAFETY, SLOPE_LIMITS, YIELD
+from sph.study.searches import found_words
 from sph.study.tables import EXPECTED, read_csv
 
 FINDINGS = "{fidelity}/preflight.csv"

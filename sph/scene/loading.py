@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
 from sph.scene.gravity import GravityStage
+from sph.scene.ground_motion import GroundMotion
 from sph.scene.motion import linear_ramp, vertical_acceleration
 from sph.scene.schema import Scene
+
+LONGEST_INTERVAL = 1e-3
+"""Longest interval between the samples of a scene's motion, s."""
 
 
 class Loading(NamedTuple):
@@ -33,3 +38,14 @@ def make_loading(scene: Scene, substeps: int = 1) -> Loading:
     time = np.arange(scene.steps(scene.duration) * substeps + 1) * (scene.numerics.time_step / substeps)
     gravity, extra = gravity_history(scene.gravity, time)
     return Loading(time, scene.motion.acceleration(time), vertical_acceleration(scene.motion, time), gravity, extra)
+
+
+def loading_of(scene: Scene) -> Loading:
+    """A scene's loads over its duration, at the time steps or parts of them no longer than ``LONGEST_INTERVAL``."""
+    return make_loading(scene, substeps=math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9))
+
+
+def motion_of(scene: Scene) -> GroundMotion:
+    """A scene's horizontal motion over its duration, sampled as by ``loading_of``."""
+    loading = loading_of(scene)
+    return GroundMotion(loading.time, loading.ground)

@@ -6,7 +6,7 @@ import math
 
 import scipy  # type: ignore[import-untyped]
 
-from sph.scene.ground_motion import motion_of
+from sph.scene.loading import motion_of
 from sph.scene.motion import ConstantAcceleration, reference_amplitude
 from sph.scene.schema import Scene
 from sph.stability.newmark import sliding_block

@@ -11,9 +11,9 @@ import numpy as np
 
 from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine, largest_climb
-from sph.scene.ground_motion import loading_of
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.layers import softening_of
+from sph.scene.loading import loading_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil

@@ -10,8 +10,9 @@ import scipy  # type: ignore[import-untyped]
 
 from sph.scene.geometry import SLOPES, Bodies
 from sph.scene.gravity import GRAVITY
-from sph.scene.ground_motion import GroundMotion, loading_of, motion_of
+from sph.scene.ground_motion import GroundMotion
 from sph.scene.ground_motion.record import Record, processed
+from sph.scene.loading import loading_of, motion_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.natural_periods import column_at, first_peak, impedance_below, natural_frequency
 from sph.scene.schema import Scene

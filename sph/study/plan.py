@@ -19,10 +19,9 @@ from sph.scene.configuration import found_file, merge, read_scene, read_yaml, sc
 from sph.scene.schema import Scene, make_scene
 from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, title_of, value_of
-from sph.study.runs import Kind, Run, SharedRuns, laid_over
+from sph.study.runs import YIELD, Kind, Run, SharedRuns, laid_over
 from sph.study.sampling import read_cases
 from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study
-from sph.study.searches import YIELD
 from sph.study.tables import MOST_SLOPES, Layout
 
 PART = 500

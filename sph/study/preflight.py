@@ -34,7 +34,8 @@ from sph.study.equilibrium import of_equilibrium, of_residual
 from sph.study.finding import Finding, Severity, finding
 from sph.study.findings import findings
 from sph.study.layer_findings import broken_at, layers_of
-from sph.study.searches import SAFETY, TEXTS, YIELD
+from sph.study.runs import SAFETY, YIELD
+from sph.study.searches import TEXTS
 from sph.study.soil_findings import mobilised_strength
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 

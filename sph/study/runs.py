@@ -21,8 +21,10 @@ from sph.scene.uncertain import at_mean
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.solver.run import Until
 from sph.study.dimensions import point_name, scene_key, value_of
-from sph.study.searches import SLOPE_LIMITS, YIELD
 
+YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
+SLOPE_LIMITS = (YIELD, SAFETY)
+"""The limits of a slope: every study searches the first, the other is searched where it is asked for."""
 SIMULATION = "simulation"
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""

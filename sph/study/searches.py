@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 from sph.scene.units import in_both
 from sph.study.planned import Planned, planned
+from sph.study.runs import SAFETY, YIELD, Run
 
-if TYPE_CHECKING:
-    from sph.study.runs import Run
-
-YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
-SLOPE_LIMITS = (YIELD, SAFETY)
-"""The limits of a slope: every study searches the first, the other is searched where it is asked for."""
 TEXTS: dict[str, Callable[[float, float], str]] = {YIELD: in_both, SAFETY: "{:.2f} ± {:.2f}".format}
 """A limit with its error in words."""
 AnyKey = TypeVar("AnyKey")

@@ -22,7 +22,7 @@ from typer.testing import CliRunner
 import sph.command.options
 from sph.command.cli import DIVERGED, REFUSED, app
 from sph.command.options import parse_settings
-from sph.scene.ground_motion import motion_of
+from sph.scene.loading import motion_of
 from sph.scene.schema import load_scene
 from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_to_file

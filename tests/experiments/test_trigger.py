@@ -35,7 +35,7 @@ from sph.experiments.trigger.maps import cell_columns, class_shares, map_cells, 
 from sph.experiments.trigger.points import MEASURED, measured_points, names, no_points, point_columns, read_points, wanted_points
 from sph.measures.metrics import MetricSettings, class_displacement
 from sph.scene.configuration import dotted, merge, read_yaml
-from sph.scene.ground_motion import motion_of
+from sph.scene.loading import motion_of
 from sph.scene.schema import make_scene
 from sph.stability.newmark import sliding_block
 from sph.study.baseline import baseline_metrics, newmark_factor

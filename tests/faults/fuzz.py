@@ -62,7 +62,7 @@ from sph.experiments.trade.design import Trade, load_trade
 from sph.experiments.trade.table import summary
 from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
 from sph.experiments.validation.design import Validation, load_suite
-from sph.scene.ground_motion import motion_of
+from sph.scene.loading import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.run import Run
 from sph.stability.search import Trial

@@ -14,8 +14,7 @@ from relation import relation, shaken
 from scenes import GRAVITY_STAGE, TIME_STEP, Data
 
 from sph.scene.gravity import GRAVITY
-from sph.scene.ground_motion import motion_of
-from sph.scene.loading import make_loading
+from sph.scene.loading import make_loading, motion_of
 from sph.scene.schema import make_scene
 from sph.solver.run import Result
 from sph.stability.newmark import sliding_block

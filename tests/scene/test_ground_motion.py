@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from small_scenes import SceneBuilder
 
-from sph.scene.ground_motion import GroundMotion, motion_of, read_record
+from sph.scene.ground_motion import GroundMotion, read_record
+from sph.scene.loading import motion_of
 
 
 @pytest.mark.parametrize(

@@ -18,9 +18,8 @@ from sph.scene.schema import make_scene
 from sph.solver.restart import check_restart
 from sph.stability.record import SEARCHES
 from sph.study.plan import Plan
-from sph.study.runs import Run
+from sph.study.runs import SLOPE_LIMITS, Run
 from sph.study.sampling import chosen_study
-from sph.study.searches import SLOPE_LIMITS
 
 ROOT = Path(__file__).resolve().parents[2]
 GOOD: dict[str, Any] = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))

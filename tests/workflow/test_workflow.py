@@ -25,7 +25,7 @@ from typer.testing import CliRunner
 from sph.command.cli import app
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.steps import steps
-from sph.scene.ground_motion import motion_of
+from sph.scene.loading import motion_of
 from sph.scene.strict_json import parse_json
 from sph.stability.newmark import sliding_block
 from sph.storage import trajectory

@@ -17,9 +17,9 @@ import pandas as pd
 from sph.experiments.trigger.design import INTENSITIES, Searched
 from sph.experiments.trigger.fragility import CONFIDENCE, RESAMPLES, SEED, TAILS, Conversion, brackets, decided, fitted, resampled
 from sph.experiments.trigger.points import CASE_COLUMN, Key, label_columns, names
-from sph.scene.ground_motion import loading_of
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.spectrum import DAMPING, pseudo_acceleration
+from sph.scene.loading import loading_of
 from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import Scene
 from sph.study.tables import count_column, number_column, text_column

@@ -20,7 +20,7 @@ import math
 import re
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -37,10 +37,6 @@ from sph.scene.ground_motion.text import LARGEST_ACCELERATION as LARGEST_ACCELER
 from sph.scene.ground_motion.text import read_lines
 from sph.scene.ground_motion.units import Unit
 from sph.scene.ground_motion.untimed import read_untimed
-
-if TYPE_CHECKING:
-    from sph.scene.loading import Loading
-    from sph.scene.schema import Scene
 
 SCENES = (".yaml", ".yml")
 KNET = tuple(f".{direction}{number}" for direction in ("ew", "ns", "ud") for number in ("", "1", "2")) + (".knet",)
@@ -76,8 +72,6 @@ CONTENTS: dict[str, tuple[tuple[re.Pattern[str], Several], ...]] = {
 """Formats of several components that share an ending of ``READERS``, by a line that tells them."""
 RECORDS = (*READERS, *SEVERAL)
 """Endings of the files that hold a ground motion."""
-LONGEST_INTERVAL = 1e-3
-"""Longest interval between the samples of a scene's motion, s."""
 
 
 class GroundMotion(NamedTuple):
@@ -96,19 +90,6 @@ class GroundMotion(NamedTuple):
         if self.peak == 0 or not 0 < peak < math.inf:
             raise ValueError(f"peak: {peak} m/s2 for a motion with {self.peak:g} m/s2; both must be positive and finite")
         return self._replace(acceleration=self.acceleration * (peak / self.peak))
-
-
-def motion_of(scene: Scene) -> GroundMotion:
-    """A scene's horizontal motion over its duration, sampled as by ``loading_of``."""
-    loading = loading_of(scene)
-    return GroundMotion(loading.time, loading.ground)
-
-
-def loading_of(scene: Scene) -> Loading:
-    """A scene's loads over its duration, at the time steps or parts of them no longer than ``LONGEST_INTERVAL``."""
-    from sph.scene.loading import make_loading  # which needs a scene
-
-    return make_loading(scene, substeps=math.ceil(scene.numerics.time_step / LONGEST_INTERVAL - 1e-9))
 
 
 def read_record(path: Path | str, unit: Unit | None = None, component: str | None = None) -> GroundMotion:

@@ -18,11 +18,10 @@ from sph.command.cli import app
 from sph.experiments.registry import load_study
 from sph.page.tables import key_rows
 from sph.scene.configuration import merge, read_scene, scene_files
-from sph.scene.ground_motion import motion_of
 from sph.scene.ground_motion.measures import measure
 from sph.scene.ground_motion.record import processed
 from sph.scene.ground_motion.spectrum import pseudo_acceleration
-from sph.scene.loading import make_loading
+from sph.scene.loading import make_loading, motion_of
 from sph.scene.motion import reference_amplitude
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.newmark import sliding_block
