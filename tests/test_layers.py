@@ -19,6 +19,7 @@ ORDER = (
     ("solver",),
     ("measures",),
     ("stability",),
+    ("checks",),
     ("study",),
     ("figures",),
     ("experiments",),

@@ -9,14 +9,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.checks.finding import Finding
+from sph.checks.motion import drifting, implausible, of_motion, one_sided, sparse
 from sph.command.repeat import earlier_run, read_given
 from sph.scene.configuration import merge, validated
 from sph.scene.ground_motion import RECORDS, SCENES, GroundMotion, check_record, loading_of, read_components
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import Record, check_gaps, processed, read_even
 from sph.scene.units import in_both
-from sph.study.finding import Finding
-from sph.study.motion_findings import drifting, implausible, of_motion, one_sided, sparse
 
 READING = {"unit", "component"}
 """Keys of a treatment that say what is read in a record, and do not process it."""

@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sph.checks.finding import Finding, finding, off_by
 from sph.scene.geometry import Bodies
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.places import RIGHT
@@ -15,7 +16,6 @@ from sph.scene.soil import Soil
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.interface import soil_numbers
 from sph.solver.physics.seams import seam_sides
-from sph.study.finding import Finding, finding, off_by
 
 FEWEST_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""
