@@ -21,6 +21,7 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from sph.checks.finding import CODES
 from sph.command.new import ROWS
 from sph.command.schema import MODELS, schema_file, schema_text
 from sph.experiments.extremes.design import REFUSED, TIME_STEP
@@ -57,7 +58,6 @@ from sph.scene.scheme import NEEDED, RESOLVED
 from sph.stability.standing import FailureRule
 from sph.storage.trajectory import VARIABLES, Status, Variable
 from sph.study.dimensions import SHORT_NAMES, dimension, named_sections, sections
-from sph.study.finding import CODES
 from sph.study.machine import duration
 from sph.study.preflight import PREFLIGHT
 from sph.study.tables import VALUES

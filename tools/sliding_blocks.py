@@ -20,6 +20,7 @@ import pandas as pd
 import scipy  # type: ignore[import-untyped]
 from matplotlib.figure import Figure
 
+from sph.checks.scene import level_ground
 from sph.figures.style import DPI, WIDTH, styled
 from sph.measures.metrics import measure
 from sph.scene.configuration import merge, read_scene
@@ -37,7 +38,6 @@ from sph.stability.safety import yield_acceleration
 from sph.storage.files import whole
 from sph.storage.trajectory import Variable
 from sph.study.baseline import baseline_metrics
-from sph.study.findings import level_ground
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 from tools.shipped import MEASURED, SHIPPED, note
 from tools.slow_sine import damping_at

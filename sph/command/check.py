@@ -6,6 +6,11 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from sph.checks.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base, without_surface
+from sph.checks.finding import Finding
+from sph.checks.layers import Layer, layers_of, seam_rows
+from sph.checks.motion import frequency_rows, peak_accelerations
+from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
 from sph.scene.configuration import read_yaml, validated
@@ -14,11 +19,6 @@ from sph.scene.schema import Scene
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import ON_REFERENCE, cost
-from sph.study.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base, without_surface
-from sph.study.finding import Finding
-from sph.study.findings import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
-from sph.study.layer_findings import Layer, layers_of, seam_rows
-from sph.study.motion_findings import frequency_rows, peak_accelerations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -123,13 +123,13 @@ def run(
     Given a trajectory, it repeats the run from the start to the same stage, bit for bit.
     """
     with refusals():
+        from sph.checks.after_run import found_after
+        from sph.checks.finding import codes
+        from sph.checks.scene import findings
         from sph.command.repeat import check_of_scene, compare, earlier_run, read_given, stopped_at
         from sph.jobs.progress import reporter
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
-        from sph.study.after_run import found_after
-        from sph.study.finding import codes
-        from sph.study.findings import findings
 
         check_known("--until", [until], ("end", "gravity", "first_failure"))
         earlier = earlier_run(scene)
@@ -328,9 +328,9 @@ def metrics(
 ) -> None:
     """Measure a trajectory: status, class, displacement of A, run-out, deposit."""
     with refusals("measuring the trajectory"):
+        from sph.checks.after_run import after_run
         from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
         from sph.storage import trajectory
-        from sph.study.after_run import after_run
 
         run = trajectory.read_run(file)
         values = measure(run, MetricSettings())

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 
+from sph.checks.layers import seam_rows
+from sph.checks.motion import frequency_rows, peak_accelerations
+from sph.checks.scene import choices, findings, strengths, uncertain_rows, water_rows
 from sph.experiments.trade.advice import expected_sentence
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms
 from sph.solver.time_step import limits
 from sph.study.cost import ON_REFERENCE, cost, needs
-from sph.study.findings import choices, findings, strengths, uncertain_rows, water_rows
-from sph.study.layer_findings import seam_rows
-from sph.study.motion_findings import frequency_rows, peak_accelerations
 
 
 def describe(scene: Scene) -> list[tuple[str, str]]:

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.checks.finding import Finding
+from sph.checks.motion import drifting, implausible, of_motion, one_sided, sparse
 from sph.command.repeat import earlier_run, read_given
 from sph.scene.configuration import merge, validated
 from sph.scene.ground_motion import RECORDS, SCENES, GroundMotion, check_record, read_components
@@ -16,8 +18,6 @@ from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import Record, check_gaps, processed, read_even
 from sph.scene.loading import loading_of
 from sph.scene.units import in_both
-from sph.study.finding import Finding
-from sph.study.motion_findings import drifting, implausible, of_motion, one_sided, sparse
 
 READING = {"unit", "component"}
 """Keys of a treatment that say what is read in a record, and do not process it."""

@@ -13,6 +13,7 @@ import numpy as np
 import yaml
 
 import sph
+from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
 from sph.command.schema import schema_file
 from sph.scene.configuration import validated
 from sph.scene.ground_line import GroundLine
@@ -21,7 +22,6 @@ from sph.scene.natural_periods import Column, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
-from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
 COARSE_ROWS, ROWS, FINE_ROWS = 15, 20, 30

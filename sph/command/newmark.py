@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from sph.checks.finding import Finding, Severity, finding
+from sph.checks.motion import cut_off, drifting, implausible, sampled, sparse
 from sph.command.motion import CURE, laid_over, read_treated
 from sph.command.options import aligned
 from sph.scene.ground_motion import SCENES, GroundMotion, check_record
@@ -17,8 +19,6 @@ from sph.scene.motion import ConstantAcceleration
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both
 from sph.stability.newmark import SlidingBlock, sliding_block
-from sph.study.finding import Finding, Severity, finding
-from sph.study.motion_findings import cut_off, drifting, implausible, sampled, sparse
 
 RECORDED, TURNED, BOTH = "recorded", "turned", "both"
 DIRECTIONS = (RECORDED, TURNED, BOTH)

@@ -8,6 +8,8 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from sph.checks.layers import broken_at
+from sph.checks.scene import findings
 from sph.command.options import say
 from sph.scene.configuration import validated
 from sph.scene.gravity import GRAVITY
@@ -19,8 +21,6 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import FailureRule
 from sph.storage.files import whole
 from sph.storage.trajectory import Status
-from sph.study.findings import findings
-from sph.study.layer_findings import broken_at
 
 
 class Question(NamedTuple):

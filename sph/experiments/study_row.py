@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import xarray as xr
 
+from sph.checks.after_run import after_run
 from sph.experiments.trade.advice import expected_metrics
 from sph.experiments.trade.design import scheme, settings_text
 from sph.experiments.trade.likeness import unlike
 from sph.measures.metrics import MetricSettings, Value, measure
 from sph.scene.strict_json import parse_json
 from sph.storage.trajectory import scene_of
-from sph.study.after_run import after_run
 from sph.study.baseline import baseline_metrics
 from sph.study.tables import FINDINGS
 

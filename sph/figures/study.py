@@ -16,11 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
+from sph.checks.after_run import is_bounded
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.scene.units import beside_g
 from sph.storage.trajectory import Status
-from sph.study.after_run import is_bounded
 from sph.study.dimensions import Dimension, title_of
 
 SHOWN = {"displacement_magnitude": "displacement of {probe} (m)", "runout": "run-out (m)"}

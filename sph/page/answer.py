@@ -9,6 +9,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from sph.checks.after_run import is_bounded, is_open
+from sph.checks.equilibrium import RESIDUAL, spencers, weakest_words
+from sph.checks.finding import Finding, Severity
 from sph.experiments.spacing.measure import CONVERGED, NOT_CONVERGED, read_spacing
 from sph.experiments.trade.advice import expected_sentence
 from sph.experiments.trigger.annual import annual_columns
@@ -24,10 +27,7 @@ from sph.scene.schema import Scene
 from sph.scene.units import beside_g, in_both
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
-from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import CASE, Dimension, dimension, shown_unit, title_of
-from sph.study.equilibrium import RESIDUAL, spencers, weakest_words
-from sph.study.finding import Finding, Severity
 from sph.study.preflight import Row, read_preflight
 from sph.study.runs import OF_MEAN, SAFETY, SLOPE_LIMITS, YIELD
 from sph.study.searches import found_words

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
+from sph.checks.after_run import is_bounded, is_open
 from sph.experiments.trade.advice import percent
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.schema import Scene
@@ -18,7 +19,6 @@ from sph.scene.soil import Soil
 from sph.scene.units import beside_g
 from sph.scene.walls import wall_words
 from sph.storage.trajectory import Variable
-from sph.study.after_run import is_bounded, is_open
 from sph.study.dimensions import Dimension, readable, shown_unit
 
 MOST_ROWS = 500

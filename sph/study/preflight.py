@@ -1,8 +1,8 @@
 """The preflight: findings on a scene, or on all scenes of a study, before any of them is run.
 
-``sph.study.findings`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
+``sph.checks.scene`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
 strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error, and what limit
-equilibrium says of them (``sph.study.equilibrium``).  Both are searched at two spacings and extrapolated: at one, slopes come out too
+equilibrium says of them (``sph.checks.equilibrium``).  Both are searched at two spacings and extrapolated: at one, slopes come out too
 strong.  ``sph check --stability`` takes the scene's own spacing and twice that; the first job of a study takes coarser ones, which cost a
 fraction of that and leave a larger error.
 """
@@ -18,6 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from sph.checks.equilibrium import of_equilibrium, of_residual
+from sph.checks.finding import Finding, Severity, finding
+from sph.checks.layers import broken_at, layers_of
+from sph.checks.scene import findings
+from sph.checks.soil import mobilised_strength
 from sph.measures.fields import gravity_frame
 from sph.measures.mobilised import mobilised_by_layer
 from sph.scene.gravity import FAILED_AREA
@@ -30,13 +35,8 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.equilibrium import of_equilibrium, of_residual
-from sph.study.finding import Finding, Severity, finding
-from sph.study.findings import findings
-from sph.study.layer_findings import broken_at, layers_of
 from sph.study.runs import SAFETY, YIELD
 from sph.study.searches import TEXTS
-from sph.study.soil_findings import mobilised_strength
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03

@@ -12,10 +12,10 @@ import yaml
 from typer.testing import CliRunner
 
 import sph
+from sph.checks.scene import PLACEHOLDER
 from sph.command.cli import app
 from sph.command.new import write_new
 from sph.scene.schema import load_scene
-from sph.study.findings import PLACEHOLDER
 from sph.study.plan import load_study
 
 ROOT = Path(__file__).parents[2]

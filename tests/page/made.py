@@ -11,6 +11,7 @@ import xarray as xr
 from PIL import Image
 from synthetic import Displacement, study_row, synthetic
 
+from sph.checks.finding import Finding
 from sph.experiments.paper.claims import decide_claims
 from sph.measures.metrics import METRIC_BY_NAME, measure
 from sph.page.build import StudyFiles
@@ -19,7 +20,6 @@ from sph.page.sections import certain, existing
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 from sph.study.dimensions import CASE, Dimension
-from sph.study.finding import Finding
 from sph.study.preflight import Row, write_preflight
 from sph.study.tables import Layout, join_study, read_study, read_table, study_rows, write_csv
 

@@ -8,9 +8,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.page.answer import at_places, at_residual, widths, yearly
-from sph.study.finding import finding
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
 

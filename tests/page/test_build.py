@@ -17,6 +17,7 @@ import pytest
 from made import FOLDER, RIGHT, TITLE, listed_study, made_study
 from PIL import Image
 
+from sph.checks.finding import Finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
@@ -36,7 +37,6 @@ from sph.stability.record import search_dataset
 from sph.stability.search import Search
 from sph.storage import trajectory
 from sph.study.dimensions import Dimension
-from sph.study.finding import Finding
 from sph.study.preflight import Row, write_preflight
 from sph.study.tables import number_column, read_table, write_csv
 

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sph.checks.scene import choices, findings
 from sph.experiments.base import checked
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
@@ -16,7 +17,6 @@ from sph.solver.run import run
 from sph.solver.simulation import Simulation
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, static_scene
-from sph.study.findings import choices, findings
 
 HEIGHT, WIDTH, G, DENSITY = 20.0, 60.0, 9.81, 2000.0
 BLOCK: dict[str, Any] = {

@@ -10,6 +10,7 @@ import pytest
 from comparison import same_bits
 from scipy import stats
 
+from sph.checks.scene import findings, uncertain_rows
 from sph.command.check import check, draw
 from sph.scene.schema import Scene
 from sph.scene.uncertain import RandomField, Uncertain
@@ -19,7 +20,6 @@ from sph.solver.run import run
 from sph.solver.simulation import Simulation
 from sph.stability.standing import divided_strength, weakened
 from sph.storage import trajectory
-from sph.study.findings import findings, uncertain_rows
 
 SEEDS = 100
 ERRORS = 4.0

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sph.checks.scene import to_side
 from sph.scene.configuration import merge
 from sph.scene.ground_line import GroundLine
 from sph.scene.places import RIGHT
@@ -17,7 +18,6 @@ from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.particles import locate_probes, place_particles
 from sph.solver.restart import check_restart
 from sph.stability.standing import FailureRule, slope_height, static_scene
-from sph.study.findings import to_side
 
 SLOPE = [[120.0, 440.0], [150.0, 440.0], [170.0, 465.0], [200.0, 465.0]]
 

@@ -10,6 +10,7 @@ import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sph.checks.scene import findings
 from sph.command.check import check, rows
 from sph.command.info import describe
 from sph.scene.configuration import merge
@@ -22,7 +23,6 @@ from sph.scene.natural_periods import (
     natural_frequency,
 )
 from sph.scene.schema import Scene, make_scene
-from sph.study.findings import findings
 
 CLOSED, ELEMENTS, SCANNED = 1e-9, 1e-4, 1e-3
 """Relative differences from closed forms, from 40 elements of fourth order in each layer, and from the largest of scanned values."""

@@ -9,12 +9,12 @@ from typing import Any
 import pytest
 import xarray as xr
 
+from sph.checks.loss import of_softening
+from sph.checks.scene import strengths
 from sph.scene.configuration import dotted, flat, merge, read_yaml
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.scheme import NEEDED, RESOLVED
 from sph.storage.trajectory import scene_of
-from sph.study.findings import strengths
-from sph.study.loss_findings import of_softening
 
 OWN: dict[str, Any] = {
     "name": "own",

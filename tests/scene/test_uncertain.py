@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from sph.checks.scene import uncertain_rows
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene, stored_scene
 from sph.scene.uncertain import Uncertain
 from sph.solver.particles import place_particles
 from sph.stability.standing import divided_strength, weakened
-from sph.study.findings import uncertain_rows
 
 SEEDS = 4000
 ERRORS = 4.0

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from sph.checks.scene import water_rows
 from sph.command.check import check, draw
 from sph.command.check import rows as check_rows
 from sph.command.info import describe
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.scene.water import PRESSURES
-from sph.study.findings import water_rows
 
 SURVEY: dict[str, Any] = {
     "name": "survey",

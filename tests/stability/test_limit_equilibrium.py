@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brute
 
+from sph.checks.equilibrium import equilibrium_rows, found_equilibrium, of_equilibrium, slip_at_base
 from sph.command.check import check
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
@@ -17,7 +18,6 @@ from sph.scene.schema import Scene, load_scene, make_scene
 from sph.stability.limit_equilibrium import Slices, bishop, spencer, spencer_coefficient
 from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium, worst_circle
 from sph.stability.slip_surface import Section, along, circles, guides
-from sph.study.equilibrium import equilibrium_rows, found_equilibrium, of_equilibrium, slip_at_base
 
 PUBLISHED = 0.02
 """Of the answers that the study of programs for ACADS recommends (Giam and Donald 1989)."""

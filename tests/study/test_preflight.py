@@ -10,6 +10,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from sph.checks.finding import CODES, Finding, Severity, codes
+from sph.checks.motion import POLARITY_RATIO, drifting, mean_period
+from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
@@ -29,9 +32,6 @@ from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.trajectory import Status
 from sph.study.cost import cost
-from sph.study.finding import CODES, Finding, Severity, codes
-from sph.study.findings import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
-from sph.study.motion_findings import POLARITY_RATIO, drifting, mean_period
 from sph.study.preflight import (
     QUICK_TOLERANCE,
     Peak,

@@ -2,13 +2,13 @@
 
 from typing import TextIO
 
+from sph.checks.finding import codes
+from sph.checks.scene import findings
 from sph.jobs.log import Job, job_log
 from sph.jobs.progress import reporter
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Until
 from sph.stability.record import search_to_file
-from sph.study.finding import codes
-from sph.study.findings import findings
 from sph.study.planned import Planned
 from sph.study.runs import SIMULATION
 

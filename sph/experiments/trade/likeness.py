@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sph.checks.loss import slip_zone
 from sph.scene.geometry import SLOPES
 from sph.scene.layers import ElevationRegion, Layer
 from sph.scene.schema import Scene
-from sph.study.loss_findings import slip_zone
 
 
 class Range(NamedTuple):
@@ -41,7 +41,7 @@ STRENGTH_RATIO = {"paper": Range("S_R", 0.10, 0.50), "resolved": Range("S_R", 0.
 """A slope of ``resolved`` that keeps more does not run out, and a movement of decimetres has no error in per cent."""
 RATE = Range("gamma", 100.0, 100.0, "1/s")
 SLIP_ZONE = Range("slip zone over height", 1.0, 10.0)
-"""That of the measured slopes is 1.3 to 7.8 (``sph.study.loss_findings.slip_zone``)."""
+"""That of the measured slopes is 1.3 to 7.8 (``sph.checks.loss.slip_zone``)."""
 BENT = 0.05
 """Of the height, by which a ground line may leave the straight line between toe and crest: benches and berms do."""
 ROCK = 1.0

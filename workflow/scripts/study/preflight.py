@@ -4,8 +4,8 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TextIO
 
+from sph.checks.finding import Severity
 from sph.jobs.log import Job, job_log
-from sph.study.finding import Severity
 from sph.study.planned import Planned
 from sph.study.preflight import Row, study_findings, study_stability, write_preflight
 

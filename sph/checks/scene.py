@@ -1,6 +1,6 @@
 """Findings of a scene before it is run: what may spoil its results, with the measured and the wanted value and the key to change.
 
-``sph.study.finding`` lists all that can be found.  What takes runs of the scene, its stability, is in ``sph.study.preflight``.
+``sph.checks.finding`` lists all that can be found.  What takes runs of the scene, its stability, is in ``sph.study.preflight``.
 """
 
 from __future__ import annotations
@@ -9,6 +9,11 @@ import math
 
 import numpy as np
 
+from sph.checks.finding import Finding, finding, off_by
+from sph.checks.layers import of_layers
+from sph.checks.loss import of_loss, of_softening
+from sph.checks.motion import not_rigid, of_damping, of_motion
+from sph.checks.soil import of_rest, of_soils
 from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine, largest_climb
 from sph.scene.ground_motion.record import Record, processed
@@ -24,11 +29,6 @@ from sph.solver.initial_stress import check_at_rest
 from sph.solver.particles import QUANTITIES, Particles, peak_strength, place_particles, varying_layer
 from sph.solver.time_step import limits, wave_speed_ratio
 from sph.stability.standing import dividing
-from sph.study.finding import Finding, finding, off_by
-from sph.study.layer_findings import of_layers
-from sph.study.loss_findings import of_loss, of_softening
-from sph.study.motion_findings import not_rigid, of_damping, of_motion
-from sph.study.soil_findings import of_rest, of_soils
 
 FEWEST_IN_HEIGHT = 12
 """Fewest particles across a slope's height: with 10 and 15 the cost-accuracy studies have right classes, run-outs up to 40 and 36 % off."""

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sph.checks.after_run import after_run, debris_at_wall, found_after, is_bounded, thin_debris
+from sph.checks.scene import findings, reach, room_ahead
 from sph.measures.metrics import Value, measure
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import run
-from sph.study.after_run import after_run, debris_at_wall, found_after, is_bounded, thin_debris
-from sph.study.findings import findings, reach, room_ahead
 
 LOW: dict[str, Any] = {
     "name": "low",

@@ -7,11 +7,11 @@ from collections.abc import Mapping
 
 import xarray as xr
 
+from sph.checks.finding import Finding, finding
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
-from sph.study.finding import Finding, finding
 
 LOWER_BOUND = (FRONT, OVER)
 """Sides with which displacement and run-out are lower bounds: debris would have gone further, or has been lost."""

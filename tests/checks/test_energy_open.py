@@ -11,6 +11,7 @@ import xarray as xr
 from synthetic import study_row, synthetic
 from typer.testing import CliRunner
 
+from sph.checks.after_run import energy_open, found_after, is_open
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings
@@ -18,7 +19,6 @@ from sph.page.answer import answer
 from sph.page.tables import run_columns
 from sph.storage import trajectory
 from sph.storage.trajectory import scene_of
-from sph.study.after_run import energy_open, found_after, is_open
 
 
 def open_by(share: float) -> xr.Dataset:

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
+from sph.checks.cover_rows import CLOSE, RUN_OUT_BY_ROWS, covers, enough_rows, run_out
+from sph.checks.finding import Finding
+from sph.checks.scene import findings
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
-from sph.study.cover_rows import CLOSE, RUN_OUT_BY_ROWS, covers, enough_rows, run_out
-from sph.study.finding import Finding
-from sph.study.findings import findings
 
 SLOPE: dict[str, Any] = {
     "scheme": "paper",

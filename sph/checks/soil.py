@@ -11,6 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from sph.checks.finding import Finding, Severity, finding, off_by
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.gravity import FAILED_AREA, UniformStress
 from sph.scene.schema import Scene
@@ -18,7 +19,6 @@ from sph.scene.soil import Soil
 from sph.scene.uncertain import STEEPEST
 from sph.solver.initial_stress import effective_overburden
 from sph.solver.particles import Particles, peak_strength
-from sph.study.finding import Finding, Severity, finding, off_by
 
 DENSITIES = 1000.0, 3000.0
 """Usual densities of soil and rock, kg/m3: from loose or organic soil to dense rock."""

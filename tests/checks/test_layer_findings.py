@@ -12,14 +12,14 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
+from sph.checks.finding import Finding
+from sph.checks.layers import broken_at, seam_rows, sections
+from sph.checks.scene import findings
 from sph.command.cli import app
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import place_particles
 from sph.solver.physics.seams import seam_sides
-from sph.study.finding import Finding
-from sph.study.findings import findings
-from sph.study.layer_findings import broken_at, seam_rows, sections
 
 SLOPE: dict[str, Any] = {
     "scheme": "paper",

@@ -6,6 +6,8 @@ import math
 import re
 from collections.abc import Iterable
 
+from sph.checks.finding import Finding, finding, off_by
+from sph.checks.layers import FEWEST_IN_LAYER, layers_of
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
@@ -13,8 +15,6 @@ from sph.scene.units import in_both
 from sph.solver.particles import place_particles
 from sph.stability.slip_search import LARGEST_FACTOR, LimitEquilibrium, Surface, applies, limit_equilibrium
 from sph.stability.standing import slope_height, weakened
-from sph.study.finding import Finding, finding, off_by
-from sph.study.layer_findings import FEWEST_IN_LAYER, layers_of
 
 LARGEST_DIFFERENCE = 0.05
 """Of a factor of safety by SPH from Spencer's, over that, which is told."""

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import scipy  # type: ignore[import-untyped]
 
+from sph.checks.finding import Finding, finding, off_by
 from sph.scene.geometry import SLOPES, Bodies
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_motion import GroundMotion
@@ -18,7 +19,6 @@ from sph.scene.natural_periods import column_at, first_peak, impedance_below, na
 from sph.scene.schema import Scene
 from sph.scene.units import in_both
 from sph.stability.newmark import sliding_block
-from sph.study.finding import Finding, finding, off_by
 
 WEAKEST, STRONGEST = 0.01, 2.0
 """Peak accelerations of the ground that are plausible, g: below a hundredth of g no slope that stands is moved, and of all records a

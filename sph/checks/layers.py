@@ -7,14 +7,14 @@ from typing import NamedTuple
 
 import numpy as np
 
+from sph.checks.cover_rows import HELD_BELOW, RUN_OUT_BY_ROWS, Cover, covers, enough_rows, strata
+from sph.checks.finding import Finding, finding, off_by
 from sph.scene.geometry import Bodies
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.interface import soil_numbers
 from sph.solver.physics.seams import seam_sides
-from sph.study.cover_rows import HELD_BELOW, RUN_OUT_BY_ROWS, Cover, covers, enough_rows, strata
-from sph.study.finding import Finding, finding, off_by
 
 FEWEST_IN_LAYER = 4
 """Particles across a layer: a kernel of h = 1.3 spacings reaches 2.6 to either side, and mixes a thinner one with its neighbours."""

@@ -10,13 +10,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sph.checks.finding import Finding
+from sph.checks.scene import findings
+from sph.checks.soil import LARGEST_TANGENT, USED_UP, at_rest, of_rest, of_soils
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 from sph.solver.initial_stress import effective_overburden
 from sph.solver.particles import place_particles
-from sph.study.finding import Finding
-from sph.study.findings import findings
-from sph.study.soil_findings import LARGEST_TANGENT, USED_UP, at_rest, of_rest, of_soils
 
 OWN: dict[str, Any] = {
     "name": "own",

@@ -7,9 +7,9 @@ from typing import Any
 
 import pytest
 
+from sph.checks.loss import of_loss, slip_zone
 from sph.scene.configuration import dotted, merge, read_scene
 from sph.scene.schema import Scene, make_scene
-from sph.study.loss_findings import of_loss, slip_zone
 
 CLAY = read_scene("config/scenes/stiff_clay.yaml")
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
+from sph.checks.finding import NOTE, WARNING, Finding, finding, off_by
 from sph.scene.layers import Layer, softening_of
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.stability.standing import slope_height
-from sph.study.finding import NOTE, WARNING, Finding, finding, off_by
 
 FEWEST_IN_LENGTH = 3
 """Spacings in the length over which plastic strain is averaged before soil fails."""
