@@ -17,6 +17,7 @@ ORDER = (
     ("scene",),
     ("storage",),
     ("solver",),
+    ("output",),
     ("measures",),
     ("stability",),
     ("study",),

@@ -9,7 +9,6 @@ from textwrap import fill
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -18,13 +17,13 @@ from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 from sph.figures.history import shade_shaking
 from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
+from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
-from sph.storage.trajectory import scene_of
 
 SOIL_COLOUR = "#d9c9a8"
 SEAM_COLOUR = "#8c2d04"
@@ -37,13 +36,13 @@ TITLE = 80
 
 
 @styled
-def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_geometry(run: Run, fidelity: str = "") -> Figure:
     """Section of the slope with its layers and their properties, and the box that holds it; A is the particle at the crest edge whose
     motion is followed.  What the study varies has the values of its first run.
 
-    ``trajectory`` of any run of the scene.  Raises ValueError for a shape without a slope.
+    ``run`` is any of the scene.  Raises ValueError for a shape without a slope.
     """
-    scene = scene_of(trajectory)
+    scene = run.scene
     geometry = scene.geometry
     if not isinstance(geometry, SLOPES):
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
@@ -58,7 +57,7 @@ def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     draw_seams(ax, scene)
     draw_water(ax, scene)
     survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
-    mark_places(ax, scene, probe_places(trajectory, 0), height=not dimensioned)
+    mark_places(ax, scene, probe_places(run, 0), height=not dimensioned)
     if isinstance(geometry, Slope):
         _draw_dimensions(ax, geometry)
         ax.axis("off")
@@ -249,23 +248,23 @@ def _kept(soil: Soil, ratio: float) -> str:
 
 
 @styled
-def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_motion(run: Run, fidelity: str = "") -> Figure:
     """Horizontal acceleration of the box against time; gravity is applied before the shaking starts, and the run continues
     after it has ended.
 
-    ``trajectory`` of any run of the scene.
+    ``run`` is any of the scene.
     """
-    scene = scene_of(trajectory)
+    scene = run.scene
     figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
     ax = figure.subplots()
-    ax.plot(trajectory["sample_time"].values, trajectory["ground_acceleration"].values, color="black", linewidth=0.9)
+    ax.plot(run["sample_time"], run["ground_acceleration"], color="black", linewidth=0.9)
     shade_shaking(ax, scene)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
     peak = abs(reference_amplitude(scene.motion)) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     also_in_g(ax, "y")
     _name_stages(ax, scene)
-    ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(trajectory['ground_acceleration'].values).max()):.3g} m/s²", loc="left")
+    ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(run['ground_acceleration']).max()):.3g} m/s²", loc="left")
     add_note(figure, [scene], fidelity)
     return figure
 
@@ -292,13 +291,13 @@ def _name_stages(ax: Axes, scene: Scene) -> None:
 
 
 @styled
-def figure_arrangement(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_arrangement(run: Run, fidelity: str = "") -> Figure:
     """Initial arrangement of the particles, coloured by elevation; the particles of the box are white.  A is the particle at the
     crest edge.
 
-    ``trajectory`` of any run of the scene; its first frame is drawn.
+    ``run`` is any of the scene; its first frame is drawn.
     """
-    soil, box = (int((trajectory["kind"].values == 0).sum()), int((trajectory["kind"].values != 0).sum()))
-    figure = stack_of_profiles({f"{soil} soil particles, {box} particles of the box": trajectory}, 0, "initial_height")
-    add_note(figure, [scene_of(trajectory)], fidelity)
+    soil, box = int(run.soil.sum()), int((~run.soil).sum())
+    figure = stack_of_profiles({f"{soil} soil particles, {box} particles of the box": run}, 0, "initial_height")
+    add_note(figure, [run.scene], fidelity)
     return figure

@@ -18,11 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from sph.measures.fields import gravity_frame
 from sph.measures.mobilised import mobilised_by_layer
+from sph.output.run import Run
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL, place_particles
+from sph.solver.particles import place_particles
 from sph.solver.run import run
 from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings, unasked_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
@@ -137,10 +137,10 @@ def _at_peak(scene: Scene) -> Peak:
     result = run(tested)
     trial = judged(result, tested, DEFAULT_RULE, 1.0)
     settled = _settled(scene)
-    trajectory = run(settled).trajectory
-    count = int(np.count_nonzero(settled.gravity.failed(trajectory["t_f"].values[trajectory["kind"].values == SOIL])))
-    begun = any(np.isfinite(t["t_f"].values[t["kind"].values == SOIL]).any() for t in (result.trajectory, trajectory))
-    used = mobilised_by_layer(trajectory, gravity_frame(trajectory)) if trial.stands else {}
+    settled_run = Run(run(settled).trajectory, settled)
+    count = int(np.count_nonzero(settled.gravity.failed(settled_run["t_f"][settled_run.soil])))
+    begun = any(np.isfinite(each["t_f"][each.soil]).any() for each in (Run(result.trajectory, tested), settled_run))
+    used = mobilised_by_layer(settled_run, settled_run.gravity_frame) if trial.stands else {}
     spacing = tested.numerics.spacing
     return Peak(trial, spacing, count * spacing**2, settled.fails_unshaken(count), begun, used)
 
