@@ -19,7 +19,7 @@ from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profile
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
 from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
-from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
+from sph.scene.layers import DepthRegion, ElevationRegion, LayerMaterial, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
@@ -217,20 +217,18 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
 
 def _material(scene: Scene) -> list[str]:
     """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
-    couplings = [(None, None), *((layer.S_R, layer.gamma) for layer in scene.layers.values())]
     return [
         f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
-        f"φ = {soil.friction_angle:g}°; failed: {_kept(soil, scene.coupling.S_R if ratio is None else ratio)}, "
-        f"γ = {scene.coupling.gamma if rate is None else rate:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
-        for soil, (ratio, rate) in zip(scene.soils, couplings, strict=True)
+        f"φ = {soil.friction_angle:g}°; failed: {_kept(material)}, "
+        f"γ = {material.gamma:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
+        for material, soil in zip(scene.materials, scene.soils, strict=True)
     ]
 
 
 def coupling_words(scene: Scene) -> str:
     """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
-    others = {name: _kept(layer.soil, scene.coupling.S_R if layer.S_R is None else layer.S_R) for name, layer in scene.layers.items()}
-    own = _kept(scene.soil, scene.coupling.S_R)
-    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in others.items() if kept != own]
+    own, *others = map(_kept, scene.materials)
+    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in zip(scene.layers, others, strict=True) if kept != own]
     return fill(f"{'; '.join([own, *named])}, γ = {scene.coupling.gamma:g} s⁻¹", TITLE)
 
 
@@ -239,9 +237,9 @@ def _cohesion(soil: Soil) -> str:
     return f"({soil.cohesion:g} + {soil.gradient:g} z/m) kPa" if soil.gradient else f"{soil.cohesion:g} kPa"
 
 
-def _kept(soil: Soil, ratio: float) -> str:
+def _kept(material: LayerMaterial) -> str:
     """What failed soil keeps of its strength: S_R, and residual strengths that are written, which it does not touch."""
-    words = [f"$S_R$ = {ratio:g}"] if None in (soil.residual_cohesion, soil.residual_friction_angle) else []
+    soil, words = material.soil, [f"$S_R$ = {material.S_R:g}"] * material.uses_S_R
     words += [] if soil.residual_cohesion is None else [f"$c_r$ = {soil.residual_cohesion:g} kPa"]
     words += [] if soil.residual_friction_angle is None else [f"$φ_r$ = {soil.residual_friction_angle:g}°"]
     return ", ".join(words)

@@ -195,8 +195,7 @@ def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
 
 def _ratios(scene: Scene) -> np.ndarray:
     """r_u of the scene's own soil and of its layers."""
-    water = 0.0 if scene.water is None else scene.water.r_u or 0.0
-    return np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
+    return np.array([material.r_u for material in scene.materials])
 
 
 def _layer_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -415,8 +415,14 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
                     f"layers.{kept[0]}.{key}",
                 )
             )
-    soils = [soil for scene in scenes for soil in (scene.soil, *(layer.soil for layer in scene.layers.values() if layer.S_R is None))]
-    if len({scene.coupling.S_R for scene in scenes}) > 1 and all(soil.residual(0.0) == soil.residual(1.0) for soil in soils):
+    own = [(None, *(layer.S_R for layer in scene.layers.values())) for scene in scenes]
+    reached = [
+        of.uses_S_R
+        for scene, ratios in zip(scenes, own, strict=True)
+        for of, ratio in zip(scene.materials, ratios, strict=True)
+        if ratio is None
+    ]
+    if len({scene.coupling.S_R for scene in scenes}) > 1 and not any(reached):
         what = "the study varies S_R, which affects no soil: runs that differ only in it are identical"
         measured, wanted = "residual strengths are given", "a dimension soil.residual_friction_angle, or no residual strengths"
         found.append(finding("own-strength-ratio", what, measured, wanted, "soil.residual_cohesion and soil.residual_friction_angle"))
