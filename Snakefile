@@ -47,7 +47,7 @@ SOLVER = solver_digest()
 SEARCHING = SOLVER + sources("stability/*.py")
 FIGURES = "experiments/*/figures*.py"
 ANALYSIS = sources(
-    *["measures/*.py", "checks/*.py", "study/*.py", "experiments/*.py", "experiments/trade/*.py"],
+    *["output/*.py", "measures/*.py", "checks/*.py", "study/*.py", "experiments/*.py", "experiments/trade/*.py"],
     "experiments/measured/*.csv",
     without=FIGURES,
 )

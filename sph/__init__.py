@@ -44,9 +44,9 @@ Where to begin:
 
 These names are the public interface and keep their meaning from version to version; `CHANGELOG.md` says where one does not.  The
 modules are open to read and to use without that promise.  A scene (`sph.scene`) goes through the solver (`sph.solver`, a term of physics
-and a kind of wall a file) into a trajectory (`sph.storage`), and from there into numbers (`sph.measures`).  `sph.study` and
-`sph.experiments` plan many runs (among them the paper's study with its claims and figures, and the reference cases), `sph.stability`
-searches, `sph.figures` draws, `sph.page` writes the report, `sph.command` is the command.
+and a kind of wall a file) into a trajectory (`sph.storage`), which, read as a run (`sph.output`), gives numbers (`sph.measures`).
+`sph.study` and `sph.experiments` plan many runs (among them the paper's study with its claims and figures, and the reference cases),
+`sph.stability` searches, `sph.figures` draws, `sph.page` writes the report, `sph.command` is the command.
 """
 
 from importlib import import_module
@@ -61,7 +61,7 @@ _HOMES = {
         "sph.solver.run": "run Progress Result",
         "sph.solver.checkpoint": "run_to_file",
         "sph.storage.trajectory": "scene_of",
-        "sph.storage.surveyed": "read_run in_survey",
+        "sph.output.surveyed": "read_run in_survey",
         "sph.measures.metrics": "measure MetricSettings",
         "sph.figures.overview": "plot",
         "sph.experiments.registry": "load_study",
@@ -82,6 +82,8 @@ if TYPE_CHECKING:
     from sph.figures.overview import plot as plot
     from sph.measures.metrics import MetricSettings as MetricSettings
     from sph.measures.metrics import measure as measure
+    from sph.output.surveyed import in_survey as in_survey
+    from sph.output.surveyed import read_run as read_run
     from sph.scene.schema import Scene as Scene
     from sph.scene.schema import load_scene as load_scene
     from sph.scene.schema import make_scene as make_scene
@@ -104,8 +106,6 @@ if TYPE_CHECKING:
     )
     from sph.stability.search import Search as Search
     from sph.stability.standing import FailureRule as FailureRule
-    from sph.storage.surveyed import in_survey as in_survey
-    from sph.storage.surveyed import read_run as read_run
     from sph.storage.trajectory import scene_of as scene_of
     from sph.study.plan import Plan as Plan
     from sph.study.tables import read_study as read_study

@@ -5,11 +5,11 @@ from __future__ import annotations
 import os
 
 import pytest
-import xarray as xr
 from hypothesis import settings
 from small_scenes import FREE_BLOCK, SLOPE, SceneBuilder
 from synthetic import synthetic, translation
 
+from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 
@@ -41,12 +41,12 @@ def free_block() -> SceneBuilder:
 
 
 @pytest.fixture
-def standing() -> xr.Dataset:
+def standing() -> Run:
     """The paper's slope, shaken without any effect."""
     return synthetic()
 
 
 @pytest.fixture
-def slid() -> xr.Dataset:
+def slid() -> Run:
     """The paper's slope with all material above the toe moved by 3 m to the left between 4 and 8 s."""
     return synthetic(translation(-3.0))

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from sph.output.run import Run
 from sph.scene.motion import vertical_acceleration
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import SOIL, locate_probes, place_particles
@@ -48,8 +49,8 @@ def synthetic(
     overrides: Mapping[str, Any] | None = None,
     status: str = "complete",
     **arrays: np.ndarray,
-) -> xr.Dataset:
-    """Trajectory in which every soil particle moves along its final displacement as ``share(time)`` says; ``arrays`` replace variables."""
+) -> Run:
+    """Run in which every soil particle moves along its final displacement as ``share(time)`` says; ``arrays`` replace variables."""
     scene = make_scene({**PAPER, **(overrides or {})})
     particles = place_particles(scene)
     soil = particles.kind == SOIL
@@ -70,6 +71,7 @@ def synthetic(
         "y0": particles.y,
         "kind": particles.kind,
         "mass": mass,
+        "layer": particles.layer,
         "t_f": np.full(mass.size, np.nan),
         "probe_particle": at,
         "density": np.full((frames.size, mass.size), scene.soil.density),
@@ -92,7 +94,7 @@ def synthetic(
         values.setdefault(variable.name, np.zeros(shape))
     cost = {"wall_time_s": 2.0, "particle_steps_per_second": 3e6}
     attrs = trajectory.run_attributes(scene) | {"status": status, "status_reason": "", **cost}
-    return trajectory.dataset(values | arrays, list(scene.probes), attrs)
+    return Run(trajectory.dataset(values | arrays, list(scene.probes), attrs))
 
 
 def study_row(S_R: str, gamma: str, amplitude: str, **metrics: Any) -> dict[str, Any]:

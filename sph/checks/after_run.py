@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-import xarray as xr
-
 from sph.checks.finding import Finding, finding
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
+from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 
@@ -73,13 +72,13 @@ def after_run(scene: Scene, values: Mapping[str, Value]) -> list[Finding]:
     return [*met, *thin, *energy_open(float(values["energy_error"]))]
 
 
-def found_after(trajectory: xr.Dataset, scene: Scene) -> list[Finding]:
-    """The same from the trajectory of a run that came to its end, with the default settings of the metrics."""
-    settings = MetricSettings()
-    met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
-    debris = debris_metrics(trajectory, scene, settings)
+def found_after(run: Run) -> list[Finding]:
+    """The same of a run that came to its end, with the default settings of the metrics."""
+    scene, settings = run.scene, MetricSettings()
+    met = reached_sides(run, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
+    debris = debris_metrics(run, settings)
     return [
         *debris_at_wall(scene, " ".join(met), min(met.values(), default=0.0)),
         *thin_debris(scene, debris.get("runout", math.nan), debris.get("deposit_thickness", math.nan)),
-        *energy_open(energy_error(trajectory)),
+        *energy_open(energy_error(run)),
     ]

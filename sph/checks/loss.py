@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from sph.checks.finding import NOTE, WARNING, Finding, finding, off_by
-from sph.scene.layers import Layer, softening_of
+from sph.scene.layers import LayerMaterial
 from sph.scene.schema import Scene
-from sph.scene.soil import Soil
 from sph.stability.standing import slope_height
 
 FEWEST_IN_LENGTH = 3
@@ -17,16 +16,14 @@ SHORTEST_ZONE = 3.0
 a zone of 0.8 heights it falls by 30 %, with 4 and more by 3 % at most from 20 rows over the height on (docs/model/softening.md)."""
 
 
-def slip_zone(scene: Scene, soil: Soil, layer: Layer | None) -> float:
+def slip_zone(scene: Scene, material: LayerMaterial) -> float:
     """Length over which slip develops, G (s_r - s_p) / (tau_p - tau_r), at half the slope's weight, m; infinite where no strength is lost.
 
     Palmer and Rice (1973).  The scene's strength is lost by slip.
     """
-    softening = softening_of(scene.coupling, layer)
+    softening, material = material.softening, material.at_depth(0.5 * slope_height(scene))
     assert softening is not None and softening.slip_at_residual is not None
-    ratio = scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R
-    soil = soil.at_depth(0.5 * slope_height(scene))
-    cohesion, angle = soil.residual(ratio)
+    soil, (cohesion, angle) = material.soil, material.residual
     stress = 0.5 * soil.density * scene.gravity.acceleration * slope_height(scene)
     lost = soil.cohesion_si - 1e3 * cohesion + stress * (math.tan(soil.friction_angle_si) - math.tan(math.radians(angle)))
     return soil.shear_modulus_si * (softening.slip_at_residual - softening.slip_at_peak) / lost if lost > 0.0 else math.inf
@@ -45,8 +42,7 @@ def of_loss(scene: Scene) -> list[Finding]:
     if rate > 0:
         what = "strength falls with time as well as with slip"
         found.append(finding("lost-by-time", what, f"gamma = {rate:g} 1/s, {3.0 / rate:.2g} s to lose 95 %", "0", key, WARNING))
-    layers = [("soil", scene.soil, None), *((name, its.soil, its) for name, its in scene.layers.items())]
-    length, name = min((slip_zone(scene, soil, layer), name) for name, soil, layer in layers)
+    length, name = min((slip_zone(scene, material), material.name) for material in scene.materials)
     height = slope_height(scene)
     if length < SHORTEST_ZONE * height:
         what = f"slip in {name} develops over a short zone, so the shaking at which the slope fails may depend on the spacing"

@@ -17,7 +17,6 @@ from sph.checks.soil import of_rest, of_soils
 from sph.scene.geometry import Slope
 from sph.scene.ground_line import GroundLine, largest_climb
 from sph.scene.ground_motion.record import Record, processed
-from sph.scene.layers import softening_of
 from sph.scene.loading import loading_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
@@ -74,21 +73,18 @@ def growth_words(soil: Soil, part: float = 1.0) -> str:
 def strengths(scene: Scene) -> list[tuple[str, str]]:
     """Name and strength of the scene's own soil, every layer and every seam: at the peak and what is left, with S_R and gamma or slip."""
     found = []
-    for name, soil, layer in (("soil", scene.soil, None), *((name, its.soil, its) for name, its in scene.layers.items())):
-        ratio = scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R
-        rate = scene.coupling.gamma if layer is None or layer.gamma is None else layer.gamma
-        softening = softening_of(scene.coupling, layer)
+    for material in scene.materials:
+        name, soil, rate, softening = material.name, material.soil, material.gamma, material.softening
         lost = [f"gamma = {rate:g} 1/s"]
         if softening is not None and softening.slip_at_residual is not None:
             lost = [f"after {1e3 * softening.slip_at_residual:g} mm of slip", *(lost if rate > 0 else ())]
-        told = ((soil.cohesion, soil.friction_angle), soil.residual(ratio))
-        kept = (1.0, ratio if soil.residual_cohesion is None else 0.0)
+        told = ((soil.cohesion, soil.friction_angle), material.residual)
+        kept = (1.0, material.S_R if soil.residual_cohesion is None else 0.0)
         peak, residual = (
             f"c = {cohesion:.4g} kPa{growth_words(soil, part)}, phi = {angle:.4g} degree"
             for (cohesion, angle), part in zip(told, kept, strict=True)
         )
-        written = None not in (soil.residual_cohesion, soil.residual_friction_angle)
-        found.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {ratio:g}'] * (not written) + lost)})"))
+        found.append((name, f"peak {peak}; residual {residual} ({', '.join([f'S_R = {material.S_R:g}'] * material.uses_S_R + lost)})"))
     for name, seam in scene.seams.items():
         words = f"peak c = {seam.cohesion:.4g} kPa, phi = {seam.friction_angle:.4g} degree"
         if seam.slip_at_residual is not None:
@@ -356,9 +352,9 @@ def reach(scene: Scene) -> float:
     geometry = scene.geometry
     assert isinstance(geometry, (Slope, GroundLine))
     height, weakest = geometry.slope_height, np.inf
-    for soil, layer in zip(scene.soils, (None, *scene.layers.values()), strict=True):
-        cohesion, angle = soil.at_depth(height / THIN).residual(scene.coupling.S_R if layer is None or layer.S_R is None else layer.S_R)
-        wet = scene.water is not None or (layer is not None and layer.r_u is not None)
+    for material in scene.materials:
+        soil, (cohesion, angle) = material.soil.at_depth(height / THIN), material.at_depth(height / THIN).residual
+        wet = scene.water is not None
         friction = np.tan(np.radians(angle)) * (DROWNED if wet else 1.0)
         weight = soil.density * scene.gravity.acceleration * height
         weakest = min(weakest, friction + (1e3 * cohesion * THIN / weight if weight else np.inf))

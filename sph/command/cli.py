@@ -128,6 +128,7 @@ def run(
         from sph.checks.scene import findings
         from sph.command.repeat import check_of_scene, compare, earlier_run, read_given, stopped_at
         from sph.jobs.progress import reporter
+        from sph.output.run import Run
         from sph.solver.checkpoint import run_to_file
         from sph.storage.trajectory import Status
 
@@ -163,14 +164,14 @@ def run(
     print(
         f"{path}: {result.status}{reason}, {attrs['wall_time_s']:.1f} s, {attrs['particle_steps_per_second'] / 1e6:.2f} M particle-steps/s"
     )
-    ratio = float((result.trajectory["time_step"] / result.trajectory["time_step_limit"]).max())
-    if ratio > 1.0:
+    made = Run(result.trajectory, loaded)
+    if made.time_step_ratio > 1.0:
         say(
-            f"numerics.time_step was {ratio:.2f} times the stability limit measured during the run; "
+            f"numerics.time_step was {made.time_step_ratio:.2f} times the stability limit measured during the run; "
             "choose a smaller step, or let it adapt (numerics.adaptive_step={})"
         )
     if result.status not in (Status.DIVERGED, Status.PAUSED):
-        for each in found_after(result.trajectory, loaded):
+        for each in found_after(made):
             say(each.line())
     if earlier is not None and repeats:
         say(compare(earlier, result.trajectory, scene))
@@ -289,7 +290,7 @@ def animate(
     with refusals("reading the trajectory and drawing its frames, about ten per second"):
         from sph.figures.film import check_film, rate, save_film
         from sph.measures.fields import check_field
-        from sph.storage import trajectory
+        from sph.output.run import Run
 
         path = out or file.parent / f"{file.stem}.gif"
         if fps is not None and speed is not None:
@@ -298,7 +299,7 @@ def animate(
         check_film(path, pictures, dpi)
         check_field(field)
         check_writable(path, [file])
-        run = trajectory.read_run(file)
+        run = Run.read(file)
         save_film(run, path, field, every, pictures if speed is None else rate(run, every, speed), motion, dpi)
     print(path)
 
@@ -310,8 +311,8 @@ def export(
 ) -> None:
     """Export a trajectory to ParaView: particles with displacement, velocity, stress, beta and other variables, as stored."""
     with refusals("writing one file per frame"):
+        from sph.output.paraview import export_paraview
         from sph.storage import trajectory
-        from sph.storage.paraview import export_paraview
 
         folder = Path(vtk)
         if not vtk or folder.exists() and not folder.is_dir():
@@ -330,11 +331,11 @@ def metrics(
     with refusals("measuring the trajectory"):
         from sph.checks.after_run import after_run
         from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
-        from sph.storage import trajectory
+        from sph.output.run import Run
 
-        run = trajectory.read_run(file)
+        run = Run.read(file)
         values = measure(run, MetricSettings())
-        found = after_run(trajectory.scene_of(run), values)
+        found = after_run(run.scene, values)
     if as_json:
         print(to_json(values, indent=1))
         return

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import pandas as pd
-import xarray as xr
 
 from sph.command.status import located as located_study
 from sph.experiments.base import Trace
@@ -27,6 +26,7 @@ from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
 from sph.experiments.trigger.points import point_columns
 from sph.jobs.catalogue import ALONE
 from sph.measures.metrics import measure
+from sph.output.run import Run
 from sph.scene.configuration import CONTENT_KEYS
 from sph.scene.schema import make_scene
 from sph.solver.compiled.jit import solver_digest
@@ -90,7 +90,7 @@ class Table(NamedTuple):
     columns: Sequence[Variable]
     named: Sequence[str]  # columns that tell rows apart
     files: Callable[[Mapping[str, str]], list[str]]  # files of a row's runs
-    values: Callable[[list[xr.Dataset]], Mapping[str, Any]]  # columns measured from these runs
+    values: Callable[[list[Run]], Mapping[str, Any]]  # columns measured from these runs
 
 
 class Project:
@@ -153,7 +153,7 @@ class Project:
             name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
             return [plan.shared.runs[name].file, *([plan.searches[name].file] if name in plan.searches else [])]
 
-        def values(runs: list[xr.Dataset]) -> Mapping[str, Any]:
+        def values(runs: list[Run]) -> Mapping[str, Any]:
             return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if len(runs) > 1 else math.nan)
 
         named = ["case"] * layout.named + [axis.name for axis in layout.axes]
@@ -202,13 +202,13 @@ def explain(file: Path, conditions: Mapping[str, str], configfile: Path | None =
     return [_row(table, row, known) for row in rows], project.plan
 
 
-def origin(project: Project, file: str) -> tuple[Origin, xr.Dataset | None]:
+def origin(project: Project, file: str) -> tuple[Origin, Run | None]:
     """What a run was made from and by, and where that is not what is planned now; its trajectory, None where there is none."""
     path = project.folder / file
     if not path.is_file():
         return Origin(file, "", [], "", "", "", ["there is no such file"]), None
-    run = trajectory.read(path)
-    made = trajectory.scene_of(run, file)
+    run = Run(trajectory.read(path), origin=file)
+    made = run.scene
     digest, solver = trajectory.scene_digest(made), str(run.attrs.get("solver_digest", ""))
     differs, planned = [], None
     try:
@@ -240,7 +240,7 @@ def contents(scene: Mapping[str, Any], section: str = "") -> list[Content]:
     return found
 
 
-def _row(table: Table, row: Mapping[str, str], known: Callable[[str], tuple[Origin, xr.Dataset | None]]) -> Row:
+def _row(table: Table, row: Mapping[str, str], known: Callable[[str], tuple[Origin, Run | None]]) -> Row:
     try:
         found = [known(file) for file in table.files(row)]
     except KeyError:

@@ -8,11 +8,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
 
-import xarray as xr
 from pydantic import Field, model_validator
 
 from sph.measures.fields import check_probe
 from sph.measures.metrics import MetricSettings
+from sph.output.run import Run
 from sph.scene.configuration import Section, key
 from sph.scene.schema import Scene, make_scene
 from sph.solver.initial_stress import check_at_rest
@@ -50,7 +50,7 @@ class Trace(NamedTuple):
     """columns that tell rows apart"""
     runs: Callable[[Any], Mapping[tuple[str, ...], Sequence[str]]]
     """names of a row's runs by the values of these columns, from the design"""
-    measure: Callable[[xr.Dataset, MetricSettings], Mapping[str, Any]]
+    measure: Callable[[Run, MetricSettings], Mapping[str, Any]]
     """columns that the first of these runs gives again"""
 
 

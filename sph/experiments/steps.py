@@ -20,11 +20,12 @@ from sph.experiments.base import Experiment
 from sph.experiments.registry import EXPERIMENTS
 from sph.figures import RUN_FIGURES, caption, save
 from sph.measures.metrics import MetricSettings
+from sph.output.run import Run
 from sph.scene.strict_json import to_json
 from sph.storage import trajectory
 from sph.storage.files import whole
 from sph.study.planned import Planned
-from sph.study.runs import Run
+from sph.study.runs import Run as PlannedRun
 from sph.study.tables import write_csv
 
 Given = Mapping[str, Any]
@@ -32,7 +33,7 @@ Files = Mapping[str, str | Sequence[str]]
 Made = pd.DataFrame | xr.Dataset | Figure | list[str] | Callable[..., None]
 
 
-class Runs(Sequence[xr.Dataset]):
+class Runs(Sequence[Run]):
     """The runs of a step, by their files and planned scenes, each read when it is asked for."""
 
     def __init__(self, paths: Sequence[str], scenes: Sequence[Planned]) -> None:
@@ -66,7 +67,7 @@ class Step(NamedTuple):
     """what it is given beside these, from the design of the experiment"""
     needs: Callable[..., Files] = nothing
     """files from elsewhere, by the names of ``READERS`` or, where they are not read here, by others"""
-    runs: Callable[..., Iterable[Run]] | None = None
+    runs: Callable[..., Iterable[PlannedRun]] | None = None
     """those that it is given as ``runs``"""
     after: Callable[..., str | None] = lambda design, **at: None
     """the step that decides which runs these are, once it is done"""

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import xarray as xr
-
 from sph.checks.after_run import after_run
 from sph.experiments.trade.advice import expected_metrics
 from sph.experiments.trade.design import scheme, settings_text
 from sph.experiments.trade.likeness import unlike
 from sph.measures.metrics import MetricSettings, Value, measure
+from sph.output.run import Run
 from sph.scene.strict_json import parse_json
-from sph.storage.trajectory import scene_of
 from sph.study.baseline import baseline_metrics
 from sph.study.tables import FINDINGS
 
@@ -18,9 +16,9 @@ _known: dict[str, dict[str, float]] = {}
 """Errors to expect by how a scene is simulated and in what it is unlike the measured slope, which the runs of a study often share."""
 
 
-def run_values(run: xr.Dataset, settings: MetricSettings, yield_acceleration: float) -> dict[str, Value]:
-    """The columns ``sph.study.tables.VALUES`` of a run, from its trajectory and the yield acceleration of its slope (m/s2)."""
-    scene = scene_of(run)
+def run_values(run: Run, settings: MetricSettings, yield_acceleration: float) -> dict[str, Value]:
+    """The columns ``sph.study.tables.VALUES`` of a run, from the run and the yield acceleration of its slope (m/s2)."""
+    scene = run.scene
     numerics = settings_text(scheme(scene)) + str(unlike(scene))
     if numerics not in _known:
         _known[numerics] = expected_metrics(scene)

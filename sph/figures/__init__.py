@@ -51,7 +51,7 @@ RUN_FIGURES: dict[str, Callable[..., Figure]] = {
     MOBILISED: figure_mobilised,
     PROFILES: figure_displaced,
 }
-"""Figures of one run or of some, by the names of their files: functions of its trajectory, or of theirs by title, and the fidelity."""
+"""Figures of one run or of some, by the names of their files: functions of the run, or of runs by title, and the fidelity."""
 STUDY_FIGURES: dict[str, Callable[..., Figure]] = {"study": figure_study, "map": figure_map}
 """Figures of all runs of a study, by the names of their files: functions of its table, its dimensions, the probe and the note."""
 WITH_PLACES = (PROFILES,)

@@ -9,7 +9,6 @@ from textwrap import fill
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
@@ -18,13 +17,13 @@ from matplotlib.patches import Arc, Patch, Polygon, Rectangle
 from sph.figures.history import shade_shaking
 from sph.figures.profile import HALO, mark_place, probe_places, stack_of_profiles, surface_line, survey_axes
 from sph.figures.style import GREY, WIDTH, add_note, also_in_g, colour_map, plain, styled
+from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
-from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
+from sph.scene.layers import DepthRegion, ElevationRegion, LayerMaterial, PolygonRegion
 from sph.scene.motion import NoMotion, reference_amplitude
 from sph.scene.places import Shape
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
-from sph.storage.trajectory import scene_of
 
 SOIL_COLOUR = "#d9c9a8"
 SEAM_COLOUR = "#8c2d04"
@@ -37,13 +36,13 @@ TITLE = 80
 
 
 @styled
-def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_geometry(run: Run, fidelity: str = "") -> Figure:
     """Section of the slope with its layers and their properties, and the box that holds it; A is the particle at the crest edge whose
     motion is followed.  What the study varies has the values of its first run.
 
-    ``trajectory`` of any run of the scene.  Raises ValueError for a shape without a slope.
+    ``run`` is any of the scene.  Raises ValueError for a shape without a slope.
     """
-    scene = scene_of(trajectory)
+    scene = run.scene
     geometry = scene.geometry
     if not isinstance(geometry, SLOPES):
         raise ValueError(f"geometry.shape: {geometry.shape!r}; the figure of the geometry is for 'slope' and 'ground_line'")
@@ -58,7 +57,7 @@ def figure_geometry(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
     draw_seams(ax, scene)
     draw_water(ax, scene)
     survey_axes(ax, scene, (-reach, geometry.width + reach, bottom, top))
-    mark_places(ax, scene, probe_places(trajectory, 0), height=not dimensioned)
+    mark_places(ax, scene, probe_places(run, 0), height=not dimensioned)
     if isinstance(geometry, Slope):
         _draw_dimensions(ax, geometry)
         ax.axis("off")
@@ -218,20 +217,18 @@ def _draw_dimensions(ax: Axes, geometry: Slope) -> None:
 
 def _material(scene: Scene) -> list[str]:
     """Properties of the scene's own soil and of every layer in words: solid, then what failed soil keeps."""
-    couplings = [(None, None), *((layer.S_R, layer.gamma) for layer in scene.layers.values())]
     return [
         f"ρ = {soil.density:g} kg/m³, E = {1e-3 * soil.youngs_modulus:g} MPa, ν = {soil.poisson_ratio:g}, c = {_cohesion(soil)}, "
-        f"φ = {soil.friction_angle:g}°; failed: {_kept(soil, scene.coupling.S_R if ratio is None else ratio)}, "
-        f"γ = {scene.coupling.gamma if rate is None else rate:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
-        for soil, (ratio, rate) in zip(scene.soils, couplings, strict=True)
+        f"φ = {soil.friction_angle:g}°; failed: {_kept(material)}, "
+        f"γ = {material.gamma:g} s⁻¹, η = {soil.viscosity:g} Pa·s"
+        for material, soil in zip(scene.materials, scene.soils, strict=True)
     ]
 
 
 def coupling_words(scene: Scene) -> str:
     """What failed soil keeps and how fast it loses the rest, for a title; layers that keep another part are named with theirs."""
-    others = {name: _kept(layer.soil, scene.coupling.S_R if layer.S_R is None else layer.S_R) for name, layer in scene.layers.items()}
-    own = _kept(scene.soil, scene.coupling.S_R)
-    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in others.items() if kept != own]
+    own, *others = map(_kept, scene.materials)
+    named = [f"{kept} in {plain(name).replace('_', ' ')}" for name, kept in zip(scene.layers, others, strict=True) if kept != own]
     return fill(f"{'; '.join([own, *named])}, γ = {scene.coupling.gamma:g} s⁻¹", TITLE)
 
 
@@ -240,32 +237,32 @@ def _cohesion(soil: Soil) -> str:
     return f"({soil.cohesion:g} + {soil.gradient:g} z/m) kPa" if soil.gradient else f"{soil.cohesion:g} kPa"
 
 
-def _kept(soil: Soil, ratio: float) -> str:
+def _kept(material: LayerMaterial) -> str:
     """What failed soil keeps of its strength: S_R, and residual strengths that are written, which it does not touch."""
-    words = [f"$S_R$ = {ratio:g}"] if None in (soil.residual_cohesion, soil.residual_friction_angle) else []
+    soil, words = material.soil, [f"$S_R$ = {material.S_R:g}"] * material.uses_S_R
     words += [] if soil.residual_cohesion is None else [f"$c_r$ = {soil.residual_cohesion:g} kPa"]
     words += [] if soil.residual_friction_angle is None else [f"$φ_r$ = {soil.residual_friction_angle:g}°"]
     return ", ".join(words)
 
 
 @styled
-def figure_motion(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_motion(run: Run, fidelity: str = "") -> Figure:
     """Horizontal acceleration of the box against time; gravity is applied before the shaking starts, and the run continues
     after it has ended.
 
-    ``trajectory`` of any run of the scene.
+    ``run`` is any of the scene.
     """
-    scene = scene_of(trajectory)
+    scene = run.scene
     figure = Figure(figsize=(WIDTH, 2.5), layout="constrained")
     ax = figure.subplots()
-    ax.plot(trajectory["sample_time"].values, trajectory["ground_acceleration"].values, color="black", linewidth=0.9)
+    ax.plot(run["sample_time"], run["ground_acceleration"], color="black", linewidth=0.9)
     shade_shaking(ax, scene)
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
     peak = abs(reference_amplitude(scene.motion)) or 1.0
     ax.set(xlim=(0.0, scene.duration), ylim=(-1.3 * peak, 1.45 * peak), xlabel="time (s)", ylabel="acceleration (m/s²)")
     also_in_g(ax, "y")
     _name_stages(ax, scene)
-    ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(trajectory['ground_acceleration'].values).max()):.3g} m/s²", loc="left")
+    ax.set_title(f"{motion_name(scene)}, peak {float(np.abs(run['ground_acceleration']).max()):.3g} m/s²", loc="left")
     add_note(figure, [scene], fidelity)
     return figure
 
@@ -292,13 +289,13 @@ def _name_stages(ax: Axes, scene: Scene) -> None:
 
 
 @styled
-def figure_arrangement(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_arrangement(run: Run, fidelity: str = "") -> Figure:
     """Initial arrangement of the particles, coloured by elevation; the particles of the box are white.  A is the particle at the
     crest edge.
 
-    ``trajectory`` of any run of the scene; its first frame is drawn.
+    ``run`` is any of the scene; its first frame is drawn.
     """
-    soil, box = (int((trajectory["kind"].values == 0).sum()), int((trajectory["kind"].values != 0).sum()))
-    figure = stack_of_profiles({f"{soil} soil particles, {box} particles of the box": trajectory}, 0, "initial_height")
-    add_note(figure, [scene_of(trajectory)], fidelity)
+    soil, box = int(run.soil.sum()), int((~run.soil).sum())
+    figure = stack_of_profiles({f"{soil} soil particles, {box} particles of the box": run}, 0, "initial_height")
+    add_note(figure, [run.scene], fidelity)
     return figure

@@ -8,7 +8,6 @@ from subprocess import CalledProcessError
 
 import matplotlib
 import numpy as np
-import xarray as xr
 from matplotlib.animation import FFMpegWriter, adjusted_figsize
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
@@ -20,8 +19,8 @@ from sph.figures.history import shade_shaking
 from sph.figures.profile import OUTSIDE, draw_profile, field_norm, frame_limits, mark_probes, survey_axes
 from sph.figures.style import STYLE, WIDTH, add_note, colour_map, plain
 from sph.measures.fields import FIELDS, check_field
+from sph.output.run import Run
 from sph.storage.files import whole
-from sph.storage.trajectory import scene_of
 
 FASTEST = {".gif": 50.0, ".mp4": 120.0}
 """The formats, and the most pictures a second that players of each keep up with."""
@@ -45,13 +44,13 @@ def check_film(path: Path, fps: float, dpi: int) -> None:
         )
 
 
-def rate(trajectory: xr.Dataset, every: int, speed: float) -> float:
+def rate(run: Run, every: int, speed: float) -> float:
     """Pictures a second at which every n-th frame of the interval shows ``speed`` simulated seconds a second."""
-    return speed / (every * scene_of(trajectory).outputs.frame_interval)
+    return speed / (every * run.scene.outputs.frame_interval)
 
 
 def save_film(
-    trajectory: xr.Dataset, path: Path, field: str = "displacement", every: int = 1, fps: float = 10.0, motion: bool = False, dpi: int = 120
+    run: Run, path: Path, field: str = "displacement", every: int = 1, fps: float = 10.0, motion: bool = False, dpi: int = 120
 ) -> int:
     """Write every n-th frame of ``outputs.frame_interval`` to a GIF or an MP4, whole or not at all; returns the number of pictures.
 
@@ -60,19 +59,19 @@ def save_film(
     """
     check_film(path, fps, dpi)
     check_field(field)
-    ratio = trajectory["time"].values / scene_of(trajectory).outputs.frame_interval
+    ratio = run["time"] / run.scene.outputs.frame_interval
     frames = np.flatnonzero(np.isclose(ratio, ratio.round(), rtol=0.0, atol=1e-6))[::every].tolist()
     with matplotlib.rc_context(STYLE):
-        figure, show = draw_film(trajectory, frames, field, motion, dpi)
+        figure, show = draw_film(run, frames, field, motion, dpi)
         with whole(path) as temporary:
             (_gif if path.suffix == ".gif" else _mp4)(figure, show, frames, temporary, fps)
     return len(frames)
 
 
-def draw_film(trajectory: xr.Dataset, frames: Sequence[int], field: str, motion: bool, dpi: int) -> tuple[Figure, Callable[[int], None]]:
+def draw_film(run: Run, frames: Sequence[int], field: str, motion: bool, dpi: int) -> tuple[Figure, Callable[[int], None]]:
     """A figure of an even number of pixels each way, as H.264 wants, and the function that shows a frame in it."""
-    scene, chosen, norm = scene_of(trajectory), FIELDS[field], field_norm({"": trajectory}, field, *frames)
-    limits = np.array([frame_limits(trajectory, frame) for frame in frames])
+    scene, chosen, norm = run.scene, FIELDS[field], field_norm({"": run}, field, *frames)
+    limits = np.array([frame_limits(run, frame) for frame in frames])
     (left, _, lower, _), (_, right, _, upper) = limits.min(axis=0), limits.max(axis=0)
     panel = (WIDTH - 1.4) * (upper - lower) / (right - left)
     size = adjusted_figsize(WIDTH, panel + 2.5 * OUTSIDE + (STRIP + OUTSIDE) * motion, dpi, 2)
@@ -84,7 +83,7 @@ def draw_film(trajectory: xr.Dataset, frames: Sequence[int], field: str, motion:
     figure.colorbar(ScalarMappable(norm, colour_map()), cax=beside, label=f"{chosen.label}\n({chosen.units})")
     now = None
     if motion:
-        strips[1].plot(trajectory["sample_time"].values, trajectory["ground_acceleration"].values, color="black", linewidth=0.8)
+        strips[1].plot(run["sample_time"], run["ground_acceleration"], color="black", linewidth=0.8)
         strips[1].set(xlim=(0.0, scene.duration), xlabel="time (s)", ylabel="acceleration\nof the box (m/s²)")
         strips[1].margins(y=0.4)  # the name of the shaking lies above the curve
         shade_shaking(strips[1], scene)
@@ -94,9 +93,9 @@ def draw_film(trajectory: xr.Dataset, frames: Sequence[int], field: str, motion:
     def show(frame: int) -> None:
         for artist in [*profile.collections, *profile.lines, *profile.texts]:
             artist.remove()
-        draw_profile(profile, trajectory, frame, field, norm)
-        mark_probes(profile, trajectory, frame)
-        time = float(trajectory["time"].values[frame])
+        draw_profile(profile, run, frame, field, norm)
+        mark_probes(profile, run, frame)
+        time = float(run["time"][frame])
         profile.set_title(f"{plain(scene.title or scene.name)}, {coupling_words(scene)}\nt = {time:5.2f} s", loc="left")
         survey_axes(profile, scene, (left, right, lower, upper))
         if now is not None:

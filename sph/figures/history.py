@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from sph.figures.style import LINE_STYLES, SHAKING, curve_colours
-from sph.measures.fields import probe_history, with_end
+from sph.measures.fields import with_end
+from sph.output.run import Run
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene
-from sph.storage.trajectory import Status, scene_of
+from sph.storage.trajectory import Status
 
 
 def shade_shaking(ax: Axes, scene: Scene, label: str = "shaking") -> None:
@@ -32,17 +32,19 @@ def shade_shaking(ax: Axes, scene: Scene, label: str = "shaking") -> None:
     )
 
 
-def draw_vertical_histories(ax: Axes, trajectories: Mapping[str, xr.Dataset], probe: str) -> list[Line2D]:
-    """Vertical displacement of a probe since the end of the gravity stage, a curve per trajectory, named by the keys."""
-    colours = curve_colours(len(trajectories))
+def draw_vertical_histories(ax: Axes, runs: Mapping[str, Run], probe: str) -> list[Line2D]:
+    """Vertical displacement of a probe since the end of the gravity stage, a curve per run, named by the keys."""
+    colours = curve_colours(len(runs))
     lines = []
-    for number, (name, trajectory) in enumerate(trajectories.items()):
-        history = probe_history(trajectory, probe)
+    for number, (name, run) in enumerate(runs.items()):
+        history = run.history(probe)
         style = LINE_STYLES[number % len(LINE_STYLES)]
-        lines += ax.plot(history.time, history.vertical, color=colours[number], linestyle=style, label=with_end(name, trajectory))
-        if trajectory.attrs["status"] == Status.DIVERGED:
-            ax.plot(history.time[-1:], history.vertical[-1:], color=colours[number], marker="x", markersize=7, markeredgewidth=2.0)
-    scenes = [scene_of(trajectory) for trajectory in trajectories.values()]
+        lines += ax.plot(history.time, history.displacement_vertical, color=colours[number], linestyle=style, label=with_end(name, run))
+        if run.status == Status.DIVERGED:
+            ax.plot(
+                history.time[-1:], history.displacement_vertical[-1:], color=colours[number], marker="x", markersize=7, markeredgewidth=2.0
+            )
+    scenes = [run.scene for run in runs.values()]
     shade_shaking(ax, scenes[0])
     ax.axhline(0.0, color="0.6", linewidth=0.5, zorder=1)
     ax.set(xlim=(0.0, max(scene.duration for scene in scenes)), xlabel="time (s)")

@@ -4,34 +4,33 @@ from __future__ import annotations
 
 import textwrap
 
-import xarray as xr
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from sph.figures.profile import OUTSIDE, draw_profile, frame_limits
 from sph.figures.style import WIDTH, add_note, plain, styled
-from sph.measures.fields import FIELDS, gravity_frame
+from sph.measures.fields import FIELDS
 from sph.measures.mobilised import mobilised_by_layer
-from sph.storage.trajectory import scene_of
+from sph.output.run import Run
 
 MOST_LETTERS = 95
 """Most characters in a line of the title."""
 
 
 @styled
-def figure_mobilised(trajectory: xr.Dataset, fidelity: str = "") -> Figure:
+def figure_mobilised(run: Run, fidelity: str = "") -> Figure:
     """Share of its peak strength that soil mobilises at the end of the gravity stage, before any shaking: the radius of the Mohr circle
     over that at yield.  The title gives each layer's mean over a disc half as wide as the slope is high, placed where it is largest."""
-    scene, frame = scene_of(trajectory), gravity_frame(trajectory)
-    left, right, lower, upper = frame_limits(trajectory, frame)
+    scene, frame = run.scene, run.gravity_frame
+    left, right, lower, upper = frame_limits(run, frame)
     panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
     figure = Figure(figsize=(WIDTH, panel + OUTSIDE + 0.6), layout="compressed")
     ax = figure.subplots()
-    circles = draw_profile(ax, trajectory, frame, "mobilised", Normalize(0.0, 1.0), "lajolla_r")
+    circles = draw_profile(ax, run, frame, "mobilised", Normalize(0.0, 1.0), "lajolla_r")
     shown = FIELDS["mobilised"]
     figure.colorbar(circles, ax=ax, label=textwrap.fill(f"{shown.label} ({shown.units})", 22), pad=0.015, fraction=0.03, aspect=20)
-    of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in mobilised_by_layer(trajectory, frame).items())
-    title = f"Strength mobilised under gravity alone, t = {float(trajectory['time'].values[frame]):g} s: {of_layers}"
+    of_layers = ", ".join(f"{plain(name)} {100 * share:.0f} %" for name, share in mobilised_by_layer(run, frame).items())
+    title = f"Strength mobilised under gravity alone, t = {float(run['time'][frame]):g} s: {of_layers}"
     ax.set_title("\n".join(textwrap.wrap(title, MOST_LETTERS)), loc="left")
     add_note(figure, [scene], fidelity)
     return figure

@@ -7,7 +7,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize
@@ -17,11 +16,10 @@ from matplotlib.ticker import AutoLocator
 from sph.figures.style import WIDTH, add_note, colour_map, label_panels, plain, styled
 from sph.measures.fields import FIELDS, with_end
 from sph.measures.places import PlaceAt, beyond_toe
+from sph.output.run import Run
 from sph.scene.geometry import SLOPES
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL
-from sph.storage.trajectory import scene_of
 
 OUTSIDE = 0.45
 """Inches beside the axes of a profile that ticks and labels need; only sets the figure's height."""
@@ -50,38 +48,35 @@ def draw_circles(ax: Axes, x: np.ndarray, y: np.ndarray, diameter: float, **styl
     return circles
 
 
-def frame_limits(trajectory: xr.Dataset, frame: int) -> tuple[float, float, float, float]:
+def frame_limits(run: Run, frame: int) -> tuple[float, float, float, float]:
     """Left, right, lower and upper end (m) of the box and of the soil in a frame, with a margin; far-flung particles are cut off."""
-    scene = scene_of(trajectory)
+    scene = run.scene
     spacing, layers = scene.numerics.spacing, scene.walls.layers
-    x, y = trajectory["x0"].values, trajectory["y0"].values
-    top = max(y.max(), min(float(np.nanmax(trajectory["y"].values[frame])), 1.5 * scene.geometry.height))
-    left, right = (
-        (x.min() - spacing, x.max() + spacing) if not scene.walls.kinds.sides.open else _reach(trajectory, frame, layers * spacing)
-    )
+    x, y = run["x0"], run["y0"]
+    top = max(y.max(), min(float(np.nanmax(run["y"][frame])), 1.5 * scene.geometry.height))
+    left, right = (x.min() - spacing, x.max() + spacing) if not scene.walls.kinds.sides.open else _reach(run, frame, layers * spacing)
     return left, right, y.min() - spacing, top + spacing
 
 
-def _reach(trajectory: xr.Dataset, frame: int, margin: float) -> tuple[float, float]:
+def _reach(run: Run, frame: int, margin: float) -> tuple[float, float]:
     """Extent of the middle 99 % of the particles in a box without side walls."""
-    x, x0 = trajectory["x"].values[frame], trajectory["x0"].values
+    x, x0 = run["x"][frame], run["x0"]
     low, high = np.nanpercentile(x, [0.5, 99.5])
     return min(float(low), x0.min()) - margin, max(float(high), x0.max()) + margin
 
 
-def draw_profile(ax: Axes, trajectory: xr.Dataset, frame: int, field: str, norm: Normalize, colours: str = "batlow") -> EllipseCollection:
+def draw_profile(ax: Axes, run: Run, frame: int, field: str, norm: Normalize, colours: str = "batlow") -> EllipseCollection:
     """Soil coloured by a field of ``FIELDS``, box in white, initial surface as a thin line; returns the coloured circles."""
-    scene = scene_of(trajectory)
-    soil = trajectory["kind"].values == SOIL
-    x, y = trajectory["x"].values[frame], trajectory["y"].values[frame]
+    scene, soil = run.scene, run.soil
+    x, y = run["x"][frame], run["y"][frame]
     spacing = scene.numerics.spacing
     draw_circles(ax, x[~soil], y[~soil], spacing, facecolor="white", edgecolor="0.35", linewidth=0.25)
-    values = FIELDS[field].of(trajectory, frame)[soil]
+    values = FIELDS[field].of(run, frame)[soil]
     circles = draw_circles(ax, x[soil], y[soil], spacing, array=values, cmap=colour_map(colours), norm=norm, edgecolor="0.3", linewidth=0.1)
     surface_x, surface_y = surface_line(scene)
-    end_of_soil = trajectory["x0"].values[soil].max() + 0.5 * spacing  # whole columns of particles may leave a part of the width empty
+    end_of_soil = run["x0"][soil].max() + 0.5 * spacing  # whole columns of particles may leave a part of the width empty
     ax.plot(np.minimum(surface_x, end_of_soil), surface_y, color="black", linewidth=0.7)
-    survey_axes(ax, scene, frame_limits(trajectory, frame))
+    survey_axes(ax, scene, frame_limits(run, frame))
     return circles
 
 
@@ -116,16 +111,16 @@ def survey_axes(ax: Axes, scene: Scene, limits: Sequence[float]) -> None:
     ax.set_ylabel("elevation (m)")
 
 
-def probe_places(trajectory: xr.Dataset, frame: int) -> dict[str, tuple[float, float]]:
+def probe_places(run: Run, frame: int) -> dict[str, tuple[float, float]]:
     """Place of every probe in a frame, m, by name."""
-    particles = trajectory["probe_particle"].values
-    places = zip(*(trajectory[axis].values[frame, particles].tolist() for axis in ("x", "y")), strict=True)
-    return dict(zip(map(str, trajectory["probe"].values), places, strict=True))
+    particles = run["probe_particle"]
+    places = zip(*(run[axis][frame, particles].tolist() for axis in ("x", "y")), strict=True)
+    return dict(zip(run.probes, places, strict=True))
 
 
-def mark_probes(ax: Axes, trajectory: xr.Dataset, frame: int) -> None:
+def mark_probes(ax: Axes, run: Run, frame: int) -> None:
     """A ring and the name at every probe."""
-    for name, place in probe_places(trajectory, frame).items():
+    for name, place in probe_places(run, frame).items():
         mark_place(ax, name, *place)
 
 
@@ -153,69 +148,66 @@ def draw_places(ax: Axes, scene: Scene, places: Mapping[str, PlaceAt]) -> None:
         ax.annotate(plain(name).replace("_", " "), foot, **above, **look)
 
 
-def field_norm(trajectories: Mapping[str, xr.Dataset], field: str, *frames: int) -> Normalize:
-    """One scale for the soil of several trajectories in some frames, the last one by default; a constant field gets a span of 1,
+def field_norm(runs: Mapping[str, Run], field: str, *frames: int) -> Normalize:
+    """One scale for the soil of several runs in some frames, the last one by default; a constant field gets a span of 1,
     values that are not finite are left out."""
-    soils = [(ds, ds["kind"].values == SOIL) for ds in trajectories.values()]
-    values = np.concatenate([FIELDS[field].of(ds, frame)[soil] for ds, soil in soils for frame in frames or (-1,)])
+    values = np.concatenate([FIELDS[field].of(run, frame)[run.soil] for run in runs.values() for frame in frames or (-1,)])
     finite = values[np.isfinite(values)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
-    zero = min(scene_of(ds).geometry.origin[1] for ds in trajectories.values()) if field == "initial_height" else 0.0
+    zero = min(run.scene.geometry.origin[1] for run in runs.values()) if field == "initial_height" else 0.0
     low = zero if low > zero else low
     return Normalize(low, high if high > low else low + 1.0)
 
 
-def stack_of_profiles(
-    trajectories: Mapping[str, xr.Dataset], frame: int, field: str, places: Mapping[str, PlaceAt] | None = None
-) -> Figure:
+def stack_of_profiles(runs: Mapping[str, Run], frame: int, field: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Profiles of one frame below each other, a title for each, one colour bar; x axis and scale are common."""
-    if not trajectories:
-        raise ValueError("trajectories: a figure of profiles needs at least one")
-    limits = np.array([frame_limits(ds, frame) for ds in trajectories.values()])
+    if not runs:
+        raise ValueError("runs: a figure of profiles needs at least one")
+    limits = np.array([frame_limits(run, frame) for run in runs.values()])
     left, right, lower, upper = limits[:, 0].min(), limits[:, 1].max(), limits[:, 2].min(), limits[:, 3].max()
     panel = (WIDTH - 1.6) * (upper - lower) / (right - left)
-    titles = [textwrap.wrap(with_end(title, trajectory), LONG_TITLE) for title, trajectory in trajectories.items()]
+    titles = [textwrap.wrap(with_end(title, run), LONG_TITLE) for title, run in runs.items()]
     more_lines = sum(max(len(lines) - 1, 0) for lines in titles)
-    height = len(trajectories) * (panel + OUTSIDE) + more_lines * LINE + 0.65
+    height = len(runs) * (panel + OUTSIDE) + more_lines * LINE + 0.65
     figure = Figure(figsize=(WIDTH, height), layout="compressed")
-    axes = figure.subplots(len(trajectories), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
-    norm = field_norm(trajectories, field, frame)
-    for ax, trajectory in zip(axes, trajectories.values(), strict=True):
-        circles = draw_profile(ax, trajectory, frame, field, norm)
-        mark_probes(ax, trajectory, frame)
-        draw_places(ax, scene_of(trajectory), places or {})
-    for ax, trajectory in zip(axes, trajectories.values(), strict=True):
-        survey_axes(ax, scene_of(trajectory), (left, right, lower, upper))
+    axes = figure.subplots(len(runs), 1, sharex=True, sharey=True, squeeze=False)[:, 0]
+    norm = field_norm(runs, field, frame)
+    for ax, run in zip(axes, runs.values(), strict=True):
+        circles = draw_profile(ax, run, frame, field, norm)
+        mark_probes(ax, run, frame)
+        draw_places(ax, run.scene, places or {})
+    for ax, run in zip(axes, runs.values(), strict=True):
+        survey_axes(ax, run.scene, (left, right, lower, upper))
         ax.label_outer()
     label_panels(axes, ["\n".join(lines) for lines in titles])
     bar = FIELDS[field]
-    words = textwrap.fill(f"{bar.label} ({bar.units})", max(12, int(PER_INCH * panel * len(trajectories))))
-    figure.colorbar(circles, ax=list(axes), label=words, pad=0.015, fraction=0.03, aspect=20 * len(trajectories) ** 0.5)
+    words = textwrap.fill(f"{bar.label} ({bar.units})", max(12, int(PER_INCH * panel * len(runs))))
+    figure.colorbar(circles, ax=list(axes), label=words, pad=0.015, fraction=0.03, aspect=20 * len(runs) ** 0.5)
     return figure
 
 
 @styled
-def figure_profiles(trajectories: Mapping[str, xr.Dataset], fidelity: str = "") -> Figure:
+def figure_profiles(runs: Mapping[str, Run], fidelity: str = "") -> Figure:
     """Profiles of the slope at the end of the run, coloured by the initial elevation of the particles; particles of the box are
     white, the line is the initial surface, A is the particle at the original crest edge.
 
-    ``trajectories`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": ds, ...}``.  Raises ValueError without trajectories.
+    ``runs`` by panel title, e.g. ``{"S_R = 0.10, γ = 100": run, ...}``.  Raises ValueError without runs.
     """
-    return _profiles(trajectories, "initial_height", fidelity)
+    return _profiles(runs, "initial_height", fidelity)
 
 
 @styled
-def figure_displaced(trajectories: Mapping[str, xr.Dataset], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None) -> Figure:
+def figure_displaced(runs: Mapping[str, Run], fidelity: str = "", places: Mapping[str, PlaceAt] | None = None) -> Figure:
     """Profiles of the slope at the end of the run, coloured by the displacement of the particles since the gravity stage, on one scale;
     particles of the box are white, the line is the initial surface, A is the particle at the original crest edge.  Posts stand at the
     places that debris may reach.
 
-    ``trajectories`` by panel title, ``places`` as in ``metrics.places``.  Raises ValueError without trajectories.
+    ``runs`` by panel title, ``places`` as in ``metrics.places``.  Raises ValueError without runs.
     """
-    return _profiles(trajectories, "displacement", fidelity, places)
+    return _profiles(runs, "displacement", fidelity, places)
 
 
-def _profiles(trajectories: Mapping[str, xr.Dataset], field: str, fidelity: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
-    figure = stack_of_profiles(trajectories, -1, field, places)
-    add_note(figure, [scene_of(ds) for ds in trajectories.values()], fidelity)
+def _profiles(runs: Mapping[str, Run], field: str, fidelity: str, places: Mapping[str, PlaceAt] | None = None) -> Figure:
+    figure = stack_of_profiles(runs, -1, field, places)
+    add_note(figure, [run.scene for run in runs.values()], fidelity)
     return figure

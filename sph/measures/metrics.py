@@ -28,11 +28,11 @@ import scipy  # type: ignore[import-untyped]
 import xarray as xr
 from pydantic import model_validator
 
-from sph.measures.fields import ProbeHistory, displacement, gravity_frame, last_at, probe_history
 from sph.measures.linked import largest_mass
 from sph.measures.mobilised import DISC, mobilised_by_layer
 from sph.measures.places import Debris, PlaceAt, PlaceName, at_places, place_columns
 from sph.measures.sides import BACK, FRONT, OVER, reached_sides
+from sph.output.run import ProbeHistory, Run
 from sph.scene.configuration import Section, key
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.gravity import FAILED_AREA, FAILED_SHARE, UNSHAKEN
@@ -40,9 +40,7 @@ from sph.scene.ground_line import GroundLine
 from sph.scene.motion import NoMotion
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL
-from sph.storage.surveyed import check_in_box
-from sph.storage.trajectory import Status, Variable, scene_of
+from sph.storage.trajectory import Status, Variable
 
 CLASSES = STABLE, MINOR, DAMAGED, COLLAPSE = ("stable", "minor", "damaged", "collapse")
 """Collapse classes in order of damage."""
@@ -272,32 +270,32 @@ METRIC_BY_NAME = {metric.name: metric for metric in METRICS}
 Value = float | int | str
 
 
-def measure(trajectory: xr.Dataset, settings: MetricSettings | None = None) -> dict[str, Value]:
-    """Every metric of ``METRICS``, in its order, and those of the places of the settings, for one finished run.
+def measure(run: Run | xr.Dataset, settings: MetricSettings | None = None) -> dict[str, Value]:
+    """Every metric of ``METRICS``, in its order, and those of the places of the settings, for one finished run or its trajectory.
 
     Raises ValueError for a paused run, an unknown status, a probe that the run does not have and a run in the survey's coordinates.
     """
     settings = settings or MetricSettings()
-    check_in_box(trajectory)
-    scene, status = scene_of(trajectory), str(trajectory.attrs.get("status"))
+    run = Run.of(run)
+    status = run.status
     finished = [name for name in Status if name != Status.PAUSED]
     if status not in finished:
         raise ValueError(f"status: {status!r}; only a finished run can be measured, with a status among {', '.join(finished)}")
     values: dict[str, Value] = {metric.name: math.nan for metric in (*METRICS, *place_columns(settings.places))}
-    values |= _facts(trajectory, scene, status)
+    values |= _facts(run)
     if status == Status.DIVERGED:
         return values | {"collapse_class": UNDETERMINED, "still_moving": 1, "reached_side": ""}
-    probe = probe_history(trajectory, settings.probe)
-    moving = _still_moving(trajectory, probe, settings)
-    values |= _probe_metrics(probe, scene, settings, moving)
+    probe = run.history(settings.probe)
+    moving = _still_moving(run, probe, settings)
+    values |= _probe_metrics(probe, run, settings, moving)
     values |= {
         "still_moving": int(moving),
-        "collapse_class": collapse_class(float(probe.magnitude[-1]) / _height(scene), settings),
-        "viscous_share": _viscous_share(trajectory),
-        "energy_error": energy_error(trajectory),
+        "collapse_class": collapse_class(float(probe.displacement_magnitude[-1]) / _height(run.scene), settings),
+        "viscous_share": _viscous_share(run),
+        "energy_error": energy_error(run),
     }
-    values |= _soil_metrics(trajectory, scene, settings)
-    met = reached_sides(trajectory, scene, settings.moved_threshold, settings.link_length * scene.numerics.spacing)
+    values |= _soil_metrics(run, settings)
+    met = reached_sides(run, settings.moved_threshold, settings.link_length * run.scene.numerics.spacing)
     return values | {"reached_side": " ".join(met), "reached_side_time": min(met.values(), default=math.nan)}
 
 
@@ -330,99 +328,99 @@ def _height(scene: Scene) -> float:
     return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
 
 
-def _facts(trajectory: xr.Dataset, scene: Scene, status: str) -> dict[str, Value]:
-    motion = scene.motion
+def _facts(run: Run) -> dict[str, Value]:
+    motion = run.scene.motion
     start, end = (math.nan, math.nan) if isinstance(motion, NoMotion) else (motion.start, motion.end)
     return {
-        "status": status,
-        "diverged": int(status == Status.DIVERGED),
+        "status": run.status,
+        "diverged": int(run.status == Status.DIVERGED),
         "shaking_start": start,
         "shaking_end": end,
-        "time_step_ratio": float((trajectory["time_step"] / trajectory["time_step_limit"]).max()),
-        "wall_time": float(trajectory.attrs["wall_time_s"]),
-        "particle_steps_per_second": float(trajectory.attrs["particle_steps_per_second"]),
+        "time_step_ratio": run.time_step_ratio,
+        "wall_time": float(run.attrs["wall_time_s"]),
+        "particle_steps_per_second": float(run.attrs["particle_steps_per_second"]),
     }
 
 
-def _probe_metrics(probe: ProbeHistory, scene: Scene, settings: MetricSettings, moving: bool) -> dict[str, Value]:
-    magnitude = probe.magnitude
+def _probe_metrics(probe: ProbeHistory, run: Run, settings: MetricSettings, moving: bool) -> dict[str, Value]:
+    horizontal, vertical, magnitude = probe.displacement_horizontal, probe.displacement_vertical, probe.displacement_magnitude
     begun = magnitude > settings.onset_threshold
     onset = float(probe.time[np.argmax(begun)]) if begun.any() else math.nan
-    away = np.hypot(probe.horizontal - probe.horizontal[-1], probe.vertical - probe.vertical[-1]) > settings.arrest_tolerance
+    away = np.hypot(horizontal - horizontal[-1], vertical - vertical[-1]) > settings.arrest_tolerance
     arrived = 1 + np.flatnonzero(away)[-1] if away.any() else 0
-    at_end = _sample_at_end_of_shaking(probe, scene)
+    at_end = _sample_at_end_of_shaking(probe, run)
     values: dict[str, Value] = {
-        "gravity_stage_displacement": probe.settlement,
+        "gravity_stage_displacement": probe.gravity_stage_displacement,
         "onset_time": onset,
         "arrest_time": float(probe.time[arrived]) if begun.any() and not moving else math.nan,
         "probe_peak_speed": float(probe.speed.max()),
     }
-    for name, u in {"vertical": probe.vertical, "horizontal": probe.horizontal, "magnitude": magnitude}.items():
+    for name, u in {"vertical": vertical, "horizontal": horizontal, "magnitude": magnitude}.items():
         values[f"displacement_{name}"] = float(u[-1])
         values[f"peak_displacement_{name}"] = float(u[np.argmax(np.abs(u))])
         values[f"displacement_{name}_end_of_shaking"] = float(u[at_end]) if at_end >= 0 else math.nan
     return values
 
 
-def _sample_at_end_of_shaking(probe: ProbeHistory, scene: Scene) -> int:
+def _sample_at_end_of_shaking(probe: ProbeHistory, run: Run) -> int:
     """Index of the last sample not later than the end of the shaking; -1 where there is none."""
+    scene = run.scene
     if isinstance(scene.motion, NoMotion) or probe.time[-1] < scene.motion.end - 0.5 * scene.numerics.time_step:
         return -1
-    return last_at(probe.time, scene.motion.end, scene)
+    return run.last_at(probe.time, scene.motion.end)
 
 
-def _still_moving(trajectory: xr.Dataset, probe: ProbeHistory, settings: MetricSettings) -> bool:
-    soil_mass = float(trajectory["mass"].values[trajectory["kind"].values == SOIL].sum())
-    rms_speed = np.sqrt(2.0 * trajectory["kinetic_energy"].values / soil_mass)
-    time = trajectory["sample_time"].values
+def _still_moving(run: Run, probe: ProbeHistory, settings: MetricSettings) -> bool:
+    soil_mass = float(run["mass"][run.soil].sum())
+    rms_speed = np.sqrt(2.0 * run["kinetic_energy"] / soil_mass)
+    time = run["sample_time"]
     fastest_soil = rms_speed[time >= time[-1] - settings.moving_window].max()
     fastest_probe = probe.speed[probe.time >= probe.time[-1] - settings.moving_window].max()
     return bool(max(fastest_soil, fastest_probe) > settings.moving_speed)
 
 
-def _soil_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings) -> dict[str, Value]:
-    soil = trajectory["kind"].values == SOIL
-    spacing = scene.numerics.spacing
-    xs, ys = (trajectory[name].values[:, soil].astype(float) for name in ("x", "y"))
-    x, y = xs[-1], ys[-1]
-    moved = np.hypot(*displacement(trajectory))[soil]
+def _soil_metrics(run: Run, settings: MetricSettings) -> dict[str, Value]:
+    scene, soil, spacing = run.scene, run.soil, run.scene.numerics.spacing
+    (x, y), (first_x, first_y) = (run.soil_at(frame, "x", "y") for frame in (-1, 0))
+    moved = np.hypot(*run.displacement())[soil]
     mass = largest_mass(x, y, settings.link_length * spacing)
-    after_gravity = trajectory["sample_time"].values >= scene.gravity.duration - 0.5 * scene.numerics.time_step
-    t_f = trajectory["t_f"].values
+    after_gravity = run["sample_time"] >= scene.gravity.duration - 0.5 * scene.numerics.time_step
+    t_f = run["t_f"]
     values: dict[str, Value] = {
         "first_failure_time": float(np.nanmin(t_f)) if np.isfinite(t_f).any() else math.nan,
-        "failed_unshaken": float(np.mean(scene.unshaken(t_f[soil], scene.held(*(trajectory[name].values[soil] for name in ("x0", "y0")))))),
-        "mobilised_strength": max(mobilised_by_layer(trajectory, gravity_frame(trajectory)).values(), default=math.nan),
-        "failed_fraction": float(trajectory["failed_fraction"].values[-1]),
-        "peak_speed": float(trajectory["maximum_speed"].values[after_gravity].max()),
-        "area_change": _area_change(trajectory, soil),
-        "outline_area_change": outline_area(x[mass], y[mass], spacing) / outline_area(xs[0], ys[0], spacing) - 1.0,
+        "failed_unshaken": float(np.mean(scene.unshaken(t_f[soil], scene.held(run["x0"][soil], run["y0"][soil])))),
+        "mobilised_strength": max(mobilised_by_layer(run, run.gravity_frame).values(), default=math.nan),
+        "failed_fraction": float(run["failed_fraction"][-1]),
+        "peak_speed": float(run["maximum_speed"][after_gravity].max()),
+        "area_change": _area_change(run),
+        "outline_area_change": outline_area(x[mass], y[mass], spacing) / outline_area(first_x, first_y, spacing) - 1.0,
         "nearest_neighbour_p05": _nearest_distance_p05(x, y) / spacing,
     }
     values |= {name: float(np.count_nonzero(moved > limit)) * spacing**2 for name, limit in AREA_THRESHOLDS.items()}
-    return values | debris_metrics(trajectory, scene, settings)
+    return values | debris_metrics(run, settings)
 
 
-def debris_metrics(trajectory: xr.Dataset, scene: Scene, settings: MetricSettings) -> dict[str, float]:
+def debris_metrics(run: Run, settings: MetricSettings) -> dict[str, float]:
     """The metrics of debris at rest in front of the toe, and of the places; empty for a scene without a slope."""
+    scene, soil = run.scene, run.soil
     if not isinstance(scene.geometry, SLOPES):
         return {}
-    soil, spacing, lattice_shift = trajectory["kind"].values == SOIL, scene.numerics.spacing, scene.numerics.lattice_shift
-    x, y = (trajectory[name].values[-1, soil].astype(float) for name in ("x", "y"))
+    spacing, lattice_shift = scene.numerics.spacing, scene.numerics.lattice_shift
+    x, y = run.soil_at(-1, "x", "y")
     mass = largest_mass(x, y, settings.link_length * spacing)
     toe_x, toe_y = scene.geometry.toe
-    x0, y0 = shifted(trajectory["x0"].values[soil], trajectory["y0"].values[soil], spacing, lattice_shift)
+    x0, y0 = shifted(run["x0"][soil], run["y0"][soil], spacing, lattice_shift)
     x = x + lattice_shift * spacing  # the soil's shape lies that much to the left of the toe
     behind = (x0 > toe_x) & (y0 > toe_y)
-    moved = np.hypot(*displacement(trajectory))[soil] > settings.moved_threshold
+    moved = np.hypot(*run.displacement())[soil] > settings.moved_threshold
     found = _runout_metrics(x, y, mass, mass & behind & moved, scene.geometry, spacing)
-    debris = Debris(soil, behind, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
-    return found | at_places(trajectory, scene, settings.places, debris, found["runout"])
+    debris = Debris(behind, settings.moved_threshold, settings.link_length * spacing, lattice_shift * spacing)
+    return found | at_places(run, settings.places, debris, found["runout"])
 
 
-def _area_change(trajectory: xr.Dataset, soil: np.ndarray) -> float:
-    volume = trajectory["mass"].values[soil] / trajectory["density"].values[:, soil].astype(float)
-    return float(volume[-1].sum() / volume[0].sum() - 1.0)
+def _area_change(run: Run) -> float:
+    first, last = ((run["mass"][run.soil] / run.soil_at(frame, "density")[0]).sum() for frame in (0, -1))
+    return float(last / first - 1.0)
 
 
 def _nearest_distance_p05(x: np.ndarray, y: np.ndarray) -> float:
@@ -453,25 +451,25 @@ def _runout_metrics(
     }
 
 
-def energy_error(trajectory: xr.Dataset) -> float:
+def energy_error(run: Run) -> float:
     """The metric ``energy_error`` of a run."""
-    balance, scale = _energy_budget(trajectory)
+    balance, scale = _energy_budget(run)
     return float(abs(balance[-1] - balance[0]) / scale) if scale > 0 else 0.0
 
 
-def _viscous_share(trajectory: xr.Dataset) -> float:
-    if "viscous_energy" not in trajectory:
+def _viscous_share(run: Run) -> float:
+    if "viscous_energy" not in run:
         return math.nan
-    taken = float(trajectory["dissipated_energy"].values[-1])
-    return float(trajectory["viscous_energy"].values[-1]) / taken if taken > 0 else 0.0
+    taken = float(run["dissipated_energy"][-1])
+    return float(run["viscous_energy"][-1]) / taken if taken > 0 else 0.0
 
 
-def energy_gap(trajectory: xr.Dataset) -> float:
+def energy_gap(run: Run) -> float:
     """Largest gap in the energy budget over all samples, over the largest sum of the absolute values of its parts."""
-    balance, scale = _energy_budget(trajectory)
+    balance, scale = _energy_budget(run)
     return float(np.abs(balance - balance[0]).max() / scale) if scale > 0 else 0.0
 
 
-def _energy_budget(trajectory: xr.Dataset) -> tuple[np.ndarray, float]:
-    stored = [trajectory[f"{name}_energy"].values for name in ("kinetic", "elastic", "potential", "dissipated")]
-    return np.sum(stored, axis=0) - trajectory["shaking_work"].values, float(np.abs(stored).sum(axis=0).max())
+def _energy_budget(run: Run) -> tuple[np.ndarray, float]:
+    stored = [run[f"{name}_energy"] for name in ("kinetic", "elastic", "potential", "dissipated")]
+    return np.sum(stored, axis=0) - run["shaking_work"], float(np.abs(stored).sum(axis=0).max())

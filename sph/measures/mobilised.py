@@ -14,12 +14,10 @@ from __future__ import annotations
 
 import numpy as np
 import scipy  # type: ignore[import-untyped]
-import xarray as xr
 
+from sph.output.run import Run
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL, peak_strength, place_particles
-from sph.storage.trajectory import scene_of
 
 DISC = 0.5
 """Diameter of the disc over the slope's height."""
@@ -29,30 +27,28 @@ MOST_DISCS = 4000
 """Most discs of a layer, around particles evenly through it."""
 
 
-def circles(trajectory: xr.Dataset, frame: int) -> tuple[np.ndarray, np.ndarray]:
+def circles(run: Run, frame: int) -> tuple[np.ndarray, np.ndarray]:
     """Radius of the Mohr circle of each particle (n,) in a frame, and that at yield, Pa."""
-    scene = scene_of(trajectory)
-    cohesion, angle = peak_strength(scene, place_particles(scene))
-    xx, yy, xy = (trajectory[f"stress_{axes}"].values[frame].astype(float) for axes in ("xx", "yy", "xy"))
+    cohesion, angle = run.strength
+    xx, yy, xy = (run[f"stress_{axes}"][frame].astype(float) for axes in ("xx", "yy", "xy"))
     at_yield = cohesion * np.cos(angle) - 0.5 * (xx + yy) * np.sin(angle)
     return np.hypot(0.5 * (xx - yy), xy), np.maximum(at_yield, 0.0)
 
 
-def mobilised(trajectory: xr.Dataset, frame: int) -> np.ndarray:
+def mobilised(run: Run, frame: int) -> np.ndarray:
     """Share (n,) of its peak strength that each particle mobilises in a frame; 1 where it has none, as at the ground without cohesion."""
-    radius, at_yield = circles(trajectory, frame)
+    radius, at_yield = circles(run, frame)
     return np.where(at_yield > 0.0, radius / np.where(at_yield > 0.0, at_yield, 1.0), 1.0)
 
 
-def mobilised_by_layer(trajectory: xr.Dataset, frame: int) -> dict[str, float]:
+def mobilised_by_layer(run: Run, frame: int) -> dict[str, float]:
     """Share of its peak strength that each layer near the slope mobilises in a frame, by name; ``soil`` is the scene's own."""
-    scene = scene_of(trajectory)
-    radius, at_yield = circles(trajectory, frame)
-    places = np.column_stack([trajectory[axis].values[frame].astype(float) for axis in ("x", "y")])
-    layers, near = place_particles(scene).layer, _near(trajectory, scene)
+    scene = run.scene
+    radius, at_yield = circles(run, frame)
+    places, near = np.column_stack([run[axis][frame].astype(float) for axis in ("x", "y")]), _near(run)
     found = {}
     for number, name in enumerate(("soil", *scene.layers)):
-        there = (trajectory["kind"].values == SOIL) & (layers == number) & np.isfinite(places).all(axis=1)
+        there = run.soil & (run["layer"] == number) & np.isfinite(places).all(axis=1)
         centres = places[there & near]
         if not len(centres):
             continue
@@ -69,9 +65,9 @@ def _height(scene: Scene) -> float:
     return geometry.slope_height if isinstance(geometry, SLOPES) else geometry.height
 
 
-def _near(trajectory: xr.Dataset, scene: Scene) -> np.ndarray:
+def _near(run: Run) -> np.ndarray:
     """Which particles (n,) lie near the slope, and clear of sides that hold soil; all of a shape without a slope."""
-    geometry, x = scene.geometry, trajectory["x0"].values
+    scene, geometry, x = run.scene, run.scene.geometry, run["x0"]
     if not isinstance(geometry, SLOPES):
         return np.ones(x.size, bool)
     near = (geometry.toe[0] - _height(scene) <= x) & (x <= geometry.crest[0] + _height(scene))

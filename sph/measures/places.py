@@ -8,11 +8,10 @@ from collections.abc import Iterable, Mapping
 from typing import Annotated, NamedTuple
 
 import numpy as np
-import xarray as xr
 from pydantic import Field
 
-from sph.measures.fields import displacement, gravity_frame
 from sph.measures.linked import largest_mass
+from sph.output.run import Run
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.ground_line import GroundLine
 from sph.scene.places import Coordinate
@@ -83,22 +82,21 @@ def check_places(places: Mapping[str, float | str], scene: Scene, where: str) ->
 class Debris(NamedTuple):
     """Slope material of a run, as the run-out counts it."""
 
-    soil: np.ndarray  # (particles,) which are soil
     behind: np.ndarray  # (soil,) which lay behind the toe and above its level initially
     moved: float  # displacement beyond which it counts, m
     link: float  # distance up to which particles hang together as one mass, m
     shift: float  # by which the soil's shape lies to the left of its place in the scene, m
 
 
-def at_places(trajectory: xr.Dataset, scene: Scene, places: Mapping[str, float | str], debris: Debris, runout: float) -> dict[str, float]:
+def at_places(run: Run, places: Mapping[str, float | str], debris: Debris, runout: float) -> dict[str, float]:
     """The columns of ``place_columns`` of a finished run whose geometry has a slope."""
-    geometry, spacing, values = scene.geometry, scene.numerics.spacing, dict[str, float]()
+    geometry, spacing, values = run.scene.geometry, run.scene.numerics.spacing, dict[str, float]()
     assert isinstance(geometry, SLOPES)
-    x, y = (trajectory[name].values[-1, debris.soil].astype(float) for name in "xy")
+    x, y = run.soil_at(-1, "x", "y")
     mass, x = largest_mass(x, y, debris.link), x + debris.shift
     height = y + 0.5 * spacing - np.interp(x, *geometry.surface)
     distances = {name: beyond_toe(at, geometry) for name, at in places.items()}
-    arrivals = _arrivals(trajectory, spacing, {name: geometry.toe[0] - distance for name, distance in distances.items()}, debris)
+    arrivals = _arrivals(run, spacing, {name: geometry.toe[0] - distance for name, distance in distances.items()}, debris)
     for name, distance in distances.items():
         here = mass & (np.abs(x - (geometry.toe[0] - distance)) <= spacing)
         values[column_of(name, PASSED)] = runout - distance
@@ -107,13 +105,12 @@ def at_places(trajectory: xr.Dataset, scene: Scene, places: Mapping[str, float |
     return values
 
 
-def _arrivals(trajectory: xr.Dataset, spacing: float, places: Mapping[str, float], debris: Debris) -> dict[str, float]:
+def _arrivals(run: Run, spacing: float, places: Mapping[str, float], debris: Debris) -> dict[str, float]:
     """Time (s) of the first frame in which the front is at each place, by its x in the box; NaN where it never is."""
     found = dict.fromkeys(places, math.nan)
-    start = gravity_frame(trajectory)
-    for frame, time in enumerate(trajectory["time"].values[start:], start):
-        x, y = (trajectory[name].values[frame, debris.soil].astype(float) for name in "xy")
-        moved = np.hypot(*displacement(trajectory, frame))[debris.soil] > debris.moved
+    for frame, time in enumerate(run["time"][run.gravity_frame :], run.gravity_frame):
+        x, y = run.soil_at(frame, "x", "y")
+        moved = np.hypot(*run.displacement(frame))[run.soil] > debris.moved
         edge = np.where(debris.behind & moved, x + debris.shift - 0.5 * spacing, math.inf)
         open_places = [name for name, place in places.items() if math.isnan(found[name]) and edge.min(initial=math.inf) <= place]
         if open_places:

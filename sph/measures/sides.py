@@ -10,12 +10,10 @@ Soil thrown ahead of the main mass does not count, soil that has left the box al
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 
-from sph.measures.fields import gravity_frame
 from sph.measures.linked import largest_mass
-from sph.scene.schema import Scene
-from sph.solver.particles import SIDE, SOIL
+from sph.output.run import Run
+from sph.solver.particles import SIDE
 
 PART, LEAST = 0.1, 0.2
 """Part of the largest displacement of failed soil that counts as movement at a side, and the least over the threshold."""
@@ -23,28 +21,28 @@ FRONT, BACK, OVER = "front", "back", "over"
 """The end of the box in front of the toe; that behind the crest; over the top of a side, or out of the box."""
 
 
-def reached_sides(trajectory: xr.Dataset, scene: Scene, moved: float, link: float) -> dict[str, float]:
+def reached_sides(run: Run, moved: float, link: float) -> dict[str, float]:
     """Time (s) of the first frame in which failed soil that has moved by more than ``moved`` (m) is at each side that it meets.
 
     At a side less counts where nothing has moved far: ``PART`` of the largest displacement of failed soil, at least ``LEAST`` of ``moved``.
 
     ``link``: distance (m) up to which particles hang together as one mass.  Periodic sides are none.
     """
-    sides = scene.walls.kinds.sides
+    scene, sides = run.scene, run.scene.walls.kinds.sides
     if sides.periodic:
         return {}
-    soil, wall = trajectory["kind"].values == SOIL, trajectory["kind"].values == SIDE
+    wall = run["kind"] == SIDE
     spacing, near = scene.numerics.spacing, scene.numerics.smoothing_length
     width = scene.lattice[0] * spacing
-    x_wall, y_wall = trajectory["x0"].values[wall], trajectory["y0"].values[wall]
+    x_wall, y_wall = run["x0"][wall], run["y0"][wall]
     tops = {
         side: float(y_wall[there].max(initial=-np.inf)) + 0.5 * spacing for side, there in ((FRONT, x_wall < 0), (BACK, x_wall > width))
     }
-    start, reached = gravity_frame(trajectory), dict[str, float]()
-    from_x, from_y = (trajectory[f"displacement_{axis}"].values[start, soil].astype(float) for axis in "xy")
-    for frame, time in enumerate(trajectory["time"].values[start:], start):
-        x, y, by_x, by_y = (trajectory[name].values[frame, soil].astype(float) for name in ("x", "y", "displacement_x", "displacement_y"))
-        failed, by = trajectory["failed"].values[frame, soil] == 1, np.hypot(by_x - from_x, by_y - from_y)
+    start, reached = run.gravity_frame, dict[str, float]()
+    from_x, from_y = run.soil_at(start, "displacement_x", "displacement_y")
+    for frame, time in enumerate(run["time"][start:], start):
+        x, y, by_x, by_y = run.soil_at(frame, "x", "y", "displacement_x", "displacement_y")
+        failed, by = run["failed"][frame, run.soil] == 1, np.hypot(by_x - from_x, by_y - from_y)
         debris, pushed = failed & (by > moved), failed & (by > np.clip(PART * by[failed].max(initial=0.0), LEAST * moved, moved))
         if (debris & ((x < 0) | (x > width))).any():
             reached.setdefault(OVER, float(time))

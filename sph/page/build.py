@@ -20,15 +20,15 @@ from markupsafe import Markup, escape
 from PIL import Image
 
 from sph.measures.metrics import CLASSES
+from sph.output.run import Run
 from sph.page.answer import answer
 from sph.page.explorer import explorer
 from sph.page.sections import DOCS, Drawing, Section, of
 from sph.page.tables import MOST_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
 from sph.scene.units import beside_g
-from sph.storage import trajectory
 from sph.storage.files import whole
-from sph.storage.trajectory import Status, scene_of
+from sph.storage.trajectory import Status
 from sph.study.dimensions import CASE, Dimension, point_name, scene_key, title_of
 from sph.study.tables import Layout, read_table
 from sph.study.verdicts import FAILS, HOLDS, MISSES, NOT_COVERED, NOT_YET
@@ -137,7 +137,7 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
     # A grid of which every run is shown is chosen by its dimensions, anything else from a list of runs.
     listed = not study.layout.labels or len(table) < study.size
     keyed = list(table.index) if listed else list(map("|".join, shown))
-    scene = scene_of(trajectory.read_run(runs[0]))
+    scene = Run.read(runs[0]).scene
     varied = {scene_key(found.name): _values(whole_table[found.name], found.unit) for found in study.dimensions}
     keys = scene_table(scene, varied)
     over = [OVER.get(found.name, found.symbol) for found in study.dimensions]

@@ -14,17 +14,15 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from matplotlib.colors import to_hex
 
 from sph.figures.profile import frame_limits, surface_line
 from sph.figures.style import colour_map
-from sph.measures.fields import gravity_frame, probe_history
+from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
 from sph.scene.motion import NoMotion
 from sph.scene.strict_json import to_json
-from sph.solver.particles import SOIL
-from sph.storage import trajectory
+from sph.storage.trajectory import Status
 
 QUANTA = 200
 """Quanta to a spacing."""
@@ -65,7 +63,7 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
 
     ``runs`` is empty if even the least detail takes more.  Raises ValueError for a file that is not a run and a probe that it lacks.
     """
-    first = trajectory.read_run(paths[0])
+    first = Run.read(paths[0])
     surroundings, limits = surroundings_of(first), np.array(frame_limits(first, 0))
     shared = surroundings | {
         "probe": probe,
@@ -73,7 +71,7 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
     }
     room -= _size(shared)
     for detail in DETAILS:
-        runs = list(_within(room, (run_data(trajectory.read_run(path), probe, detail, surroundings) for path in paths)))
+        runs = list(_within(room, (run_data(Run.read(path), probe, detail, surroundings) for path in paths)))
         if len(runs) == len(paths):
             break
     else:
@@ -93,18 +91,17 @@ def explorer(paths: Sequence[Path | str], probe: str, room: int) -> dict[str, An
     }
 
 
-def surroundings_of(run: xr.Dataset) -> dict[str, Any]:
+def surroundings_of(run: Run) -> dict[str, Any]:
     """What is drawn around the soil, the grid of its positions (``quantum`` and ``middle``, m) and how these lie in the survey (``origin``,
     m, and ``direction``): the same for runs of one slope."""
-    scene, limits = trajectory.scene_of(run), np.array(frame_limits(run, 0))
+    scene, limits = run.scene, np.array(frame_limits(run, 0))
     low, high = limits[::2], limits[1::2]
-    box = run["kind"].values != SOIL
     return {
         "spacing": scene.numerics.spacing,
         "quantum": max(scene.numerics.spacing / QUANTA, float(np.max(high - low)) / RANGE),
         "middle": (0.5 * (low + high)).tolist(),
         "surface": [corners.tolist() for corners in surface_line(scene)],
-        "box": [np.round(run[name].values[box], 3).tolist() for name in ("x0", "y0")],
+        "box": [np.round(run[name][~run.soil], 3).tolist() for name in ("x0", "y0")],
         "origin": list(scene.geometry.origin),
         "direction": scene.geometry.direction,
         "upwards": "elevation (m)" if isinstance(scene.geometry, GroundLine) else "height (m)",
@@ -112,31 +109,31 @@ def surroundings_of(run: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def run_data(run: xr.Dataset, probe: str, detail: Detail, shared: Mapping[str, Any]) -> dict[str, Any]:
+def run_data(run: Run, probe: str, detail: Detail, shared: Mapping[str, Any]) -> dict[str, Any]:
     """A run packed: ``times`` (s) of its frames, ``positions`` (frames, 2, particles) with the probe's particle first, ``beta``
     (frames, particles), ``curve`` (3, samples): time (s), horizontal and vertical displacement (m) of the probe; ``limits`` (m) of the
     picture and ``largest`` displacement (m) of a particle, empty and 0 for a diverged run;
     ``reason`` of its status; ``own``: its surroundings where they differ from the ``shared`` ones."""
     surroundings = surroundings_of(run)
     quanta = Quanta(np.array(surroundings["middle"]), surroundings["quantum"])
-    history = probe_history(run, probe)
-    start, last = gravity_frame(run), run.sizes["frame"] - 1
+    history = run.history(probe)
+    start, last = run.gravity_frame, run["time"].size - 1
     frames = np.array(sorted({start, last, *range(last, start, -(detail.frames or max(last, 1)))}))
-    at = int(run["probe_particle"].values[list(run["probe"].values).index(probe)])
-    soil = np.flatnonzero(run["kind"].values == SOIL)
+    at = int(run["probe_particle"][run.probes.index(probe)])
+    soil = np.flatnonzero(run.soil)
     shown = np.concatenate([[at], soil[soil != at][:: detail.particles]])
-    positions = np.stack([run[name].values[np.ix_(frames, shown)].astype(float) for name in ("x", "y")], axis=1)
-    beta = np.nan_to_num(run["beta"].values[np.ix_(frames, shown)], nan=0.0)
+    positions = np.stack([run[name][np.ix_(frames, shown)].astype(float) for name in ("x", "y")], axis=1)
+    beta = np.nan_to_num(run["beta"][np.ix_(frames, shown)], nan=0.0)
     every = slice(None, None, -max(1, (history.time.size - 1) // SAMPLES))
-    curve = np.stack([values[every][::-1] for values in (history.time, history.horizontal, history.vertical)])
-    diverged = run.attrs["status"] == trajectory.Status.DIVERGED
+    curve = np.stack([values[every][::-1] for values in (history.time, history.displacement_horizontal, history.displacement_vertical)])
+    diverged = run.status == Status.DIVERGED
     moved = np.hypot(*(positions - positions[0]).transpose(1, 0, 2))
     return {
         "limits": [] if diverged else np.round(frame_limits(run, -1), 3).tolist(),
         "largest": 0.0 if diverged else float(np.nanmax(moved)),
         "own": {name: value for name, value in surroundings.items() if value != shared[name]},
         "reason": str(run.attrs["status_reason"]),
-        "times": np.round(run["time"].values[frames], 6).tolist(),
+        "times": np.round(run["time"][frames], 6).tolist(),
         "particles": int(shown.size),
         "positions": packed(quantised(positions, quanta)),
         "beta": packed(np.round(255 * np.clip(beta, 0.0, 1.0)).astype(np.uint8)),

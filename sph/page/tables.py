@@ -203,14 +203,13 @@ def layer_table(scene: Scene, varied: Mapping[str, str]) -> Table:
         if not field.exclude and (name != "cohesion_growth" or any(soil.gradient for soil in scene.soils))
     }
     rows = []
-    for name, layer in (("soil", None), *scene.layers.items()):
-        path, soil = ("", scene.soil) if layer is None else (f"layers.{name}.", layer.soil)
+    for material, layer in zip(scene.materials, (None, *scene.layers.values()), strict=True):
+        name, soil, path = material.name, material.soil, "" if layer is None else f"layers.{material.name}."
         ratio, rate = (
-            varied.get(f"{path}{key}", "" if own is None else f"{own:g}") or varied.get(f"coupling.{key}", f"{common:g}")
-            for key, own, common in (
-                ("S_R", layer and layer.S_R, scene.coupling.S_R),
-                ("gamma", layer and layer.gamma, scene.coupling.gamma),
-            )
+            varied.get(f"{path}{key}")
+            or (varied.get(f"coupling.{key}") if layer is None or getattr(layer, key) is None else None)
+            or f"{getattr(material, key):g}"
+            for key in ("S_R", "gamma")
         )
         numbers = {key: soil.gradient or None if key == "cohesion_growth" else getattr(soil, key) for key in fields}
         values = (varied.get(f"{path}soil.{key}", "" if number is None else f"{number:.6g}") for key, number in numbers.items())

@@ -7,7 +7,7 @@ its soil in which it differs.  How layers enter the equations: ``sph.solver.phys
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -111,9 +111,68 @@ def layer_at(scene: Scene, x: np.ndarray, y: np.ndarray, ground: np.ndarray) -> 
     return index
 
 
-def softening_of(coupling: Coupling, layer: Layer | None) -> Softening | None:
-    """Loss of strength with slip of the scene's own soil or of a layer with slips of its own; ValueError where they are no pair."""
-    if coupling.softening is None or layer is None:
+class LayerMaterial(NamedTuple):
+    """A soil with all that holds for it, whether it is written for its layer or for the whole scene (``Scene.materials``)."""
+
+    name: str
+    """``soil`` for the scene's own, or the layer's"""
+    soil: Soil
+    S_R: float
+    gamma: float
+    """rate of the loss of strength, 1/s"""
+    softening: Softening | None
+    """loss of strength with slip"""
+    r_u: float
+    """pore pressure over overburden; 0 without"""
+
+    def at_depth(self, depth: float) -> LayerMaterial:
+        """The material at a depth (m) below its top, whose cohesion does not grow."""
+        return self._replace(soil=self.soil.at_depth(depth))
+
+    def kept(self, cohesion: float, friction_angle: float, kPa: float = 1.0, degree: float = 1.0) -> tuple[float, float]:
+        """Cohesion and friction angle that failed soil keeps of those at the peak, Eqs. 15 and 14; ``kPa`` and ``degree`` in their units.
+
+        A residual strength that is written takes the place of S_R times the peak, which it never exceeds.
+        """
+        written = (self.soil.residual_cohesion, kPa, cohesion), (self.soil.residual_friction_angle, degree, friction_angle)
+        residual = [self.S_R * peak if value is None else min(unit * value, peak) for value, unit, peak in written]
+        return residual[0], residual[1]
+
+    @property
+    def residual(self) -> tuple[float, float]:
+        """Cohesion (kPa) and friction angle (degree) that failed soil keeps."""
+        return self.kept(self.soil.cohesion, self.soil.friction_angle)
+
+    @property
+    def residual_gradient(self) -> float:
+        """Growth of the residual cohesion with depth, kPa/m."""
+        return self.soil.gradient * self.S_R if self.soil.residual_cohesion is None else 0.0
+
+    @property
+    def uses_S_R(self) -> bool:
+        """Whether S_R acts on it; not where both residual strengths are written."""
+        return None in (self.soil.residual_cohesion, self.soil.residual_friction_angle)
+
+
+def materials_of(scene: Scene) -> tuple[LayerMaterial, ...]:
+    """The material of the scene's own soil and those of its layers in order; ValueError where slips of a layer are no pair."""
+    coupling, r_u = scene.coupling, 0.0 if scene.water is None else scene.water.r_u or 0.0
+    own = LayerMaterial("soil", scene.soil, coupling.S_R, coupling.gamma, coupling.softening, r_u)
+    return own, *(
+        LayerMaterial(
+            name,
+            layer.soil,
+            coupling.S_R if layer.S_R is None else layer.S_R,
+            coupling.gamma if layer.gamma is None else layer.gamma,
+            _softening(coupling, layer),
+            r_u if layer.r_u is None else layer.r_u,
+        )
+        for name, layer in scene.layers.items()
+    )
+
+
+def _softening(coupling: Coupling, layer: Layer) -> Softening | None:
+    if coupling.softening is None:
         return coupling.softening
     own = {name: value for name in ("slip_at_peak", "slip_at_residual") if (value := getattr(layer, name)) is not None}
     return Softening.model_validate(coupling.softening.model_dump() | own) if own else coupling.softening
@@ -122,7 +181,7 @@ def softening_of(coupling: Coupling, layer: Layer | None) -> Softening | None:
 def check_coupling(scene: Scene) -> None:
     """Refuse failed soil that would be elastic for ever, and so stronger than before it failed, and keys without effect or sense."""
     for name, layer in scene.layers.items():
-        softening_of(scene.coupling, layer)
+        _softening(scene.coupling, layer)
         if layer.slip_at_peak is not None and scene.coupling.softening is None:
             raise ValueError(f"layers.{name}.slip_at_peak: needs coupling.softening, with the slip of the other soil")
         if layer.slip_at_residual is not None and not scene.coupling.softens_by_slip:

@@ -11,6 +11,7 @@ record of its own coefficients.  There are no on/off flags beside coefficients.
 
 from __future__ import annotations
 
+import functools
 import math
 import warnings
 from collections.abc import Mapping
@@ -34,7 +35,7 @@ from sph.scene.gravity import (
 )
 from sph.scene.ground_motion.record import Record, processed
 from sph.scene.laboratory import RESIDUALS, as_computed
-from sph.scene.layers import Layer, check_coupling
+from sph.scene.layers import Layer, LayerMaterial, check_coupling, materials_of
 from sph.scene.motion import MISSED, STEPS_IN_PERIOD, ConstantAcceleration, Motion, NoMotion, Ricker, vertical_acceleration
 from sph.scene.numerics import Numerics
 from sph.scene.places import ABOVE, RIGHT, Point
@@ -342,6 +343,17 @@ class Scene(Section):
             return kept if layer.S_R is None else {key for key in kept if key not in RESIDUALS or getattr(self.soil, key) is None}
 
         return self.model_dump_json(exclude={"layers": {name: {"soil": inherited(layer)} for name, layer in self.layers.items()}})
+
+    @functools.cached_property
+    def materials(self) -> tuple[LayerMaterial, ...]:
+        """The material of the scene's own soil and those of its layers in order, with what they take from the whole scene."""
+        return materials_of(self)
+
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Scene:
+        """A copy with other sections, not validated; what follows from the sections is worked out anew."""
+        copied = super().model_copy(update=update, deep=deep)
+        copied.__dict__.pop("materials", None)
+        return copied
 
     @property
     def soils(self) -> tuple[Soil, ...]:

@@ -135,12 +135,6 @@ class Soil(Section):
                 raise ValueError(f"residual_{name}: {residual} {unit}, at most the {name}: {peak}; a layer takes what it does not name")
         return self
 
-    def residual(self, strength_ratio: float) -> tuple[float, float]:
-        """Cohesion (kPa) and friction angle (degree) that failed soil keeps: as written, or the strength ratio times those at the peak."""
-        written = ((self.residual_cohesion, self.cohesion), (self.residual_friction_angle, self.friction_angle))
-        cohesion, angle = (strength_ratio * peak if residual is None else residual for residual, peak in written)
-        return cohesion, angle
-
     @property
     def gradient(self) -> float:
         """Growth of the cohesion with depth, kPa/m."""

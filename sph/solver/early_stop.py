@@ -36,7 +36,7 @@ def rest_reason(scene: Scene, step: int, series: Mapping[str, Sequence[Any]], st
     since = step - scene.steps(scene.early_stop.window)
     if since < scene.steps(quiet_from(scene)):
         return ""
-    fades = scene.coupling.gamma > 0 or any(layer.gamma for layer in scene.layers.values())
+    fades = any(material.gamma > 0 for material in scene.materials)
     if fades and state.beta[state.phase == FAILED].max(initial=0.0) > scene.early_stop.solid_weight:
         return ""
     samples = slice(-1 - round(scene.early_stop.window / scene.outputs.series_interval), None)

@@ -103,24 +103,29 @@ def _in_soil(scene: Scene, x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np
 
 
 def peak_strength(scene: Scene, particles: Particles) -> np.ndarray:
-    """Cohesion (Pa) and friction angle (rad) of each particle's solid state (2, n), growth with depth and random fields included.
+    """Cohesion (Pa) and friction angle (rad) of each particle's solid state (2, n), growth with depth and random fields included."""
+    return strength_at(scene, particles.x, particles.y, particles.layer, particles.n_soil)
+
+
+def strength_at(scene: Scene, x0: np.ndarray, y0: np.ndarray, layer: np.ndarray, n_soil: int) -> np.ndarray:
+    """The same (2, n) of particles that began at places (n,), m, in these layers (n,), of which the first ``n_soil`` are soil.
 
     A random field multiplies the strength that has grown.
     """
-    strength = np.array([[soil.cohesion_si, soil.friction_angle_si] for soil in scene.soils]).T[:, particles.layer]
+    strength = np.array([[soil.cohesion_si, soil.friction_angle_si] for soil in scene.soils]).T[:, layer]
     if not scene.strength_varies:
         return strength
-    x, y, ground = _in_soil(scene, particles.x, particles.y)
-    soil = slice(0, particles.n_soil)  # not held off the sides, by a distance that depends on the spacing
-    x[soil], y[soil] = shifted(particles.x[soil], particles.y[soil], *_lattice(scene))
+    x, y, ground = _in_soil(scene, x0, y0)
+    soil = slice(0, n_soil)  # not held off the sides, by a distance that depends on the spacing
+    x[soil], y[soil] = shifted(x0[soil], y0[soil], *_lattice(scene))
     for number, its in enumerate(scene.soils):
-        there = particles.layer == number
+        there = layer == number
         if its.gradient:
             strength[0, there] += 1e3 * its.gradient * _depth(scene, number, x[there], y[there], ground[there])
     if scene.uncertain is not None and scene.varying:
         ratios = scene.uncertain.ratios(*scene.geometry.in_survey(x, y))
         for variable in scene.varying:
-            there = particles.layer == varying_layer(scene, variable)
+            there = layer == varying_layer(scene, variable)
             strength[QUANTITIES.index(variable.quantity), there] *= ratios[variable.of][there]
     return strength
 

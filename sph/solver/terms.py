@@ -128,7 +128,7 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
         least_density=float(soil.density * dx * dx * central_value(kernel)),
         cell_mass=float(soil.density * dx * dx),
         gradient_mass=float(soil.density * dx * dx) * kernel.gradient_scale,
-        soil=make_material(soil, scene.coupling, dt),
+        soil=make_material(scene.materials[0], scene.coupling, dt),
         kernel=kernel,
     )
     return Terms(*always, *(term.make(scene, particles, kernel, dt) if term.wanted(scene) else None for term in TERMS))

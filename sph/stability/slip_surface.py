@@ -19,7 +19,7 @@ from sph.scene.gravity import FAILED_AREA
 from sph.scene.layers import DepthRegion, ElevationRegion
 from sph.scene.places import ABOVE, shifted
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL, Particles, peak_strength
+from sph.solver.particles import strength_at
 from sph.stability.limit_equilibrium import Slices
 from sph.stability.standing import slope_height
 
@@ -181,8 +181,7 @@ class Section(NamedTuple):
         """Means of peak cohesion (Pa), tan(phi) and r_u over places (surfaces, slices, places) on bases along seams (surfaces, slices)."""
         scene, at, n = self.scene, _particle(self.scene, x.ravel()), x.size
         layer = _layer_at(scene, x.ravel(), y.ravel()) if scene.layers else np.zeros(n, int)
-        bases = Particles(at, y.ravel(), np.full(n, SOIL, np.int8), np.zeros(n), layer, n, n, n, n, n)
-        cohesion, angle = peak_strength(scene, bases)
+        cohesion, angle = strength_at(scene, at, y.ravel(), layer, n)
         cohesion, friction, ratio = (each.reshape(x.shape).mean(axis=-1) for each in (cohesion, np.tan(angle), _ratios(scene)[layer]))
         for number, own in enumerate(scene.seams.values(), 1):
             cohesion, friction = (np.where(seam == number, *pair) for pair in zip(own.peak, (cohesion, friction), strict=True))
@@ -196,8 +195,7 @@ def _particle(scene: Scene, x: np.ndarray) -> np.ndarray:
 
 def _ratios(scene: Scene) -> np.ndarray:
     """r_u of the scene's own soil and of its layers."""
-    water = 0.0 if scene.water is None else scene.water.r_u or 0.0
-    return np.array([water, *(water if each.r_u is None else each.r_u for each in scene.layers.values())])
+    return np.array([material.r_u for material in scene.materials])
 
 
 def _layer_at(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ under gravity.  It is a run of the scene's own soil, box and spacing with
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ import xarray as xr
 
 from sph.scene.configuration import Section, dotted, key, merge
 from sph.scene.gravity import FAILED_AREA, MOVED
+from sph.scene.layers import LayerMaterial
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import RESOLVED
@@ -169,6 +170,10 @@ def _without_loss(scene: Scene) -> dict[str, Any]:
     }
 
 
+Strength = tuple[float, float, float, float]
+"""Cohesion (kPa), its growth with depth (kPa/m), friction and dilation angle (degree)."""
+
+
 def divided_strength(scene: Scene, factor: float) -> Scene:
     """A scene whose cohesion, tan(phi) and tan(psi) are divided by a factor: classical strength reduction.
 
@@ -181,7 +186,10 @@ def divided_strength(scene: Scene, factor: float) -> Scene:
 
     made = _with_strength(
         scene,
-        lambda soil, _: (soil.cohesion / factor, soil.gradient / factor, divided(soil.friction_angle), divided(soil.dilation_angle)),
+        [
+            (soil.cohesion / factor, soil.gradient / factor, divided(soil.friction_angle), divided(soil.dilation_angle))
+            for soil in scene.soils
+        ],
         lambda seam: (seam.cohesion / factor, divided(seam.friction_angle)),
     )
     if scene.walls.friction is None:
@@ -197,36 +205,36 @@ def weakened(scene: Scene, strength_ratio: float) -> Scene:
     is here, and the interface to the walls, which does not soften, its own.
     """
 
-    def strength(soil: Soil, own: float | None) -> tuple[float, float, float, float]:
-        ratio = strength_ratio if own is None else own
-        cohesion, angle = soil.residual(ratio)
-        gradient = soil.gradient * ratio if soil.residual_cohesion is None else 0.0
-        return cohesion, gradient, angle, soil.dilation_angle * (angle / soil.friction_angle if soil.friction_angle > 0 else 0.0)
+    def strength(material: LayerMaterial) -> Strength:
+        soil, (cohesion, angle) = material.soil, material.residual
+        psi = soil.dilation_angle * (angle / soil.friction_angle if soil.friction_angle > 0 else 0.0)
+        return cohesion, material.residual_gradient, angle, psi
 
-    return _with_strength(scene, strength, lambda seam: (seam.cohesion, seam.friction_angle))
+    at_ratio = scene.model_copy(update={"coupling": scene.coupling.model_copy(update={"S_R": strength_ratio})})
+    return _with_strength(scene, map(strength, at_ratio.materials), lambda seam: (seam.cohesion, seam.friction_angle))
 
 
 def _with_strength(
     scene: Scene,
-    strength: Callable[[Soil, float | None], tuple[float, float, float, float]],
+    strengths: Iterable[Strength],
     of_seam: Callable[[Seam], tuple[float, float]],
 ) -> Scene:
-    """A scene with other cohesion (kPa), its growth (kPa/m), friction and dilation angle (degree), by a function of each soil and the S_R
-    of its layer, and of each seam, which has neither growth nor dilation angle.
+    """A scene with other strengths of its soils in order and, by a function, of each seam, which has neither growth nor dilation angle.
 
     A K0 that the other strength does not hold is taken to the nearer limit.
     """
 
-    def changed(soil: Soil, own: float | None = None) -> Soil:
-        cohesion, gradient, *angles = strength(soil, own)
+    def changed(soil: Soil, strength: Strength) -> Soil:
+        cohesion, gradient, *angles = strength
         new: dict[str, Any] = {"cohesion": cohesion} | dict(zip(("friction_angle", "dilation_angle"), angles, strict=True))
         if soil.cohesion_growth is not None:
             new["cohesion_growth"] = soil.cohesion_growth.model_copy(update={"gradient": gradient})
         return soil.model_copy(update=new | {"residual_cohesion": None, "residual_friction_angle": None})
 
-    layers = {name: layer.model_copy(update={"soil": changed(layer.soil, layer.S_R)}) for name, layer in scene.layers.items()}
+    own, *others = map(changed, scene.soils, strengths)
+    layers = {name: layer.model_copy(update={"soil": soil}) for (name, layer), soil in zip(scene.layers.items(), others, strict=True)}
     seams = {name: seam.model_copy(update=dict(zip(QUANTITIES, of_seam(seam), strict=True))) for name, seam in scene.seams.items()}
-    made = scene.model_copy(update={"soil": changed(scene.soil), "layers": layers, "seams": seams})
+    made = scene.model_copy(update={"soil": own, "layers": layers, "seams": seams})
     return made if all(soil.K0 is None for soil in made.soils) else _held(made)
 
 

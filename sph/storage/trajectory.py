@@ -194,7 +194,6 @@ def read_run(path: Path | str) -> xr.Dataset:
         raise ValueError(f"{path}: not a trajectory of this version, it lacks {', '.join(missing)}; run its scene again")
     if not ds["time"].size or not ds["sample_time"].size:
         raise ValueError(f"{path}: a trajectory without a frame or a sample")
-    scene_of(ds, str(path))
     return ds
 
 

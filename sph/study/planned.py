@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 import sph
+from sph.output.run import Run
 from sph.scene.configuration import MOST_LINES, differences, one_line, scene_files
 from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import filled
@@ -41,20 +42,21 @@ class Planned(NamedTuple):
             raise ValueError(f"{', '.join(changed)}: has changed since this job was planned; give the same command again")
         return scene
 
-    def read(self, path: Path | str) -> xr.Dataset:
-        """Root group of the trajectory, or of the trials of a search, of this scene; ValueError for a file of another one."""
+    def read(self, path: Path | str) -> Run:
+        """The run, or the trials of the search, of this scene; ValueError for a file of another one."""
         ds = trajectory.read(path)
-        self.check(ds.attrs, path)
-        return ds
+        return Run(ds, self.check(ds.attrs, path), str(path))
 
-    def check(self, attrs: Mapping[str, Any], path: Path | str) -> None:
-        """ValueError names the keys in which the scene among a file's attributes differs from this one, and the remedy."""
-        differ = differing(attrs, self.build(), path)
+    def check(self, attrs: Mapping[str, Any], path: Path | str) -> Scene:
+        """The scene; ValueError names the keys in which that among a file's attributes differs from it, and the remedy."""
+        scene = self.build()
+        differ = differing(attrs, scene, path)
         if differ:
             raise ValueError(
                 f"{path}: was made from another scene than the one planned; delete it and give the same command again, which makes it "
                 "again; they differ in\n  " + "\n  ".join(differ)
             )
+        return scene
 
 
 def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[str]:

@@ -23,11 +23,11 @@ from sph.checks.finding import Finding, Severity, finding
 from sph.checks.layers import broken_at, layers_of
 from sph.checks.scene import findings
 from sph.checks.soil import mobilised_strength
-from sph.measures.fields import gravity_frame
 from sph.measures.mobilised import mobilised_by_layer
+from sph.output.run import Run
 from sph.scene.gravity import FAILED_AREA
 from sph.scene.schema import Scene
-from sph.solver.particles import SOIL, place_particles
+from sph.solver.particles import place_particles
 from sph.solver.run import run
 from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings, unasked_spacings
 from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
@@ -138,10 +138,10 @@ def _at_peak(scene: Scene) -> Peak:
     result = run(tested)
     trial = judged(result, tested, DEFAULT_RULE, 1.0)
     settled = _settled(scene)
-    trajectory = run(settled).trajectory
-    count = int(np.count_nonzero(settled.gravity.failed(trajectory["t_f"].values[trajectory["kind"].values == SOIL])))
-    begun = any(np.isfinite(t["t_f"].values[t["kind"].values == SOIL]).any() for t in (result.trajectory, trajectory))
-    used = mobilised_by_layer(trajectory, gravity_frame(trajectory)) if trial.stands else {}
+    settled_run = Run(run(settled).trajectory, settled)
+    count = int(np.count_nonzero(settled.gravity.failed(settled_run["t_f"][settled_run.soil])))
+    begun = any(np.isfinite(each["t_f"][each.soil]).any() for each in (Run(result.trajectory, tested), settled_run))
+    used = mobilised_by_layer(settled_run, settled_run.gravity_frame) if trial.stands else {}
     spacing = tested.numerics.spacing
     return Peak(trial, spacing, count * spacing**2, settled.fails_unshaken(count), begun, used)
 
@@ -416,8 +416,14 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
                     f"layers.{kept[0]}.{key}",
                 )
             )
-    soils = [soil for scene in scenes for soil in (scene.soil, *(layer.soil for layer in scene.layers.values() if layer.S_R is None))]
-    if len({scene.coupling.S_R for scene in scenes}) > 1 and all(soil.residual(0.0) == soil.residual(1.0) for soil in soils):
+    own = [(None, *(layer.S_R for layer in scene.layers.values())) for scene in scenes]
+    reached = [
+        of.uses_S_R
+        for scene, ratios in zip(scenes, own, strict=True)
+        for of, ratio in zip(scene.materials, ratios, strict=True)
+        if ratio is None
+    ]
+    if len({scene.coupling.S_R for scene in scenes}) > 1 and not any(reached):
         what = "the study varies S_R, which affects no soil: runs that differ only in it are identical"
         measured, wanted = "residual strengths are given", "a dimension soil.residual_friction_angle, or no residual strengths"
         found.append(finding("own-strength-ratio", what, measured, wanted, "soil.residual_cohesion and soil.residual_friction_angle"))

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from synthetic import study_row, synthetic
 from typer.testing import CliRunner
 
@@ -15,18 +14,18 @@ from sph.checks.after_run import energy_open, found_after, is_open
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings
+from sph.output.run import Run
 from sph.page.answer import answer
 from sph.page.tables import run_columns
 from sph.storage import trajectory
-from sph.storage.trajectory import scene_of
 
 
-def open_by(share: float) -> xr.Dataset:
+def open_by(share: float) -> Run:
     """A run in which 100 J of potential energy become 100 (1 - share) J of dissipated energy."""
     run = synthetic(overrides={"numerics": {"spacing": 2.5}})
-    done = np.linspace(0.0, 1.0, run.sizes["sample"])
-    run["potential_energy"] = ("sample", -100.0 * done)
-    run["dissipated_energy"] = ("sample", 100.0 * (1.0 - share) * done)
+    done = np.linspace(0.0, 1.0, run["sample_time"].size)
+    run.trajectory["potential_energy"] = ("sample", -100.0 * done)
+    run.trajectory["dissipated_energy"] = ("sample", 100.0 * (1.0 - share) * done)
     run.attrs["particle_steps"] = 6_000_000
     return run
 
@@ -38,8 +37,8 @@ def test_energy_that_is_made_or_lost_is_a_finding_from_the_limit_on(share: float
     values = run_values(run, MetricSettings(), np.nan)
     assert values["energy_error"] == pytest.approx(share / (2.0 - share))
     assert values["findings"] == "energy-open" * told
-    assert [each.code for each in found_after(run, scene_of(run))] == ["energy-open"] * told
-    trajectory.write(tmp_path / "run.nc", run)
+    assert [each.code for each in found_after(run)] == ["energy-open"] * told
+    trajectory.write(tmp_path / "run.nc", run.trajectory)
     assert ("[energy-open]" in CliRunner().invoke(app, ["metrics", str(tmp_path / "run.nc")]).stderr) == told
 
 
@@ -53,7 +52,7 @@ def test_the_finding_names_the_share_the_limit_and_the_remedy() -> None:
 def test_the_page_marks_the_run_and_warns() -> None:
     errors = {"4.0": 1e-4, "6.0": 0.037, "8.0": np.nan}
     rows = [study_row("0.10", "100", amplitude, energy_error=error) for amplitude, error in errors.items()]
-    table, scene = pd.DataFrame(rows), scene_of(synthetic(overrides={"numerics": {"spacing": 2.5}}))
+    table, scene = pd.DataFrame(rows), synthetic(overrides={"numerics": {"spacing": 2.5}}).scene
     (status,) = (column.words for column in run_columns([], "A") if column.heading == "status")
     assert ["energy" in status(row) for row in rows] == [False, True, False]
     warned = [each for each in answer(table, [], scene, "A", lambda pattern: []).warnings if "energy" in each]

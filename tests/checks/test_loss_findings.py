@@ -22,9 +22,9 @@ def test_the_zone_by_hand() -> None:
     # G = 2e8 / 2.6 Pa, half the weight 0.5 * 1900 * 9.81 * 15 Pa; c falls from 20 to 6 kPa and tan(phi) from tan(25) to tan(7.5); 99 mm.
     scene = clay()
     lost = 14e3 + 0.5 * 1900 * 9.81 * 15 * (math.tan(math.radians(25)) - math.tan(math.radians(7.5)))
-    assert slip_zone(scene, scene.soil, None) == pytest.approx(2e8 / 2.6 * 0.099 / lost, rel=1e-9)
+    assert slip_zone(scene, scene.materials[0]) == pytest.approx(2e8 / 2.6 * 0.099 / lost, rel=1e-9)
     whole = clay(**{"coupling.S_R": 1.0})
-    assert math.isinf(slip_zone(whole, whole.soil, None))
+    assert math.isinf(slip_zone(whole, whole.materials[0]))
 
 
 def test_a_short_zone_is_told_and_a_long_one_is_not() -> None:

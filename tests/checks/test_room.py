@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from sph.checks.after_run import after_run, debris_at_wall, found_after, is_bounded, thin_debris
 from sph.checks.scene import findings, reach, room_ahead
 from sph.measures.metrics import Value, measure
+from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.run import run
@@ -58,7 +59,7 @@ def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound(
     short, long = measure(trajectory), measured(60.0, 0.3)
     assert str(short["reached_side"]).split()[0] == "front" and is_bounded(str(short["reached_side"]))
     assert 3.0 < float(short["reached_side_time"]) < 15.0
-    (found,) = found_after(trajectory, scene)
+    (found,) = found_after(Run(trajectory))
     assert (found.code, found.severity) == ("debris-at-wall", "warning") and "lower bounds" in found.what
     assert "geometry.apron_length" in found.key
     assert [found] == debris_at_wall(scene, str(short["reached_side"]), float(short["reached_side_time"]))
@@ -103,7 +104,7 @@ def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:
     trajectory = run(scene).trajectory
     values = measure(trajectory)
     assert thin_debris(scene, float(values["runout"]), float(values["deposit_thickness"])), "weak soil on a long apron runs out thin"
-    assert found_after(trajectory, scene) == after_run(scene, values)
+    assert found_after(Run(trajectory)) == after_run(scene, values)
 
 
 def within(scene: Scene) -> float:

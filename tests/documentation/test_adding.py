@@ -45,7 +45,7 @@ from sph.solver.physics.material import make_material
 from sph.solver.terms import wanted_terms
 scene = make_scene({SCENE % "'soil': {'viscosity': 3.0}, 'coupling': {'fluid': {'law': 'newtonian'}}"})
 assert wanted_terms(scene)["newtonian"]
-soil = make_material(scene.soil, scene.coupling, 1e-3)
+soil = make_material(scene.materials[0], scene.coupling, 1e-3)
 assert fluid_deviator(soil.fluid_law, soil.fluid, 0.0, Deviator(1.0, 1.0, 1.0), Strain(0.0, 0.0, 0.5, 0.0, 1e-3)) == (0.0, 3.0, 0.0)
 from sph.solver.physics.newtonian import LAW
 limit = LAW.limit(scene)

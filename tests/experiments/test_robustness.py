@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 import yaml
 from small_scenes import study_plan
 from synthetic import synthetic, translation
@@ -17,9 +16,9 @@ from sph.experiments.base import file_name
 from sph.experiments.extremes.design import REFUSED, TIME_STEP, fixed_step, load_extremes
 from sph.experiments.extremes.figures import figure_extremes
 from sph.experiments.extremes.measure import EXTREMES, asymmetry, extremes_table, penetration, read_extremes
+from sph.output.run import Run
 from sph.scene.schema import make_scene
 from sph.solver.time_step import limits
-from sph.storage.trajectory import scene_of
 from sph.study.tables import write_csv
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -98,13 +97,13 @@ def test_the_shipped_extremes_are_valid() -> None:
 def test_penetration_and_asymmetry() -> None:
     # All soil above the toe moved by 56.5 m to the left: the leftmost of it, at x = 55.5 m, is 1 m behind the front wall's face.
     run = synthetic(translation(-56.5))
-    assert penetration(run, scene_of(run)) == pytest.approx(1.0 / 1.0, abs=1e-5)
+    assert penetration(run) == pytest.approx(1.0 / 1.0, abs=1e-5)
     still = synthetic(translation(0.0))
-    assert penetration(still, scene_of(still)) == 0.0
-    assert penetration(synthetic(translation(0.0, -12.0)), scene_of(still)) == pytest.approx(1.5, abs=1e-5)
+    assert penetration(still) == 0.0
+    assert penetration(synthetic(translation(0.0, -12.0))) == pytest.approx(1.5, abs=1e-5)
     block = {"geometry": {"shape": "block", "width": 10.0, "height": 10.0}}
     moved = synthetic(lambda scene, x, y: (np.where(y > 5, 0.2, 0.0), np.zeros_like(y)), overrides=block)
-    assert asymmetry(moved, scene_of(moved)) == pytest.approx(0.4, abs=1e-5)
+    assert asymmetry(moved) == pytest.approx(0.4, abs=1e-5)
 
 
 def test_table_and_figure(tmp_path: Path) -> None:
@@ -112,7 +111,7 @@ def test_table_and_figure(tmp_path: Path) -> None:
     runs = {name: synthetic(translation(-3.0 if "nu" in name else -5.0)) for name in extremes.runs}
     runs["nu/weak/0.3_2"] = synthetic(translation(-3.1))
 
-    def read(name: str) -> xr.Dataset:
+    def read(name: str) -> Run:
         return runs[name]
 
     table = extremes_table(extremes.rows, read)

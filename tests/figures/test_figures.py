@@ -10,7 +10,6 @@ import matplotlib
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
@@ -38,11 +37,12 @@ from sph.figures.profile import field_norm
 from sph.figures.scene import figure_scene
 from sph.figures.study import BOUNDED
 from sph.figures.style import LINE_STYLES, curve_colours, note_text, write_note
-from sph.measures.fields import FIELDS, displacement
+from sph.measures.fields import FIELDS
 from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.output.run import Run
 from sph.scene.schema import load_scene, make_scene
 from sph.solver.particles import SOIL, place_particles
-from sph.storage.trajectory import Status, scene_of
+from sph.storage.trajectory import Status
 from sph.study.dimensions import Dimension
 
 CONFIG = Path(__file__).resolve().parents[2] / "config"
@@ -75,21 +75,21 @@ def test_particles_are_drawn_at_their_places() -> None:
     slid = synthetic(translation(-3.0, -1.0))
     figure = figure_profiles({"a": slid})
     box, soil = circles(figure)
-    is_soil = slid["kind"].values == SOIL
+    is_soil = slid["kind"] == SOIL
     np.testing.assert_allclose(soil.get_offsets(), np.column_stack([slid["x"][-1][is_soil], slid["y"][-1][is_soil]]))
-    np.testing.assert_allclose(soil.get_array(), slid["y0"].values[is_soil])
+    np.testing.assert_allclose(soil.get_array(), slid["y0"][is_soil])
     assert len(box.get_offsets()) == 354 and box.get_facecolor()[0].tolist() == [1, 1, 1, 1]
 
 
 def test_profiles_of_a_study_of_ones_own_show_how_far_the_soil_has_moved() -> None:
     runs = {"slid": synthetic(translation(-3.0, -4.0)), "stands": synthetic()}
     slid, stands = (circles(figure_displaced(runs), panel)[1].get_array() for panel in (0, 1))
-    moved = runs["slid"]["y0"].values[runs["slid"]["kind"].values == SOIL] > 10.0
+    moved = runs["slid"]["y0"][runs["slid"]["kind"] == SOIL] > 10.0
     np.testing.assert_allclose(slid, np.where(moved, 5.0, 0.0), atol=1e-5)
     np.testing.assert_allclose(stands, 0.0, atol=1e-12)
 
 
-def test_particles_touch_and_leave_the_gaps_of_a_lattice_free(standing: xr.Dataset) -> None:
+def test_particles_touch_and_leave_the_gaps_of_a_lattice_free(standing: Run) -> None:
     figure = figure_profiles({"a": standing})
     figure.set_dpi(400)
     canvas = FigureCanvasAgg(figure)
@@ -107,7 +107,7 @@ def test_particles_touch_and_leave_the_gaps_of_a_lattice_free(standing: xr.Datas
     assert colour(60.5 + 0.42, 5.5 + 0.42) == white
 
 
-def test_profiles_share_the_scale_and_are_lettered(slid: xr.Dataset, standing: xr.Dataset) -> None:
+def test_profiles_share_the_scale_and_are_lettered(slid: Run, standing: Run) -> None:
     figure = figure_profiles({"first": slid, "second": standing}, fidelity="draft")
     norms = [circles(figure, panel)[1].norm for panel in (0, 1)]
     assert (norms[0].vmin, norms[0].vmax) == (norms[1].vmin, norms[1].vmax) == (0.0, 34.5)
@@ -117,20 +117,20 @@ def test_profiles_share_the_scale_and_are_lettered(slid: xr.Dataset, standing: x
     assert "fidelity draft · scene paper · spacing 1 m · kernel support 4.6 m · fixed side walls · failed solid elastic · 15 s" in shown
 
 
-def test_the_initial_surface_is_drawn(slid: xr.Dataset) -> None:
+def test_the_initial_surface_is_drawn(slid: Run) -> None:
     line = axes(figure_profiles({"a": slid})).lines[0]
     np.testing.assert_allclose(line.get_xydata()[[0, 1]], [(0.0, 10.0), (55.0, 10.0)])
     assert line.get_ydata()[-1] == 35.0 and line.get_xdata()[-1] == 103.0
 
 
-def test_arrangement_shows_the_first_frame(slid: xr.Dataset) -> None:
+def test_arrangement_shows_the_first_frame(slid: Run) -> None:
     figure = figure_arrangement(slid)
     soil = circles(figure)[1]
-    np.testing.assert_allclose(soil.get_offsets()[:, 0], slid["x0"].values[slid["kind"].values == SOIL])
+    np.testing.assert_allclose(soil.get_offsets()[:, 0], slid["x0"][slid["kind"] == SOIL])
     assert "2050 soil particles, 354 particles of the box" in texts(figure) and "A" in texts(figure).split("\n")
 
 
-def test_geometry_carries_dimensions_material_and_walls(slid: xr.Dataset) -> None:
+def test_geometry_carries_dimensions_material_and_walls(slid: Run) -> None:
     shown = texts(figure_geometry(slid))
     for text in ("55.0 m", "14.4 m", "34.0 m", "H = 25 m", "10 m", "60°", "1964", "c = 150 kPa, φ = 20°", "fixed side wall", "A (crest)"):
         assert text in shown
@@ -143,10 +143,10 @@ def test_geometry_of_another_shape_is_refused() -> None:
         figure_geometry(synthetic(overrides=BLOCK))
 
 
-def test_motion_is_the_stored_one_with_its_stages(slid: xr.Dataset) -> None:
+def test_motion_is_the_stored_one_with_its_stages(slid: Run) -> None:
     figure = figure_motion(slid)
     line = axes(figure).lines[0]
-    np.testing.assert_array_equal(line.get_ydata(), slid["ground_acceleration"].values)
+    np.testing.assert_array_equal(line.get_ydata(), slid["ground_acceleration"])
     assert np.ptp(line.get_ydata()) > 11.0
     shown = texts(figure).split("\n")
     assert {"gravity", "shaking", "no shaking"} <= set(shown)
@@ -174,17 +174,17 @@ def test_geometry_of_a_slope_with_periodic_sides() -> None:
 
 
 def test_profiles_without_data_are_refused() -> None:
-    with pytest.raises(ValueError, match="trajectories"):
+    with pytest.raises(ValueError, match="runs"):
         figure_profiles({})
 
 
 @pytest.mark.parametrize("field", FIELDS)
-def test_plot_of_a_trajectory_colours_by_each_field(slid: xr.Dataset, field: str) -> None:
+def test_plot_of_a_trajectory_colours_by_each_field(slid: Run, field: str) -> None:
     slid["stress_yy"][:] = -3000.0
     figure = plot_trajectory(slid, 6.2, field)
     shown = circles(figure)[1].get_array()
     frame = 12  # the last one not later than 6.2 s
-    is_soil = slid["kind"].values == SOIL
+    is_soil = slid["kind"] == SOIL
     np.testing.assert_allclose(shown, FIELDS[field].of(slid, frame)[is_soil])
     expected = {"initial_height": 34.5, "displacement": 1.5, "speed": 0.75, "beta": 1.0, "pressure": 1.0}
     angle = np.radians(20.0)
@@ -193,7 +193,7 @@ def test_plot_of_a_trajectory_colours_by_each_field(slid: xr.Dataset, field: str
     assert "t = 6 s" in texts(figure) and "complete" in texts(figure)
 
 
-def test_plot_refuses_an_unknown_field_and_a_time_outside_the_run(slid: xr.Dataset) -> None:
+def test_plot_refuses_an_unknown_field_and_a_time_outside_the_run(slid: Run) -> None:
     with pytest.raises(ValueError, match="field: 'colour'.*initial_height"):
         plot_trajectory(slid, field="colour")
     for time in (-1.0, 15.1):
@@ -201,7 +201,7 @@ def test_plot_refuses_an_unknown_field_and_a_time_outside_the_run(slid: xr.Datas
             plot_trajectory(slid, time)
 
 
-def test_a_diverged_run_can_be_plotted(tmp_path: Path, slid: xr.Dataset) -> None:
+def test_a_diverged_run_can_be_plotted(tmp_path: Path, slid: Run) -> None:
     slid.attrs["status"] = "diverged"
     slid["y"][-1, 5], slid["x"][-1, 6], slid["velocity_x"][-1, 6] = np.nan, 1e9, np.inf
     figure = plot_trajectory(slid, field="speed")
@@ -216,20 +216,20 @@ def test_other_shapes_and_open_boxes_can_be_plotted(tmp_path: Path) -> None:
     assert axes(figure).get_xlim()[0] < -2.5
 
 
-def test_a_constant_field_has_a_scale(standing: xr.Dataset) -> None:
+def test_a_constant_field_has_a_scale(standing: Run) -> None:
     norm = field_norm({"": standing}, "speed")
     assert (norm.vmin, norm.vmax) == (0.0, 1.0)
 
 
 def test_displacement_leaves_out_the_gravity_stage() -> None:
     settled = synthetic(translation(0.0, -1.0), step_ramp(0.0, 6.0))
-    horizontal, vertical = displacement(settled)
-    top = settled["y0"].values > 10.0
-    top &= settled["kind"].values == SOIL
+    horizontal, vertical = settled.displacement()
+    top = settled["y0"] > 10.0
+    top &= settled["kind"] == SOIL
     assert vertical[top] == pytest.approx(-0.5) and not horizontal.any()
 
 
-def test_files_are_whole_and_the_same_each_time(tmp_path: Path, slid: xr.Dataset) -> None:
+def test_files_are_whole_and_the_same_each_time(tmp_path: Path, slid: Run) -> None:
     for folder in ("one", "two"):
         save(figure_motion(slid), tmp_path / folder / "fig2.png", tmp_path / folder / "fig2.pdf")
     for name in ("fig2.png", "fig2.pdf"):
@@ -237,7 +237,7 @@ def test_files_are_whole_and_the_same_each_time(tmp_path: Path, slid: xr.Dataset
     assert sorted(path.name for path in (tmp_path / "one").iterdir()) == ["fig2.pdf", "fig2.png"]
 
 
-def test_drawing_leaves_matplotlibs_settings_alone(slid: xr.Dataset) -> None:
+def test_drawing_leaves_matplotlibs_settings_alone(slid: Run) -> None:
     before = dict(matplotlib.rcParams)
     figure_motion(slid)
     assert dict(matplotlib.rcParams) == before
@@ -386,7 +386,7 @@ def turned_round(scene: dict[str, Any]) -> dict[str, Any]:
 def test_the_section_shows_every_layer_where_its_particles_are(scene: dict[str, Any]) -> None:
     run = synthetic(overrides=scene)
     figure = figure_geometry(run)
-    built = scene_of(run)
+    built = run.scene
     particles, colours = place_particles(built), layer_colours(built)
     soil = particles.kind == SOIL
     places = np.column_stack([particles.x[soil] + 1e-3, particles.y[soil] + 1e-6])  # on a boundary: right of it, or above
@@ -403,7 +403,7 @@ def test_the_section_shows_every_layer_where_its_particles_are(scene: dict[str, 
 @pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
 def test_nothing_lies_over_anything_else(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
-    checked = check(scene_of(run))
+    checked = check(run.scene)
     figures = {
         "geometry": figure_geometry(run, "draft"),
         "motion": figure_motion(run, "draft"),
@@ -426,8 +426,8 @@ PLACES = {"road": "12 beyond the toe", "house_of_the_guard": "20 m beyond the to
 @pytest.mark.parametrize("scene", [LAYERED, turned_round(LAYERED), {}], ids=["left", "right", "paper"])
 def test_places_stand_before_the_toe_with_their_names(scene: dict[str, Any]) -> None:
     run = synthetic(translation(-3.0), overrides=scene)
-    checked = check(scene_of(run))
-    toe, base = scene_of(run).geometry.toe
+    checked = check(run.scene)
+    toe, base = run.scene.geometry.toe
     figures = {
         "profiles": figure_displaced({"one": run, "two": run}, places=PLACES),
         "scene": figure_scene(checked.scene, checked.particles, checked.probes, PLACES),
@@ -464,7 +464,7 @@ def test_a_long_note_takes_more_lines_and_stays_in_the_figure() -> None:
         Figure(figsize=(2.5, 2.5), layout="constrained"),
     ]
     figures[2].subplots().set_xlabel("time (s)")
-    write_note(figures[2], note_text(scene_of(runs["elastic"])))
+    write_note(figures[2], note_text(runs["elastic"].scene))
     for figure in figures:
         canvas = FigureCanvasAgg(figure)
         canvas.draw()

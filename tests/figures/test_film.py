@@ -10,13 +10,13 @@ from typing import Any
 import matplotlib
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.collections import EllipseCollection
 from PIL import Image
 from synthetic import synthetic, translation
 
 from sph.figures.film import check_film, draw_film, rate, save_film
 from sph.measures.fields import FIELDS
+from sph.output.run import Run
 from sph.solver.particles import SOIL
 
 FRAMES = range(0, 31, 10)  # of 0, 5, 10 and 15 s
@@ -29,20 +29,20 @@ def soil_circles(figure: Any) -> Any:
 
 
 @pytest.mark.parametrize("field", FIELDS)
-def test_every_frame_is_shown_at_its_time_on_one_scale(slid: xr.Dataset, field: str) -> None:
+def test_every_frame_is_shown_at_its_time_on_one_scale(slid: Run, field: str) -> None:
     figure, show = draw_film(slid, FRAMES, field, motion=False, dpi=60)
-    soil = slid["kind"].values == SOIL
+    soil = slid["kind"] == SOIL
     shown = [FIELDS[field].of(slid, frame)[soil] for frame in FRAMES]
     scales, limits = set(), set()
     for frame, values in zip(FRAMES, shown, strict=True):
         show(frame)
         circles = soil_circles(figure)
-        np.testing.assert_allclose(circles.get_offsets(), np.column_stack([slid[axis].values[frame][soil] for axis in "xy"]))
+        np.testing.assert_allclose(circles.get_offsets(), np.column_stack([slid[axis][frame][soil] for axis in "xy"]))
         np.testing.assert_allclose(circles.get_array(), values)
         scales.add((circles.norm.vmin, circles.norm.vmax))
         limits.add((figure.axes[0].get_xlim(), figure.axes[0].get_ylim()))
         assert figure.axes[0].get_aspect() == 1.0
-        assert f"t = {slid['time'].values[frame]:5.2f} s" in figure.axes[0].get_title(loc="left")
+        assert f"t = {slid['time'][frame]:5.2f} s" in figure.axes[0].get_title(loc="left")
         assert len(figure.axes[0].lines) == 2, "the initial surface and the ring at A, of this frame alone"
     (low, high), *others = scales
     assert not others and len(limits) == 1
@@ -59,22 +59,22 @@ def test_the_box_holds_what_any_frame_shows() -> None:
     assert left < -30.0 and right > 10.0
 
 
-def test_the_motion_is_shown_with_the_time(slid: xr.Dataset) -> None:
+def test_the_motion_is_shown_with_the_time(slid: Run) -> None:
     figure, show = draw_film(slid, FRAMES, "speed", motion=True, dpi=60)
     curve, now = figure.axes[1].lines
-    np.testing.assert_array_equal(curve.get_ydata(), slid["ground_acceleration"].values)
+    np.testing.assert_array_equal(curve.get_ydata(), slid["ground_acceleration"])
     show(20)
     assert list(now.get_xdata()) == [10.0, 10.0] and "m/s²" in figure.axes[1].get_ylabel()
 
 
 @pytest.mark.parametrize("dpi", [60, 73, 120])
 @pytest.mark.parametrize("motion", [False, True])
-def test_pictures_have_an_even_number_of_pixels_each_way(slid: xr.Dataset, dpi: int, motion: bool) -> None:
+def test_pictures_have_an_even_number_of_pixels_each_way(slid: Run, dpi: int, motion: bool) -> None:
     width, height = draw_film(slid, FRAMES, "speed", motion, dpi)[0].canvas.get_width_height()
     assert width % 2 == height % 2 == 0 and width > 400 * dpi / 60
 
 
-def test_a_gif_holds_the_frames_at_their_rate(tmp_path: Path, slid: xr.Dataset) -> None:
+def test_a_gif_holds_the_frames_at_their_rate(tmp_path: Path, slid: Run) -> None:
     path = tmp_path / "slide.gif"
     assert save_film(slid, path, every=10, fps=4, dpi=60) == len(FRAMES)
     assert [item.name for item in tmp_path.iterdir()] == ["slide.gif"]
@@ -91,7 +91,7 @@ def test_a_gif_holds_the_frames_at_their_rate(tmp_path: Path, slid: xr.Dataset) 
 
 
 @needs_ffmpeg
-def test_an_mp4_holds_the_frames_at_their_rate(tmp_path: Path, slid: xr.Dataset) -> None:
+def test_an_mp4_holds_the_frames_at_their_rate(tmp_path: Path, slid: Run) -> None:
     path = tmp_path / "slide.mp4"
     assert save_film(slid, path, "beta", every=10, fps=4, motion=True, dpi=61) == len(FRAMES)
     assert [item.name for item in tmp_path.iterdir()] == ["slide.mp4"]
@@ -116,7 +116,7 @@ def test_what_cannot_be_written_is_refused(tmp_path: Path, monkeypatch: pytest.M
             check_film(Path(path), fps, dpi)
 
 
-def test_a_failing_ffmpeg_is_an_error_of_its_file(tmp_path: Path, slid: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_failing_ffmpeg_is_an_error_of_its_file(tmp_path: Path, slid: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     program = tmp_path / "ffmpeg"
     program.write_text("#!/bin/sh\ncat > /dev/null\necho 'Unknown encoder' >&2\nexit 1\n")
     program.chmod(0o755)
@@ -126,12 +126,12 @@ def test_a_failing_ffmpeg_is_an_error_of_its_file(tmp_path: Path, slid: xr.Datas
     assert sorted(item.name for item in tmp_path.iterdir()) == ["ffmpeg"]
 
 
-def test_speed_is_simulated_time_over_time(slid: xr.Dataset) -> None:
-    assert slid["time"].values[1] == 0.5
+def test_speed_is_simulated_time_over_time(slid: Run) -> None:
+    assert slid["time"][1] == 0.5
     assert rate(slid, 1, 1.0) == 2.0 and rate(slid, 2, 4.0) == 4.0
 
 
-def test_drawing_leaves_matplotlibs_settings_alone(tmp_path: Path, slid: xr.Dataset) -> None:
+def test_drawing_leaves_matplotlibs_settings_alone(tmp_path: Path, slid: Run) -> None:
     before = dict(matplotlib.rcParams)
     save_film(slid, tmp_path / "slide.gif", every=30, dpi=30)
     assert dict(matplotlib.rcParams) == before

@@ -7,20 +7,25 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from synthetic import step_ramp, synthetic, translation
 
 from sph.measures.linked import largest_mass
 from sph.measures.metrics import METRICS, MetricSettings, collapse_class, measure, outline_area
+from sph.output.run import Run
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import SOIL
 
 SAMPLE = 0.05  # s
 
 
-def with_final(trajectory: xr.Dataset, particle: int, x: float, y: float) -> xr.Dataset:
-    """The trajectory with one particle somewhere else in the last frame."""
-    changed = trajectory.copy(deep=True)
+def copied(run: Run) -> Run:
+    """Another run with the same numbers."""
+    return Run(run.trajectory.copy(deep=True))
+
+
+def with_final(run: Run, particle: int, x: float, y: float) -> Run:
+    """The run with one particle somewhere else in the last frame."""
+    changed = copied(run)
     changed["displacement_x"][-1, particle] += x - changed["x"][-1, particle]
     changed["displacement_y"][-1, particle] += y - changed["y"][-1, particle]
     changed["x"][-1, particle], changed["y"][-1, particle] = x, y
@@ -31,7 +36,7 @@ def nan_metrics(values: dict[str, float | int | str]) -> set[str]:
     return {name for name, value in values.items() if isinstance(value, float) and math.isnan(value)}
 
 
-def test_measure_gives_exactly_the_rows_of_the_table_in_order(slid: xr.Dataset) -> None:
+def test_measure_gives_exactly_the_rows_of_the_table_in_order(slid: Run) -> None:
     values = measure(slid)
     assert list(values) == [metric.name for metric in METRICS]
     types = {"f8": float, "i1": int, "str": str}
@@ -39,7 +44,7 @@ def test_measure_gives_exactly_the_rows_of_the_table_in_order(slid: xr.Dataset) 
 
 
 class TestProbe:
-    def test_a_rigid_slide_of_3_m_is_reported_as_such(self, slid: xr.Dataset) -> None:
+    def test_a_rigid_slide_of_3_m_is_reported_as_such(self, slid: Run) -> None:
         values = measure(slid)
         assert values["displacement_horizontal"] == pytest.approx(-3.0)
         assert values["displacement_vertical"] == 0.0
@@ -76,12 +81,12 @@ class TestProbe:
         assert math.isnan(float(still["displacement_magnitude_end_of_shaking"])) and math.isnan(float(still["shaking_start"]))
         assert still["displacement_magnitude"] == pytest.approx(3.0)
 
-    def test_onset_and_arrest_on_a_ramp(self, slid: xr.Dataset) -> None:
+    def test_onset_and_arrest_on_a_ramp(self, slid: Run) -> None:
         values = measure(slid)  # 0.75 m/s from 4 to 8 s: 0.05 m are passed 1/15 s after the start and before the end
         assert values["onset_time"] == pytest.approx(4.1)
         assert values["arrest_time"] == pytest.approx(7.95)
 
-    def test_thresholds_move_onset_and_arrest(self, slid: xr.Dataset) -> None:
+    def test_thresholds_move_onset_and_arrest(self, slid: Run) -> None:
         values = measure(slid, MetricSettings(onset_threshold=1.0, arrest_tolerance=0.8))
         assert 4.0 + 1.0 / 0.75 < float(values["onset_time"]) <= 4.0 + 1.0 / 0.75 + SAMPLE
         assert 8.0 - 0.8 / 0.75 <= float(values["arrest_time"]) <= 8.0 - 0.8 / 0.75 + SAMPLE
@@ -94,13 +99,13 @@ class TestProbe:
         values = measure(synthetic(translation(-3.0), step_ramp(4.0, 20.0)))
         assert values["still_moving"] == 1 and math.isnan(float(values["arrest_time"])) and values["onset_time"] == pytest.approx(4.3)
 
-    def test_unknown_probe_is_refused_by_name(self, slid: xr.Dataset) -> None:
+    def test_unknown_probe_is_refused_by_name(self, slid: Run) -> None:
         with pytest.raises(ValueError, match="'B'.*\\['A'\\]"):
             measure(slid, MetricSettings(probe="B"))
 
 
 class TestRunout:
-    def test_a_block_moved_by_3_m_runs_out_3_m(self, slid: xr.Dataset) -> None:
+    def test_a_block_moved_by_3_m_runs_out_3_m(self, slid: Run) -> None:
         values = measure(slid)
         assert values["runout"] == pytest.approx(3.0, abs=1e-5)
         assert values["runout_over_height"] == pytest.approx(3.0 / 25.0, abs=1e-6)
@@ -109,7 +114,7 @@ class TestRunout:
         values = measure(synthetic(translation(-3.0), overrides={"numerics": {"spacing": 0.5}}))
         assert values["runout"] == pytest.approx(3.0, abs=0.5)
 
-    def test_an_isolated_particle_thrown_ahead_does_not_count(self, slid: xr.Dataset) -> None:
+    def test_an_isolated_particle_thrown_ahead_does_not_count(self, slid: Run) -> None:
         crest = int(slid["probe_particle"][0])
         flown = measure(with_final(slid, crest, 20.0, 30.0))
         assert flown["runout"] == pytest.approx(3.0, abs=1e-5)
@@ -134,17 +139,17 @@ class TestRunout:
         values = measure(synthetic(translation(2.0)))
         assert values["runout"] == 0.0 and float(values["travel_angle"]) > 60.0
 
-    def test_travel_angle_and_deposit_height(self, slid: xr.Dataset) -> None:
+    def test_travel_angle_and_deposit_height(self, slid: Run) -> None:
         values = measure(slid)
         run = 25.0 / math.tan(math.radians(60.0))
         assert values["travel_angle"] == pytest.approx(math.degrees(math.atan2(25.0, run + 3.0)), abs=1e-4)
         assert values["deposit_height"] == pytest.approx(4.0, abs=1e-5)  # the column 2.5 m behind the toe is 4 particles high
 
-    def test_mean_thickness_of_the_deposit(self, slid: xr.Dataset) -> None:
+    def test_mean_thickness_of_the_deposit(self, slid: Run) -> None:
         # A wedge of 3 m at 60 degrees: 1.5 m tan(60) thick; columns of 1, 3 and 4 particles over 3 m.
         assert measure(slid)["deposit_thickness"] == pytest.approx(8.0 / 3.0) == pytest.approx(1.5 * math.tan(math.radians(60.0)), rel=0.03)
 
-    def test_no_deposit_on_a_standing_slope(self, standing: xr.Dataset) -> None:
+    def test_no_deposit_on_a_standing_slope(self, standing: Run) -> None:
         values = measure(standing)
         assert values["deposit_height"] == 0.0 and math.isnan(float(values["deposit_thickness"]))
 
@@ -174,25 +179,25 @@ class TestSoil:
         areas = [values[name] for name in ("area_moved_10cm", "area_moved_50cm", "area_moved_100cm")]
         assert areas == pytest.approx([30.0, 15.0, 5.0])
 
-    def test_first_failure_counts_the_box_and_is_nan_without_failure(self, standing: xr.Dataset) -> None:
+    def test_first_failure_counts_the_box_and_is_nan_without_failure(self, standing: Run) -> None:
         assert math.isnan(float(measure(standing)["first_failure_time"]))
-        failed = standing.copy(deep=True)
+        failed = copied(standing)
         failed["t_f"][0] = 5.0
         failed["t_f"][-1] = 4.5
         assert failed["kind"][-1] != SOIL and measure(failed)["first_failure_time"] == 4.5
 
-    def test_failed_fraction_and_cost_are_passed_on(self, standing: xr.Dataset) -> None:
+    def test_failed_fraction_and_cost_are_passed_on(self, standing: Run) -> None:
         standing["failed_fraction"][-1] = 0.25
         values = measure(standing)
         assert values["failed_fraction"] == 0.25
         assert (values["wall_time"], values["particle_steps_per_second"]) == (2.0, 3e6)
 
-    def test_peak_speed_leaves_the_gravity_stage_out(self, standing: xr.Dataset) -> None:
+    def test_peak_speed_leaves_the_gravity_stage_out(self, standing: Run) -> None:
         standing["maximum_speed"][10] = 9.0
         standing["maximum_speed"][-20] = 4.0
         assert measure(standing)["peak_speed"] == 4.0
 
-    def test_area_change_is_that_of_mass_over_density(self, standing: xr.Dataset) -> None:
+    def test_area_change_is_that_of_mass_over_density(self, standing: Run) -> None:
         standing["density"][-1] /= 1.05
         assert measure(standing)["area_change"] == pytest.approx(0.05, rel=1e-4)
 
@@ -204,28 +209,28 @@ class TestSoil:
         assert outline_area(x[~gap], y[~gap], 1.0) == full
         assert outline_area(1.1 * x, y, 1.0) == pytest.approx(1.1 * full, rel=0.03)
 
-    def test_nearest_neighbour_falls_with_pairing(self, standing: xr.Dataset) -> None:
+    def test_nearest_neighbour_falls_with_pairing(self, standing: Run) -> None:
         assert measure(standing)["nearest_neighbour_p05"] == pytest.approx(1.0)
-        soil = np.flatnonzero(standing["kind"].values == SOIL)[::10]
+        soil = np.flatnonzero(standing["kind"] == SOIL)[::10]
         for particle in soil:
             standing["x"][-1, particle] += 0.75
         assert measure(standing)["nearest_neighbour_p05"] == pytest.approx(0.25, abs=1e-5)
 
-    def test_the_share_of_the_artificial_viscosity(self, standing: xr.Dataset) -> None:
-        samples = standing.sizes["sample"]
-        standing["dissipated_energy"] = ("sample", np.linspace(0.0, 200.0, samples))
-        standing["viscous_energy"] = ("sample", np.linspace(0.0, 30.0, samples))
+    def test_the_share_of_the_artificial_viscosity(self, standing: Run) -> None:
+        samples = standing.trajectory.sizes["sample"]
+        standing.trajectory["dissipated_energy"] = ("sample", np.linspace(0.0, 200.0, samples))
+        standing.trajectory["viscous_energy"] = ("sample", np.linspace(0.0, 30.0, samples))
         assert measure(standing)["viscous_share"] == pytest.approx(0.15)
-        assert math.isnan(measure(standing.drop_vars("viscous_energy"))["viscous_share"])
+        assert math.isnan(measure(standing.trajectory.drop_vars("viscous_energy"))["viscous_share"])
 
-    def test_energy_error_is_the_closing_error_over_the_peak_of_the_energies(self, standing: xr.Dataset) -> None:
-        samples = np.arange(standing.sizes["sample"])
+    def test_energy_error_is_the_closing_error_over_the_peak_of_the_energies(self, standing: Run) -> None:
+        samples = np.arange(standing.trajectory.sizes["sample"])
         assert measure(standing)["energy_error"] == 0.0
-        standing["potential_energy"] = ("sample", -100.0 * samples / samples[-1])
-        standing["dissipated_energy"] = ("sample", 150.0 * samples / samples[-1])
-        standing["shaking_work"] = ("sample", 45.0 * samples / samples[-1])
+        standing.trajectory["potential_energy"] = ("sample", -100.0 * samples / samples[-1])
+        standing.trajectory["dissipated_energy"] = ("sample", 150.0 * samples / samples[-1])
+        standing.trajectory["shaking_work"] = ("sample", 45.0 * samples / samples[-1])
         assert measure(standing)["energy_error"] == pytest.approx(5.0 / 250.0)
-        standing["elastic_energy"] = ("sample", np.full(samples.size, 50.0))  # only a change counts
+        standing.trajectory["elastic_energy"] = ("sample", np.full(samples.size, 50.0))  # only a change counts
         assert measure(standing)["energy_error"] == pytest.approx(5.0 / 300.0)
 
 
@@ -253,8 +258,8 @@ class TestVerdicts:
         with pytest.raises(ValueError, match="stable_limit \\(0.5\\)"):
             MetricSettings(stable_limit=0.5)
 
-    def test_still_moving_by_the_soil_alone(self, slid: xr.Dataset) -> None:
-        mass = float(slid["mass"].values[slid["kind"].values == SOIL].sum())
+    def test_still_moving_by_the_soil_alone(self, slid: Run) -> None:
+        mass = float(slid["mass"][slid["kind"] == SOIL].sum())
         assert measure(slid)["still_moving"] == 0
         slid["kinetic_energy"][-3] = 0.5 * mass * 0.049**2
         assert measure(slid)["still_moving"] == 0
@@ -280,7 +285,7 @@ class TestVerdicts:
 
 def test_synthetic_scene_is_the_papers() -> None:
     scene = make_scene({"scheme": "paper", "name": "paper", "geometry": {"shape": "slope"}})
-    assert synthetic().sizes["particle"] == 2404 and scene.geometry.toe == (55.0, 10.0)
+    assert synthetic().trajectory.sizes["particle"] == 2404 and scene.geometry.toe == (55.0, 10.0)
 
 
 GROUND: dict[str, Any] = {"shape": "ground_line", "points": [[120, 440], [175, 440], [190, 465], [224, 465]], "base": 430}

@@ -7,24 +7,23 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from synthetic import synthetic, translation
 
-from sph.measures.fields import FIELDS, gravity_frame
+from sph.measures.fields import FIELDS
 from sph.measures.metrics import measure
 from sph.measures.mobilised import circles, mobilised, mobilised_by_layer
+from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import SOIL, place_particles
 from sph.solver.run import run
-from sph.storage.trajectory import scene_of
 
 COHESION, ANGLE = 10.0, 30.0
 SEAM = {"seam": {"region": {"kind": "elevation", "bottom": 4.0, "top": 7.0}, "soil": {"cohesion": 5.0}}}
 STRENGTH: dict[str, Any] = {"soil": {"cohesion": COHESION, "friction_angle": ANGLE}}
 
 
-def stressed(xx: float, yy: float, xy: float, overrides: dict[str, Any] | None = None) -> xr.Dataset:
+def stressed(xx: float, yy: float, xy: float, overrides: dict[str, Any] | None = None) -> Run:
     """A trajectory with one stress (kPa, compression positive) everywhere."""
     made = synthetic(translation(0.0), overrides=merge(STRENGTH, overrides or {}))
     for axes, value in (("xx", -xx), ("yy", -yy), ("xy", xy), ("zz", -xx)):
@@ -51,14 +50,14 @@ def test_soil_at_the_active_limit_uses_all_and_soil_without_strength_too() -> No
 
 def test_each_layer_has_its_own_share_where_it_is_largest() -> None:
     made = stressed(50.0, 50.0, 10.0, {"layers": SEAM})
-    scene = scene_of(made)
-    layer, x = place_particles(scene).layer, made["x0"].values
+    scene = made.scene
+    layer, x = place_particles(scene).layer, made["x0"]
     at_yield = 5.0 * math.cos(math.radians(30.0)) + 25.0
     below = (layer == 1) & (np.abs(x - 0.5 * (scene.geometry.toe[0] + scene.geometry.crest[0])) < 0.5 * scene.geometry.slope_height)
-    made["stress_xy"].values[:, below] = 1e3 * 0.99 * at_yield
-    single = np.flatnonzero((layer == 0) & (made["kind"].values == SOIL))[100]
-    made["stress_xy"].values[:, single] = 1e3 * 60.0
-    shares = mobilised_by_layer(made, gravity_frame(made))
+    made["stress_xy"][:, below] = 1e3 * 0.99 * at_yield
+    single = np.flatnonzero((layer == 0) & (made["kind"] == SOIL))[100]
+    made["stress_xy"][:, single] = 1e3 * 60.0
+    shares = mobilised_by_layer(made, made.gravity_frame)
     assert shares["seam"] == pytest.approx(0.99, rel=1e-6)
     plain = 10.0 / (COHESION * math.cos(math.radians(ANGLE)) + 25.0)
     assert plain <= shares["soil"] < plain + 0.15, "one particle is no layer"
@@ -84,7 +83,7 @@ def block(**settings: Any) -> Scene:
 
 def test_level_ground_uses_what_its_K0_asks_for() -> None:
     """(1 - K0) / ((1 + K0) sin(phi)): two thirds, whatever the depth; 2 % after the gravity stage, 1 % of the stress and as much of K0."""
-    found = run(block(), until="gravity").trajectory
+    found = Run(run(block(), until="gravity").trajectory)
     for frame, tolerance in ((0, 1e-5), (-1, 0.02)):
         assert mobilised_by_layer(found, frame)["soil"] == pytest.approx(0.5 / (1.5 * 0.5), rel=tolerance)
 
@@ -92,8 +91,8 @@ def test_level_ground_uses_what_its_K0_asks_for() -> None:
 def test_soil_beyond_its_strength_is_at_it() -> None:
     """Elastic soil of nu = 0.2 at rest has K0 = 0.25, below the active limit of 20 degrees: it yields, and none lies beyond the surface."""
     settled = {"gravity.ramp": 0.8, "gravity.duration": 1.0, "duration": 1.0}
-    weak = run(block(**settled, **{"soil.K0": None, "soil.poisson_ratio": 0.2, "soil.friction_angle": 20.0}), until="gravity").trajectory
-    soil = weak["kind"].values == SOIL
-    radius, at_yield = (of[soil] for of in circles(weak, -1))
+    scene = block(**settled, **{"soil.K0": None, "soil.poisson_ratio": 0.2, "soil.friction_angle": 20.0})
+    weak = Run(run(scene, until="gravity").trajectory)
+    radius, at_yield = (of[weak.soil] for of in circles(weak, -1))
     assert np.all(radius <= at_yield * (1 + 1e-5) + 1.0)
     assert mobilised_by_layer(weak, -1)["soil"] == pytest.approx(1.0, abs=0.01)

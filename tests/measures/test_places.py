@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 
 import pytest
-import xarray as xr
 from synthetic import PAPER, synthetic, translation
 
 from sph.measures.metrics import MetricSettings, measure
 from sph.measures.places import beyond_toe, check_places, place_columns, places_in
+from sph.output.run import Run
 from sph.scene.schema import make_scene
-from sph.storage.trajectory import scene_of
 
 GROUND = {"shape": "ground_line", "points": [[120, 440], [175, 440], [190, 465], [224, 465]], "base": 430}
 
 
-def at(run: xr.Dataset, **places: float | str) -> dict[str, float | int | str]:
+def at(run: Run, **places: float | str) -> dict[str, float | int | str]:
     """What is measured at places beside the metrics of every run."""
     values, others = measure(run, MetricSettings(places=places)), measure(run)
     assert {name: values[name] for name in others} == pytest.approx(others, nan_ok=True), "places change no other metric"
@@ -45,7 +44,7 @@ def test_a_place_by_its_x_is_that_of_the_survey_whichever_way_the_slope_falls() 
     turned = GROUND | {"points": [[-x, y] for x, y in GROUND["points"]], "downhill": "right"}  # type: ignore[attr-defined]
     right = at(synthetic(translation(-3.0), overrides={"geometry": turned}), road=-173.0)
     assert left == pytest.approx(right, abs=1e-5) and left["road_passed"] == pytest.approx(1.0, abs=1e-5)
-    assert beyond_toe("12.5 beyond the toe", scene_of(synthetic(overrides={"geometry": GROUND})).geometry) == 12.5  # type: ignore[arg-type]
+    assert beyond_toe("12.5 beyond the toe", synthetic(overrides={"geometry": GROUND}).scene.geometry) == 12.5  # type: ignore[arg-type]
 
 
 def test_a_diverged_run_has_no_values_at_places() -> None:

@@ -8,7 +8,6 @@ from synthetic import synthetic
 
 from sph.measures.sides import reached_sides
 from sph.scene.schema import Scene
-from sph.storage.trajectory import scene_of
 
 MOVED, LINK = 0.5, 2.5
 
@@ -29,7 +28,7 @@ def test_failed_apron_soil_at_the_front_counts(slope: float, apron: float, faile
         return np.where(y > scene.geometry.toe[1], -slope, 0.0), np.where(x < scene.geometry.toe[0], apron, 0.0)
 
     made = synthetic(field)
-    scene = scene_of(made)
-    apron_soil = made["x0"].values < scene.geometry.toe[0]
-    made["failed"].values[-1] = np.where(apron_soil, failed, made["y0"].values > scene.geometry.toe[1])
-    assert ("front" in reached_sides(made, scene, MOVED, LINK)) == met
+    scene = made.scene
+    apron_soil = made["x0"] < scene.geometry.toe[0]
+    made["failed"][-1] = np.where(apron_soil, failed, made["y0"] > scene.geometry.toe[1])
+    assert ("front" in reached_sides(made, MOVED, LINK)) == met

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from PIL import Image
 from synthetic import Displacement, study_row, synthetic
 
 from sph.checks.finding import Finding
 from sph.experiments.paper.claims import decide_claims
 from sph.measures.metrics import METRIC_BY_NAME, measure
+from sph.output.run import Run
 from sph.page.build import StudyFiles
 from sph.page.paper import PAPER_SECTIONS
 from sph.page.sections import certain, existing
@@ -44,7 +44,7 @@ RIGHT = {"shape": "ground_line", "points": [[180, 440], [125, 440], [110, 465], 
 """A surveyed line of a slope that falls to the right."""
 
 
-def run_of(S_R: str, amplitude: str, geometry: Mapping[str, Any] | None = None) -> xr.Dataset:
+def run_of(S_R: str, amplitude: str, geometry: Mapping[str, Any] | None = None) -> Run:
     """A run of 400 particles; that of S_R 0.50 and 6.0 m/s2 is stopped after 9 s with a particle lost."""
     scene: dict[str, Any] = {
         "title": TITLE,
@@ -55,9 +55,9 @@ def run_of(S_R: str, amplitude: str, geometry: Mapping[str, Any] | None = None) 
     run = synthetic(uneven(SLIPS[S_R, amplitude]), overrides=scene | ({} if geometry is None else {"geometry": geometry}))
     run.attrs["particle_steps"] = 6_000_000
     if (S_R, amplitude) == ("0.50", "6.0"):
-        run = run.isel(frame=slice(0, 19), sample=slice(0, 181))
+        run = Run(run.trajectory.isel(frame=slice(0, 19), sample=slice(0, 181)))
         run["x"][-1, 7] = np.nan
-        run.attrs |= {"status": "diverged", "status_reason": "a particle was too fast"}
+        run.attrs.update({"status": "diverged", "status_reason": "a particle was too fast"})
     return run
 
 
@@ -68,7 +68,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
     for point in points:
         run = run_of(point["S_R"], point["amplitude"], geometry)
         runs.append(f"{FOLDER}/runs/" + "_".join(f"{name}-{value}" for name, value in point.items()) + ".nc")
-        trajectory.write(runs[-1], run)
+        trajectory.write(runs[-1], run.trajectory)
         measured = {name: value for name, value in measure(run).items() if name in METRIC_BY_NAME}
         rows.append(study_row(*point.values(), **measured | {"expected_displacement_error": 0.31}))
     layout = Layout(labels=(("0.10", "0.50"), ("100",), ("4.0", "6.0")))
@@ -78,7 +78,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
     gravity = synthetic()
     for name, seconds in {"gravity": 0.5, "pre_failure_amplitude-4.0": 0.75, "pre_failure_amplitude-6.0": 1.0}.items():
         gravity.attrs["wall_time_s"] = seconds
-        trajectory.write(f"{FOLDER}/stages/{name}.nc", gravity)
+        trajectory.write(f"{FOLDER}/stages/{name}.nc", gravity.trajectory)
     for path in certain(FOLDER, PAPER_SECTIONS):
         if path.endswith(".png"):
             Path(path).parent.mkdir(exist_ok=True)
@@ -109,5 +109,5 @@ def listed_study() -> StudyFiles:
     }
     run = synthetic(uneven(-2.0), overrides=wider)
     run.attrs["particle_steps"] = 6_000_000
-    trajectory.write(runs["case-000003"], run)
+    trajectory.write(runs["case-000003"], run.trajectory)
     return study._replace(layout=layout, runs=runs)

@@ -21,8 +21,8 @@ from sph.checks.finding import Finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
-from sph.measures.fields import displacement
 from sph.measures.metrics import CLASSES, UNDETERMINED
+from sph.output.run import Run
 from sph.page.answer import FINDINGS, going, levels, limit, searched, unshaken
 from sph.page.build import StudyFiles, build_page, write_page
 from sph.page.explorer import DETAILS, LOST
@@ -31,7 +31,6 @@ from sph.page.tables import chosen_keys, csv_table, layer_table, metres, scene_t
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both
-from sph.solver.particles import SOIL
 from sph.stability.extrapolation import Extrapolated
 from sph.stability.record import search_dataset
 from sph.stability.search import Search
@@ -102,7 +101,7 @@ def test_a_diverged_run_is_marked_and_has_no_numbers(study: StudyFiles) -> None:
     assert sum(tag == "tr" and attrs.get("class") == "bad" for tag, attrs in words.elements) == 1
     assert "1 diverged" in words.text
     # Nor does it take part in the common scale of colours.
-    moved = [np.hypot(*displacement(trajectory.read(run))).max() for run in list(study.runs.values())[:-1]]
+    moved = [np.hypot(*Run.read(run).displacement()).max() for run in list(study.runs.values())[:-1]]
     assert words.runs["largest"] == pytest.approx(max(moved))
 
 
@@ -174,20 +173,20 @@ def test_the_order_of_the_runs_does_not_matter(study: StudyFiles) -> None:
 def test_positions_come_back_to_half_a_quantum(study: StudyFiles) -> None:
     data = Words(build_page(study)).runs
     held = data["points"]["0.10|100|6.0"]["run"]
-    run = trajectory.read(list(study.runs.values())[1])
-    soil = np.flatnonzero(run["kind"].values == SOIL)
-    probe = int(run["probe_particle"].values[0])
+    run = Run.read(list(study.runs.values())[1])
+    soil = np.flatnonzero(run.soil)
+    probe = int(run["probe_particle"][0])
     order = [probe, *soil[soil != probe]]
-    frames = [int(np.argmin(np.abs(run["time"].values - time))) for time in held["times"]]
+    frames = [int(np.argmin(np.abs(run["time"] - time))) for time in held["times"]]
     assert held["times"][0] == 3.0 and held["times"][-1] == 15.0 and len(frames) == 25
     numbers = unpacked(held["positions"], "<i2", 2 * len(order)).reshape(-1, 2, len(order))
     for axis, name in enumerate(("x", "y")):
         there = data["middle"][axis] + data["quantum"] * numbers[:, axis]
-        np.testing.assert_allclose(there, run[name].values[frames][:, order], atol=0.51 * data["quantum"])
+        np.testing.assert_allclose(there, run[name][frames][:, order], atol=0.51 * data["quantum"])
     assert data["quantum"] == pytest.approx(2.5 / 200)
     np.testing.assert_array_equal(unpacked(held["beta"], "u1", len(order)), 255)
     time, horizontal, vertical = np.frombuffer(zlib.decompress(base64.b64decode(held["curve"])), "<f4").reshape(3, -1)
-    end = [run[f"probe_displacement_{axis}"].values[-1, 0] for axis in ("x", "y")]
+    end = [run[f"probe_displacement_{axis}"][-1, 0] for axis in ("x", "y")]
     assert (time[-1], horizontal[-1], vertical[-1]) == pytest.approx((15.0, *end)) and end[0] < -5.0
 
 

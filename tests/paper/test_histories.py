@@ -6,13 +6,13 @@ from typing import Any
 
 import matplotlib
 import pytest
-import xarray as xr
 from matplotlib.figure import Figure
 from synthetic import step_ramp, synthetic, translation
 
 from sph.experiments.paper.figures import FIGURES, figure_gamma_histories, figure_strength_histories
 from sph.figures import caption
 from sph.figures.style import LINE_STYLES
+from sph.output.run import Run
 
 
 def axes(figure: Figure) -> Any:
@@ -45,19 +45,19 @@ def test_histories_show_the_vertical_displacement_named_and_told_apart_without_c
     assert (band.x0, band.x1) == pytest.approx((3.0, 10.0))
 
 
-def test_more_curves_than_line_styles_still_draw(slid: xr.Dataset) -> None:
+def test_more_curves_than_line_styles_still_draw(slid: Run) -> None:
     figure = figure_strength_histories({"": {str(number): slid for number in range(len(LINE_STYLES) + 2)}})
     assert len(axes(figure).lines) == len(LINE_STYLES) + 3
 
 
-def test_gamma_panels(slid: xr.Dataset, standing: xr.Dataset) -> None:
+def test_gamma_panels(slid: Run, standing: Run) -> None:
     figure = figure_gamma_histories({"S_R = 0.25": {"γ = 100": slid, "γ = 1": standing}, "S_R = 0.35": {"γ = 100": slid}})
     assert [len(ax.lines) for ax in figure.axes] == [3, 2]
     assert "(b) S_R = 0.35" in texts(figure)
 
 
-def test_histories_without_data_or_with_an_unknown_probe_are_refused(slid: xr.Dataset) -> None:
-    with pytest.raises(ValueError, match="trajectories"):
+def test_histories_without_data_or_with_an_unknown_probe_are_refused(slid: Run) -> None:
+    with pytest.raises(ValueError, match="runs"):
         figure_strength_histories({})
     with pytest.raises(ValueError, match="probe: 'B'"):
         figure_gamma_histories({"": {"γ = 1": slid}}, probe="B")

@@ -12,6 +12,7 @@ from small_scenes import SceneBuilder
 from sph.experiments.paper.figures import figure_strength_histories
 from sph.figures import figure_geometry, figure_motion, figure_profiles, plot_trajectory
 from sph.measures.metrics import measure
+from sph.output.run import Run
 from sph.solver.early_stop import rest_reason
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
@@ -93,7 +94,7 @@ def test_metrics_hardly_change(stopped: Result, whole: Result) -> None:
 
 
 def test_figures_can_be_drawn(stopped: Result, whole: Result) -> None:
-    both = {"stopped": stopped.trajectory, "whole": whole.trajectory}
+    both = {"stopped": Run(stopped.trajectory), "whole": Run(whole.trajectory)}
     figures = [figure_geometry(both["stopped"]), figure_motion(both["stopped"]), plot_trajectory(both["stopped"])]
     figures += [figure_profiles(both), figure_strength_histories({"both": both})]
     for figure in figures:

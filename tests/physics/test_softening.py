@@ -241,8 +241,9 @@ def test_gamma_is_zero_beside_a_loss_by_slip_unless_it_is_written() -> None:
 
 
 def test_residual_strengths_are_those_written_or_the_ratio_of_those_at_the_peak() -> None:
-    soil = band(1.0).scene.soil
-    assert soil.residual(0.25) == (5.0, 0.0)
+    soil, (material,) = band(1.0).scene.soil, band(1.0).scene.materials
+    assert material._replace(S_R=0.25).residual == (5.0, 0.0)
     written = soil.model_copy(update={"friction_angle": 30.0, "residual_cohesion": 1.0})
-    assert written.residual(0.5) == (1.0, 15.0)
-    assert math.isclose(written.model_copy(update={"residual_friction_angle": 12.0}).residual(0.5)[1], 12.0)
+    assert material._replace(S_R=0.5, soil=written).residual == (1.0, 15.0)
+    both = written.model_copy(update={"residual_friction_angle": 12.0})
+    assert math.isclose(material._replace(S_R=0.5, soil=both).residual[1], 12.0) and not material._replace(soil=both).uses_S_R

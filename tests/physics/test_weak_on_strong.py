@@ -16,6 +16,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from sph.measures.metrics import energy_error
+from sph.output.run import Run
 from sph.scene.configuration import merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
@@ -68,7 +69,7 @@ def acceleration(scene: Scene) -> float:
     """Mean acceleration down the plane of soil above the interface from 1 s on, m/s2; the energy budget must close."""
     trajectory = run(scene).trajectory
     assert trajectory.attrs["status"] != "diverged"
-    assert energy_error(trajectory) < CLOSED
+    assert energy_error(Run(trajectory)) < CLOSED
     moving = (trajectory["kind"].values == 0) & (trajectory["y0"].values > scene.geometry.height - THICKNESS)
     time, since = trajectory["time"].values, trajectory["time"].values >= 1.0
     moved = -trajectory["displacement_x"].values[:, moving].mean(axis=1)
@@ -158,7 +159,7 @@ class Slide:
     def __init__(self, scene: Scene) -> None:
         data = run(scene).trajectory
         assert data.attrs["status"] != "diverged"
-        assert energy_error(data) < CLOSED
+        assert energy_error(Run(data)) < CLOSED
         since = data["sample_time"].values >= SHAKEN_FROM - 1e-9
         self.time = data["sample_time"].values[since] - SHAKEN_FROM
         moved = -data["probe_displacement_x"].values[since, 0]

@@ -263,7 +263,7 @@ def test_a_strength_ratio_of_a_layer_replaces_the_residual_strengths_of_the_soil
     """Also where only one of them is written; and a stored scene says so, whatever its version."""
     for residual in ({"residual_cohesion": 5.0, "residual_friction_angle": 10.0}, {"residual_friction_angle": 10.0}):
         scene = layered({"cohesion": 20.0, "friction_angle": 30.0} | residual, {"S_R": 0.6})
-        assert scene.layers["other"].soil.residual(0.6) == (12.0, 18.0)
+        assert scene.materials[1].residual == (12.0, 18.0)
         assert stored_scene(json.loads(scene.stored())) == scene
     earlier = json.loads(scene.stored())
     earlier["layers"]["other"]["soil"] = {}  # as versions stored it that took the angle over

@@ -40,7 +40,7 @@ def test_a_ratio_of_the_overburden_under_tilted_gravity() -> None:
 
 def test_it_grows_with_gravity_and_falls_as_soil_opens() -> None:
     scene = make_scene(BLOCK)
-    soil = make_material(scene.soil, scene.coupling, 1e-3)
+    soil = make_material(scene.materials[0], scene.coupling, 1e-3)
     apex = 10e3 / np.tan(np.radians(30.0))
     term = PorePressure(np.array([50e3]), 1.0)
 

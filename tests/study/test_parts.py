@@ -105,7 +105,7 @@ def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
     """Four times the runs in as many more parts; a run takes hundreds of kB, a row of the table 0.4 kB."""
     run = tmp_path / "run.nc"
     few = {"numerics": {"spacing": 5.0}, "outputs": {"frame_interval": 0.5, "series_interval": 0.1}}
-    trajectory.write(run, synthetic(translation(-3.0), overrides=few))
+    trajectory.write(run, synthetic(translation(-3.0), overrides=few).trajectory)
     scene = planned(json.loads(trajectory.read(run).attrs["scene"]))
     size = 3
     names = [f"case-{number:06d}" for number in range(1, 8 * size + 1)]

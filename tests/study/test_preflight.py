@@ -16,6 +16,7 @@ from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
+from sph.output.run import Run
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import FAILED_AREA, GRAVITY, UNSHAKEN
 from sph.scene.ground_motion import GroundMotion
@@ -493,7 +494,7 @@ def test_a_slope_that_collapses_in_the_gravity_stage_says_so_in_its_status(tmp_p
     run = run_to_file(weak, path["end"], "end", path["first_failure"], seconds=0, attrs={"findings": codes(findings(weak))})
     assert run.status == Status.FAILED_UNSHAKEN
     assert "of the soil yields under gravity alone" in run.trajectory.attrs["status_reason"]
-    values = run_values(trajectory.read(path["end"]), MetricSettings(), float("nan"))
+    values = run_values(Run.read(path["end"]), MetricSettings(), float("nan"))
     assert values["status"] == "failed_unshaken" and float(values["failed_unshaken"]) > 0.1
     assert float(values["gravity_stage_displacement"]) > 0.1 and values["first_failure_time"] == pytest.approx(3.0)
     assert values["findings"] == " ".join(code for code in CODES if code in {each.code for each in findings(weak)})

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
-import xarray as xr
 
 from sph.experiments.base import Trace
 from sph.experiments.extremes.design import REFUSED, Row
@@ -18,9 +17,8 @@ from sph.experiments.extremes.figures import figure_extremes
 from sph.experiments.steps import Step, table_step
 from sph.measures.linked import largest_mass
 from sph.measures.metrics import MetricSettings, energy_gap, outline_area
-from sph.scene.schema import Scene
-from sph.solver.particles import SOIL
-from sph.storage.trajectory import Variable, scene_of
+from sph.output.run import Run
+from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, number_column, read_csv
 
 SHIPPED = Path(__file__).parents[1] / "measured" / "extremes.csv"
@@ -57,11 +55,10 @@ EXTREMES: tuple[Variable, ...] = (
 """The columns."""
 
 
-def penetration(run: xr.Dataset, scene: Scene) -> float:
+def penetration(run: Run) -> float:
     """Largest depth of soil behind the face of a wall over all frames, over the spacing."""
-    soil = run["kind"].values == SOIL
-    x, y = (run[name].values[:, soil].astype(float) for name in ("x", "y"))
-    walls, depth = scene.walls, np.zeros(1)
+    x, y = (run[name][:, run.soil].astype(float) for name in ("x", "y"))
+    scene, walls, depth = run.scene, run.scene.walls, np.zeros(1)
     width, height = (count * scene.numerics.spacing for count in scene.lattice)
     inside = (x >= 0.0) & (x <= width) if walls.kinds.sides.open else np.ones(x.shape, bool)
     if walls.kinds.base.stands:
@@ -72,29 +69,27 @@ def penetration(run: xr.Dataset, scene: Scene) -> float:
     return float(np.nanmax(depth)) / scene.numerics.spacing
 
 
-def asymmetry(run: xr.Dataset, scene: Scene) -> float:
+def asymmetry(run: Run) -> float:
     """Largest distance of a particle from the mirror image of its counterpart, over the spacing."""
-    soil = run["kind"].values == SOIL
-    x0, y0 = run["x0"].values[soil], run["y0"].values[soil]
-    x, y = (run[name].values[-1, soil].astype(float) for name in ("x", "y"))
+    scene, x0, y0 = run.scene, run["x0"][run.soil], run["y0"][run.soil]
+    x, y = run.soil_at(-1, "x", "y")
     _, twin = scipy.spatial.cKDTree(np.column_stack([x0, y0])).query(np.column_stack([scene.geometry.width - x0, y0]))
     return float(np.hypot(scene.geometry.width - x[twin] - x, y[twin] - y).max()) / scene.numerics.spacing
 
 
-def measure_extreme(run: xr.Dataset, symmetric: bool) -> dict[str, Any]:
+def measure_extreme(run: Run, symmetric: bool) -> dict[str, Any]:
     """The columns of a run."""
-    scene = scene_of(run)
-    soil, spacing = run["kind"].values == SOIL, scene.numerics.spacing
-    first, last = (np.column_stack([run[name].values[frame, soil].astype(float) for name in ("x", "y")]) for frame in (0, -1))
+    spacing = run.scene.numerics.spacing
+    first, last = (np.column_stack(run.soil_at(frame, "x", "y")) for frame in (0, -1))
     values: dict[str, Any] = {
-        "status": run.attrs["status"],
+        "status": run.status,
         "reason": run.attrs["status_reason"],
-        "time_step_ratio": float((run["time_step"] / run["time_step_limit"]).max()),
+        "time_step_ratio": run.time_step_ratio,
         "energy_gap": energy_gap(run),
         "wall_time": float(run.attrs["wall_time_s"]),
         "displacement": float(np.nanmax(np.hypot(*(last - first).T))),
-        "penetration": penetration(run, scene),
-        "asymmetry": asymmetry(run, scene) if symmetric else math.nan,
+        "penetration": penetration(run),
+        "asymmetry": asymmetry(run) if symmetric else math.nan,
     }
     if np.isfinite(last).all():
         mass = largest_mass(last[:, 0], last[:, 1], LINK * spacing)
@@ -112,7 +107,7 @@ def _area(places: np.ndarray, spacing: float) -> float:
     return outline_area(places[:, 0], places[:, 1], spacing)
 
 
-def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd.DataFrame:
+def extremes_table(rows: Sequence[Row], read: Callable[[str], Run]) -> pd.DataFrame:
     """One row per value and case; ``read`` gives a run by its file name."""
     table = []
     for row in rows:
@@ -121,7 +116,7 @@ def extremes_table(rows: Sequence[Row], read: Callable[[str], xr.Dataset]) -> pd
             repeats = [read(name) for name in row.runs]
             values = measure_extreme(repeats[0], row.symmetric)
             if len(repeats) > 1:
-                values["reproducible"] = float(all(repeat.equals(repeats[0]) for repeat in repeats[1:]))
+                values["reproducible"] = float(all(repeat.trajectory.equals(repeats[0].trajectory) for repeat in repeats[1:]))
         table.append({"sweep": row.sweep, "value": row.value, "case": row.case, **values})
     return pd.DataFrame(table, columns=[column.name for column in EXTREMES])
 
@@ -131,7 +126,7 @@ def read_extremes(path: Path | str = SHIPPED) -> pd.DataFrame:
     return read_csv(path, EXTREMES, "the extremes")
 
 
-def measure_extremes(rows: Sequence[Row], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
+def measure_extremes(rows: Sequence[Row], read: Callable[[str], Run], settings: MetricSettings) -> pd.DataFrame:
     """How far the solver can be pushed: one key at a time to the ends of its range. Every run ends valid, or diverged or refused with a
     reason.
     """

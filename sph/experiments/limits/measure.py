@@ -9,12 +9,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pandas as pd
-import xarray as xr
 
 from sph.experiments.base import Trace
 from sph.experiments.limits.design import run_name
 from sph.experiments.steps import table_step
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
+from sph.output.run import Run
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, read_csv
 
@@ -34,7 +34,7 @@ LIMITS: tuple[Variable, ...] = (
 """The columns."""
 
 
-def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
+def limits_table(rows: Sequence[tuple[str, str]], runs: Sequence[Run], settings: MetricSettings) -> pd.DataFrame:
     """One row per change and case, from the runs in the rows' order; the first change is the reference."""
     frame = pd.DataFrame(
         [{"change": change, "case": case, **measure(run, settings)} for (change, case), run in zip(rows, runs, strict=True)]
@@ -51,7 +51,7 @@ def read_limits(path: Path | str = SHIPPED) -> pd.DataFrame:
     return read_csv(path, LIMITS, "the limits")
 
 
-def measure_limits(rows: Sequence[tuple[str, str]], read: Callable[[str], xr.Dataset], settings: MetricSettings) -> pd.DataFrame:
+def measure_limits(rows: Sequence[tuple[str, str]], read: Callable[[str], Run], settings: MetricSettings) -> pd.DataFrame:
     """Effect of the assumptions: A's displacement and the run-out with one choice changed at a time, over those of the unchanged scene."""
     return limits_table(rows, [read(run_name(change, case)) for change, case in rows], settings)
 

@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-import xarray as xr
 from matplotlib.figure import Figure
 
 from sph.figures import RUN_FIGURES, figure_profiles
 from sph.figures.history import draw_vertical_histories
 from sph.figures.style import WIDTH, add_note, label_panels, styled
-from sph.storage.trajectory import scene_of
+from sph.output.run import Run
 from sph.study.schema import INPUT_FIGURES
 
 
-def _histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str, fidelity: str) -> Figure:
+def _histories(panels: Mapping[str, Mapping[str, Run]], probe: str, fidelity: str) -> Figure:
     if not panels or not all(panels.values()):
-        raise ValueError("trajectories: a figure of histories needs at least one in every panel")
+        raise ValueError("runs: a figure of histories needs at least one in every panel")
     figure = Figure(figsize=(WIDTH, 2.9), layout="constrained")
     axes = figure.subplots(1, len(panels), sharey=True, squeeze=False)[0]
-    for ax, trajectories in zip(axes, panels.values(), strict=True):
-        lines = draw_vertical_histories(ax, trajectories, probe)
+    for ax, runs in zip(axes, panels.values(), strict=True):
+        lines = draw_vertical_histories(ax, runs, probe)
         ax.margins(y=0.14)
         if len(panels) > 1:
             ax.legend(handles=lines, loc="upper left", bbox_to_anchor=(0.0, -0.2), ncols=len(lines), handlelength=3.2, borderaxespad=0)
@@ -28,27 +27,27 @@ def _histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str, fidel
         axes[0].legend(handles=lines, loc="center left", bbox_to_anchor=(1.01, 0.5), handlelength=3.2)
     axes[0].set_ylabel(f"vertical displacement of {probe} (m)")
     label_panels(axes, panels)
-    add_note(figure, [scene_of(ds) for trajectories in panels.values() for ds in trajectories.values()], fidelity)
+    add_note(figure, [run.scene for runs in panels.values() for run in runs.values()], fidelity)
     return figure
 
 
 @styled
-def figure_strength_histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str = "A", fidelity: str = "") -> Figure:
+def figure_strength_histories(panels: Mapping[str, Mapping[str, Run]], probe: str = "A", fidelity: str = "") -> Figure:
     """Vertical displacement of particle A at the original crest edge for several strength ratios, since the end of the gravity
     stage and relative to the box; the band is the interval of shaking.
 
-    ``panels`` by title, e.g. ``{"γ = 100 s⁻¹, 6.0 m/s²": {"S_R = 0.10": ds, ...}}`` (Fig. 6).  Raises ValueError for an empty
+    ``panels`` by title, e.g. ``{"γ = 100 s⁻¹, 6.0 m/s²": {"S_R = 0.10": run, ...}}`` (Fig. 6).  Raises ValueError for an empty
     panel and an unknown probe.
     """
     return _histories(panels, probe, fidelity)
 
 
 @styled
-def figure_gamma_histories(panels: Mapping[str, Mapping[str, xr.Dataset]], probe: str = "A", fidelity: str = "") -> Figure:
+def figure_gamma_histories(panels: Mapping[str, Mapping[str, Run]], probe: str = "A", fidelity: str = "") -> Figure:
     """Vertical displacement of particle A at the original crest edge for fast and slow loss of strength (γ), since the end of the
     gravity stage and relative to the box; the band is the interval of shaking.  The paper's text gives S_R = 0.25, its caption 0.35.
 
-    ``panels`` by title, e.g. ``{"S_R = 0.25": {"γ = 100": ds, "γ = 1": ds}, ...}`` (Fig. 7).  Raises ValueError for an empty
+    ``panels`` by title, e.g. ``{"S_R = 0.25": {"γ = 100": run, "γ = 1": run}, ...}`` (Fig. 7).  Raises ValueError for an empty
     panel and an unknown probe.
     """
     return _histories(panels, probe, fidelity)

@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from sph.experiments.sensitivity.design import ENDS, SAMPLE, Axis, Point, Quantity
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
+from sph.output.run import Run
 from sph.storage.trajectory import Status, Variable
 from sph.study.tables import ROW, number_column, read_csv, text_column
 
@@ -52,10 +52,10 @@ def sample_columns(axes: Sequence[Axis], quantities: Sequence[Quantity]) -> tupl
     )
 
 
-def sample_row(run: str, point: Point, trajectory: xr.Dataset, columns: Sequence[Variable], metrics: MetricSettings) -> dict[str, Any]:
+def sample_row(run: str, point: Point, made: Run, columns: Sequence[Variable], metrics: MetricSettings) -> dict[str, Any]:
     """Row of a sample with the columns of ``sample_columns``, in which the factors, a value of ``point`` each, follow ``SAMPLE``."""
     factors = [column.name for column in columns[len(SAMPLE) : len(SAMPLE) + len(point)]]
-    values = {"run": run, "reason": trajectory.attrs["status_reason"], **measure(trajectory, metrics)}
+    values = {"run": run, "reason": made.attrs["status_reason"], **measure(made, metrics)}
     values |= dict(zip(factors, point, strict=True))
     return {column.name: values[column.name] for column in columns}
 

@@ -94,4 +94,4 @@ def _loss(scene: Scene, height: float) -> list[str]:
         return ["its strength is lost with slip"] if scene.coupling.softens_by_slip else RATE.misses(scene.coupling.gamma)
     if not scene.coupling.softens_by_slip or scene.coupling.gamma > 0.0:
         return ["its strength is lost with time"]
-    return SLIP_ZONE.misses(slip_zone(scene, scene.soil, None) / height)
+    return SLIP_ZONE.misses(slip_zone(scene, scene.materials[0]) / height)

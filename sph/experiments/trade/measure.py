@@ -15,6 +15,7 @@ from sph.experiments.trade.design import TradeParameters
 from sph.experiments.trade.figures import figure_convergence, figure_tradeoff
 from sph.experiments.trade.table import TRADE, measured_run, read_trade, trade_table
 from sph.measures.metrics import MetricSettings
+from sph.output.run import Run
 from sph.study.machine import machine_class
 from sph.study.tables import flat_dataset, read_csv
 
@@ -35,7 +36,7 @@ READERS = {
 
 
 def cost_accuracy_tables(
-    plan: TradeParameters, read: Callable[[str], xr.Dataset], settings: MetricSettings
+    plan: TradeParameters, read: Callable[[str], Run], settings: MetricSettings
 ) -> tuple[xr.Dataset, pd.DataFrame, pd.DataFrame]:
     """The table of a cost-accuracy study, twice, and its convergence."""
     names = dict.fromkeys(name for row in plan.rows for name in row.runs)

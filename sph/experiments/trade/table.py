@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from sph.experiments.trade.design import FIDELITY, VariantRow, settings_text
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
-from sph.storage.trajectory import Status, Variable, scene_of
+from sph.output.run import Run
+from sph.storage.trajectory import Status, Variable
 from sph.study.tables import ROW, number_column, read_csv, text_column
 
 QUANTITIES = {"displacement": "displacement_magnitude", "runout": "runout"}
@@ -72,13 +72,13 @@ TRADE: tuple[Variable, ...] = (
 COLUMNS = [row.name for row in TRADE]
 
 
-def measured_run(trajectory: xr.Dataset, settings: MetricSettings) -> dict[str, Any]:
+def measured_run(run: Run, settings: MetricSettings) -> dict[str, Any]:
     """Metrics of one run, its size and its spacing (m)."""
-    particles = int(trajectory.sizes["particle"])
-    return measure(trajectory, settings) | {
+    particles = run.soil.size
+    return measure(run, settings) | {
         "particles": particles,
-        "steps": int(trajectory.attrs["particle_steps"]) // particles,
-        "spacing": scene_of(trajectory).numerics.spacing,
+        "steps": int(run.attrs["particle_steps"]) // particles,
+        "spacing": run.scene.numerics.spacing,
     }
 
 

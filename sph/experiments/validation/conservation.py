@@ -11,6 +11,7 @@ from sph.experiments.validation.level import Found, Level
 from sph.experiments.validation.solids import momentum
 from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 from sph.measures.metrics import energy_gap
+from sph.output.run import Run
 
 
 def measure_conservation(level: Level) -> dict[str, Found]:
@@ -26,9 +27,11 @@ def measure_conservation(level: Level) -> dict[str, Found]:
     return {
         "linear_momentum": Found("change of linear momentum over one block's", "1", float(drift[:2].max() / one_block), 0.0),
         "angular_momentum": Found("change of angular momentum over one block's", "1", float(drift[2] / (one_block * arm)), 0.0),
-        "energy_blocks": Found("gap in the energy budget over its parts, blocks", "1", energy_gap(blocks.data), 0.0),
-        "energy_paper": Found("gap in the energy budget over its parts, the paper's collapse", "1", energy_gap(level["paper"].data), 0.0),
-        "energy_soft": Found("the same of soil a hundred times softer", "1", energy_gap(level["soft"].data), 0.0),
+        "energy_blocks": Found("gap in the energy budget over its parts, blocks", "1", energy_gap(Run(blocks.data)), 0.0),
+        "energy_paper": Found(
+            "gap in the energy budget over its parts, the paper's collapse", "1", energy_gap(Run(level["paper"].data)), 0.0
+        ),
+        "energy_soft": Found("the same of soil a hundred times softer", "1", energy_gap(Run(level["soft"].data)), 0.0),
     }
 
 

@@ -13,6 +13,7 @@ from sph.figures.profile import draw_circles
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 from sph.measures.linked import linked_sets
 from sph.measures.metrics import energy_gap
+from sph.output.run import Run
 from sph.scene.geometry import RingBody
 from sph.scene.schema import Scene
 from sph.solver.initial_state import initial_state
@@ -110,7 +111,7 @@ def measure_rings(level: Level) -> dict[str, Found]:
         "pieces": Found("pieces after the bounce", "1", float(pieces), 2.0),
         "ring_strain": Found("mean width of a ring at the end", "m", float(width), 2.0 * ring.outer_radius),
         "momentum_drift": Found("change of linear momentum over one ring's", "1", float(np.abs(end - start)[:2].max() / of_one_ring), 0.0),
-        "energy_error": Found("gap in the energy budget over its parts", "1", energy_gap(result.data), 0.0),
+        "energy_error": Found("gap in the energy budget over its parts", "1", energy_gap(Run(result.data)), 0.0),
     }
 
 

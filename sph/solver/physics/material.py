@@ -24,9 +24,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.scene.layers import Layer, softening_of
+from sph.scene.layers import LayerMaterial
 from sph.scene.schema import Scene
-from sph.scene.soil import Coupling, Soil
+from sph.scene.soil import Coupling
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot, with_numbers
 from sph.solver.optional import Term
@@ -79,12 +79,10 @@ class Layers(NamedTuple):
     """(n,) density times V_p over that of the scene's own soil"""
 
 
-def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None = None) -> Material:
-    """Coefficients of a soil, whose layer may have its own S_R, gamma and slips, at a time step (s)."""
-    strength_ratio = _strength_ratio(coupling, layer)
-    gamma = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
-    softening = softening_of(coupling, layer)
-    solid, fluid = _surfaces(soil.cohesion_si, soil.friction_angle_si, soil, strength_ratio, coupling)
+def make_material(of: LayerMaterial, coupling: Coupling, dt: float) -> Material:
+    """Coefficients of a material at a time step (s)."""
+    soil, softening = of.soil, of.softening
+    solid, fluid = _surfaces(soil.cohesion_si, soil.friction_angle_si, of, coupling)
     return Material(
         bulk_modulus=float(soil.bulk_modulus_si),
         shear_modulus=float(soil.shear_modulus_si),
@@ -92,14 +90,13 @@ def make_material(soil: Soil, coupling: Coupling, dt: float, layer: Layer | None
         fluid=fluid,
         fluid_law=FLUID_LAWS[coupling.fluid.law].make(soil, coupling.fluid),
         peak_strain=0.0 if softening is None else softening.peak_strain,
-        loss=STRENGTH_LOSSES[loss_of(coupling)].make(math.exp(-gamma * dt), softening),
+        loss=STRENGTH_LOSSES[loss_of(coupling)].make(math.exp(-of.gamma * dt), softening),
     )
 
 
 def materials_of(scene: Scene, dt: float) -> list[Material]:
     """Coefficients of the scene's own soil and of those of its layers in order, at a time step (s)."""
-    layers = (None, *scene.layers.values())
-    return [make_material(soil, scene.coupling, dt, layer) for soil, layer in zip(scene.soils, layers, strict=True)]
+    return [make_material(of, scene.coupling, dt) for of in scene.materials]
 
 
 def loss_of(coupling: Coupling) -> str:
@@ -107,21 +104,10 @@ def loss_of(coupling: Coupling) -> str:
     return coupling.softening.shape if coupling.softening is not None and coupling.softening.by_slip else "time"
 
 
-def _strength_ratio(coupling: Coupling, layer: Layer | None) -> float:
-    return coupling.S_R if layer is None or layer.S_R is None else layer.S_R
-
-
-def _surfaces(
-    cohesion: float, friction_angle: float, soil: Soil, strength_ratio: float, coupling: Coupling
-) -> tuple[YieldSurface, YieldSurface]:
-    """Surfaces of the solid and of the fluid state (Eqs. 14 and 15) from c (Pa) and phi (rad) at the peak, never exceeded."""
-    cut, written = coupling.fluid_tension_limit, (soil.residual_cohesion, soil.residual_friction_angle)
-    residual_cohesion = strength_ratio * cohesion if written[0] is None else min(1e3 * written[0], cohesion)
-    residual_angle = strength_ratio * friction_angle if written[1] is None else min(math.radians(written[1]), friction_angle)
-    return (
-        make_mohr_coulomb(cohesion, friction_angle),
-        make_mohr_coulomb(residual_cohesion, residual_angle, None if cut is None else 1e3 * cut),
-    )
+def _surfaces(cohesion: float, friction_angle: float, of: LayerMaterial, coupling: Coupling) -> tuple[YieldSurface, YieldSurface]:
+    """Surfaces of the solid and of the fluid state (Eqs. 14 and 15) from c (Pa) and phi (rad) at the peak."""
+    cut, residual = coupling.fluid_tension_limit, of.kept(cohesion, friction_angle, kPa=1e3, degree=math.radians(1.0))
+    return make_mohr_coulomb(cohesion, friction_angle), make_mohr_coulomb(*residual, None if cut is None else 1e3 * cut)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Layers:
@@ -132,10 +118,9 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Laye
     impedance = density * np.array([soil.p_wave_speed for soil in scene.soils])
     rows = layer.astype(np.uint8)
     if scene.strength_varies:
-        ratios = [_strength_ratio(scene.coupling, its) for its in (None, *scene.layers.values())]
         table, rows = table[layer], np.arange(layer.size, dtype=np.int32)
         for row, number, (cohesion, friction_angle) in zip(table, layer, peak_strength(scene, particles).T.tolist(), strict=True):
-            solid, fluid = _surfaces(cohesion, friction_angle, scene.soils[number], ratios[number], scene.coupling)
+            solid, fluid = _surfaces(cohesion, friction_angle, scene.materials[number], scene.coupling)
             row[2 : 2 + len(solid) + len(fluid)] = *solid, *fluid
     return Layers(rows, table, (density[0] / density)[layer], (impedance / impedance[0])[layer])
 

@@ -66,7 +66,7 @@ def pore_pressure(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:
     if water.r_u is None:
         surface = water.surface(scene.geometry, x + scene.numerics.lattice_shift * scene.numerics.spacing)
         return np.maximum(1e3 * water.unit_weight * (surface - y), 0.0)
-    ratios = np.array([water.r_u, *(water.r_u if layer.r_u is None else layer.r_u for layer in scene.layers.values())])
+    ratios = np.array([material.r_u for material in scene.materials])
     vertical = scene.gravity.acceleration * overburden(scene, x, y) / math.cos(math.radians(scene.gravity.inclination))
     return ratios[layer_index(scene, x, y)] * vertical
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 from sph.experiments.trade.advice import expected_sentence
 from sph.jobs.log import Job, job_log
-from sph.storage import trajectory
 from sph.study.planned import Planned
 from sph.study.tables import Layout, join_study
 
@@ -20,9 +19,7 @@ def join(
 ) -> None:
     """The tables of the study; ``attrs`` and those of a run, whose scene is planned, go into the netCDF."""
     run = planned.read(path_to_run)
-    facts = {name: run.attrs[name] for name in ("source", "versions", "scene")} | {
-        "expected_error": expected_sentence(trajectory.scene_of(run))
-    }
+    facts = {name: run.attrs[name] for name in ("source", "versions", "scene")} | {"expected_error": expected_sentence(run.scene)}
     join_study(paths_to_parts, layout, path_to_nc, path_to_csv, dict(attrs) | facts)
 
 

@@ -10,22 +10,23 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph.storage.paraview import PARTICLE_ID, export_paraview
+from sph.output.paraview import PARTICLE_ID, export_paraview
+from sph.output.run import Run
 from sph.storage.trajectory import BY_NAME, FRAME, VARIABLES
 
 VECTORS = {"displacement": "displacement (m)", "velocity": "velocity (m s-1)"}
 
 
 @pytest.fixture
-def noisy(slid: xr.Dataset) -> xr.Dataset:
+def noisy(slid: Run) -> xr.Dataset:
     """A trajectory in which no two numbers of a field are equal, with a particle that never fails and one that was lost."""
     generator = np.random.default_rng(3)
     for variable in VARIABLES:
         if variable.dims == FRAME and variable.dtype == "f4":
             slid[variable.name][:] = generator.normal(size=slid[variable.name].shape).astype("f4")
-    slid["t_f"][:] = generator.normal(size=slid.sizes["particle"])
+    slid["t_f"][:] = generator.normal(size=slid.soil.size)
     slid["t_f"][7], slid["x"][-1, 3] = np.nan, np.inf
-    return slid.isel(frame=slice(0, 3))
+    return slid.trajectory.isel(frame=slice(0, 3))
 
 
 @pytest.mark.crosscheck
@@ -68,7 +69,7 @@ def test_a_fault_leaves_the_earlier_files(tmp_path: Path, noisy: xr.Dataset, mon
     def full(*arguments: object) -> str:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("sph.storage.paraview.pointsToVTK", full)
+    monkeypatch.setattr("sph.output.paraview.pointsToVTK", full)
     with pytest.raises(OSError, match=r"slide\.pvd: .*No space left.* MB free"):
         export_paraview(noisy.isel(frame=[0]), tmp_path, "slide")
     assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == before

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-import xarray as xr
 from synthetic import synthetic, translation
 
 import sph
+from sph.output.run import MARK, Run
+from sph.output.surveyed import TURNED, in_survey
 from sph.scene.schema import make_scene
 from sph.solver.compiled.jit import SOURCES
 from sph.storage import trajectory
-from sph.storage.surveyed import MARK, TURNED, in_survey
 
 LEFT = [[100.0, 440.0], [150.0, 440.0], [165.0, 465.0], [200.0, 465.0]]
 """A slope of 25 m whose foot is on the left; the box begins at (100, 430)."""
@@ -71,7 +71,7 @@ def test_the_slope_falls_as_its_survey_does(runs: dict[str, Path], side: str, si
 def test_numbers_by_hand() -> None:
     """A box that begins at (500 000, 430) m and falls to the right: x = 500 000 - x of the box."""
     points = [[499900.0, 465.0], [499935.0, 465.0], [499950.0, 440.0], [500000.0, 440.0]]
-    stored = synthetic(translation(-3.0, -1.0), overrides={"geometry": ground(points, "right")})
+    stored = synthetic(translation(-3.0, -1.0), overrides={"geometry": ground(points, "right")}).trajectory
     found = in_survey(stored)
     soil = (stored["kind"].values == 0) & (stored["y0"].values > 10.0)
     assert found["x"].dtype == np.float64, "single precision has steps of 3 cm there"
@@ -86,14 +86,14 @@ def test_numbers_by_hand() -> None:
     assert found["x"].attrs == {"units": "m", "long_name": "x in the survey"}
 
 
-def test_a_slope_without_a_survey_has_the_coordinates_of_its_box(slid: xr.Dataset) -> None:
-    found = in_survey(slid)
-    for name in slid.variables:
+def test_a_slope_without_a_survey_has_the_coordinates_of_its_box(slid: Run) -> None:
+    found = in_survey(slid.trajectory)
+    for name in slid.trajectory.variables:
         np.testing.assert_array_equal(found[name], slid[name], err_msg=str(name))
 
 
-def test_what_is_in_the_survey_is_not_measured_drawn_or_turned_again(slid: xr.Dataset) -> None:
-    found = in_survey(slid)
+def test_what_is_in_the_survey_is_not_measured_drawn_or_turned_again(slid: Run) -> None:
+    found = in_survey(slid.trajectory)
     assert MARK not in slid.attrs, "what is given stays as it is"
     for refused in (sph.measure, sph.plot, in_survey):
         with pytest.raises(ValueError, match="without survey=True"):

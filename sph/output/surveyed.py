@@ -1,7 +1,4 @@
-"""A trajectory in the coordinates of the user's survey: its own begin at the box's lower left corner and have the toe on the left.
-
-It stands apart from ``sph.storage.trajectory``, whose sources decide whether a stored run is still the one that is planned.
-"""
+"""A trajectory in the coordinates of the user's survey: its own begin at the box's lower left corner and have the toe on the left."""
 
 from __future__ import annotations
 
@@ -9,8 +6,8 @@ from pathlib import Path
 
 import xarray as xr
 
-from sph.storage import trajectory
-from sph.storage.trajectory import BY_NAME, scene_of
+from sph.output.run import MARK, Run
+from sph.storage.trajectory import BY_NAME
 
 PLACES = {"x0": "initial x in the survey", "y0": "initial elevation", "x": "x in the survey", "y": "elevation"}
 """What is placed in the survey, with its meaning there."""
@@ -23,8 +20,6 @@ TURNED = (
     "ground_acceleration",
 )
 """What changes its sign with the direction of x: horizontal components of vectors and the shear stress."""
-MARK = "coordinates_of"
-"""Attribute of a trajectory in the survey, with the value ``survey``."""
 
 
 def in_survey(run: xr.Dataset) -> xr.Dataset:
@@ -36,8 +31,7 @@ def in_survey(run: xr.Dataset) -> xr.Dataset:
     and a ground acceleration that drives the soil downslope is negative.  All else is the same.  ``sph.measure`` and ``sph.plot`` take
     the trajectory as it is stored, and draw in the survey's coordinates anyway.  ValueError for one that is in the survey already.
     """
-    check_in_box(run)
-    geometry = scene_of(run).geometry
+    geometry = Run(run).scene.geometry
     found = run.assign_attrs({MARK: "survey"})
     for x, y in (("x0", "y0"), ("x", "y")):
         for name, values in zip((x, y), geometry.in_survey(run[x].values.astype("f8"), run[y].values.astype("f8")), strict=True):
@@ -47,17 +41,11 @@ def in_survey(run: xr.Dataset) -> xr.Dataset:
     return found
 
 
-def check_in_box(run: xr.Dataset) -> None:
-    """ValueError for a trajectory in the coordinates of the survey, which cannot be measured or drawn."""
-    if MARK in run.attrs:
-        raise ValueError("the trajectory is in the coordinates of the survey; give it as it is stored, as sph.read_run without survey=True")
-
-
 def read_run(path: Path | str, survey: bool = False) -> xr.Dataset:
     """Root group of a trajectory with all variables and facts of a run, with ``survey`` as ``in_survey`` gives it.
 
     ``sph.storage.trajectory.VARIABLES`` has every variable with its dimensions and unit.  ValueError names a file that lacks one, as that
     of a search does.
     """
-    run = trajectory.read_run(path)
+    run = Run.read(path).trajectory
     return in_survey(run) if survey else run
