@@ -1,11 +1,8 @@
 """The command ``sph`` and what only its users need: scene summary, status, schemas.
 
-* ``cli``: the commands and their exit codes
-* ``info``: what a scene amounts to before it is run
-* ``repeat``: a trajectory in place of a scene file
-* ``status``: progress of a running study, for a second terminal
-* ``motion``: measures of a ground motion
-* ``newmark``: a sliding block on a ground motion
-* ``pack``: a study with all its files in one archive; ``named_files``: where a configuration or a scene names files
-* ``schema``: JSON Schema of the files that a user writes
+* ``cli``: the commands and their exit codes; ``options``: arguments and options that they share; ``terminal``: what they print;
+  ``outputs``: the files that they are told to write
+* ``given``, ``study``: the scene or the study that a command is given
+* a module for each command; ``results`` for those that show a trajectory
+* ``named_files``: where a configuration or a scene names files, for ``pack``; ``compatible``: the scene made of the column of ``site``
 """

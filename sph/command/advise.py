@@ -5,18 +5,48 @@ from __future__ import annotations
 import math
 import shlex
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 import yaml
 
+from sph.command.given import read_given
+from sph.experiments.trade import advice
 from sph.experiments.trade.advice import Advice, Resolution, percent
 from sph.experiments.trade.design import is_mean
-from sph.experiments.trade.table import WORDS, summary
-from sph.scene.configuration import flat
-from sph.study.cost import ON_REFERENCE
+from sph.experiments.trade.table import QUANTITIES, WORDS, against, read_trade, summary
+from sph.jobs.exit_codes import REFUSED
+from sph.scene.configuration import flat, merge
+from sph.scene.names import check_known
+from sph.scene.schema import make_scene
+from sph.scene.scheme import SCHEMES
+from sph.study.cost import ON_REFERENCE, cost
 
 MEAN = "mean over one run per lattice: in a study, make numerics.lattice_shift a dimension and put the other keys into the fidelity"
+
+
+def advise(error: float, scene: Path | None, quantity: str, of: str | None, scheme: str, table: Path | None) -> tuple[str, int]:
+    """The cheapest setting within an error, or the spacings of a scene's slope; and the exit code, whether there is one."""
+    check_known("--quantity", [quantity], (*QUANTITIES, "both"))
+    check_known("--scheme", [scheme], SCHEMES)
+    measured = read_trade(table) if table else advice.shipped_table(scheme)
+    if measured is None:
+        raise ValueError(advice.NOT_MEASURED_YET)
+    if of is not None:
+        measured = against(measured, of)
+    wanted = tuple(QUANTITIES) if quantity == "both" else (quantity,)
+    if scene is None:
+        found = advice.advise(measured, error, wanted)
+        said, fits = lines(found, error, [WORDS[name] for name in wanted], measured), found.fits
+    elif of is not None:
+        raise ValueError(f"--of {of}: has no effect with a scene, whose spacings are compared with the finest run; leave it out")
+    else:
+        own, _ = read_given(scene, {})
+        spacings = advice.resolutions(own, read_trade(table) if table else None)
+        finer = {each.spacing: make_scene(merge(own.model_dump(), {"numerics": {"spacing": each.spacing}})) for each in spacings}
+        said, fits = for_scene(spacings, error, wanted, {spacing: cost(built).seconds for spacing, built in finer.items()})
+    return "\n".join(said), 0 if fits else REFUSED
 
 
 def lines(found: Advice, error: float, quantities: Sequence[str], table: pd.DataFrame) -> list[str]:

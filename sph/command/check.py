@@ -4,21 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sph.checks.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base, without_surface
 from sph.checks.finding import Finding
 from sph.checks.layers import Layer, layers_of, seam_rows
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
+from sph.command.given import read_given
+from sph.command.outputs import check_picture
+from sph.command.terminal import aligned, table
 from sph.measures.metrics import MetricSettings
 from sph.measures.places import PlaceAt, check_places
 from sph.scene.configuration import read_yaml, validated
 from sph.scene.geometry import SLOPES
 from sph.scene.schema import Scene
+from sph.scene.strict_json import to_json
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import ON_REFERENCE, cost
+from sph.study.preflight import stability
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -33,6 +38,25 @@ class Check(NamedTuple):
     layers: list[Layer]
     equilibrium: LimitEquilibrium | None
     findings: list[Finding]
+
+
+def answer(path: Path, changes: Mapping[str, Any], plot: Path | None, study: Path | None, static: bool, as_json: bool) -> str:
+    """The summary and the findings of the scene in a file, with changes; its picture, with the places of a study, where asked for."""
+    scene, inputs = read_given(path, changes)
+    if plot is not None:
+        check_picture(plot, [*inputs, *([] if study is None else [study])], "--plot")
+    places = {} if study is None else places_of(study, scene)
+    found = check(scene)
+    if plot is not None:
+        from sph.figures.style import save
+
+        save(draw(found, places), plot)
+    facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + found.findings
+    if as_json:
+        named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
+        return to_json({"rows": dict(facts), "layers": named, "findings": [each._asdict() for each in told]}, indent=1)
+    lines = [aligned(facts), table(LAYER_COLUMNS, layers), *(each.line() for each in told)]
+    return "\n".join([*lines, *["no warnings"] * (not any(each.counts for each in told))])
 
 
 def check(scene: Scene) -> Check:
@@ -87,14 +111,14 @@ LAYER_COLUMNS = ("layer", "particles", "across", "V_s (m/s)", "λ (m)", "λ/spac
 def layer_rows(found: Check) -> list[tuple[str, ...]]:
     """A row of ``LAYER_COLUMNS`` a material; λ: length of shear waves at the motion's highest significant frequency."""
     scene, frequency = found.scene, highest_frequency(found.scene)
-    table: list[tuple[str, ...]] = []
+    made: list[tuple[str, ...]] = []
     for layer in found.layers:
         speed = layer.soil.s_wave_speed
         length = speed / frequency if frequency else 0.0
         waves = (f"{length:.3g}", f"{length / scene.numerics.spacing:.3g}", f"{in_wave(scene, layer.soil, frequency):.3g}")
         row = (layer.name, f"{layer.particles:,}", f"{layer.thickness:g}", f"{speed:.0f}")
-        table.append(row + (waves if frequency else ("-",) * 3))
-    return table
+        made.append(row + (waves if frequency else ("-",) * 3))
+    return made
 
 
 def places_of(study: Path, scene: Scene) -> dict[str, PlaceAt]:

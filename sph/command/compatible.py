@@ -19,12 +19,16 @@ import scipy  # type: ignore[import-untyped]
 import shapely
 import yaml
 
-from sph.command.site import Part, Site, place_of, shaking
-from sph.scene.configuration import merge
+from sph.command.outputs import check_writable
+from sph.command.site import COLUMNS, Part, Site, darendeli, place_of, record, respond, rows, shaking
+from sph.command.site import lines as response_lines
+from sph.command.terminal import say, table
+from sph.scene.configuration import merge, scene_files
 from sph.scene.laboratory import SPEED, UNDRAINED
 from sph.scene.layers import DepthRegion, ElevationRegion
 from sph.scene.natural_periods import Column, impedance_below, natural_frequencies, natural_frequency, strata_at, transfer
-from sph.scene.schema import RayleighDamping, Scene, make_scene
+from sph.scene.schema import RayleighDamping, Scene, make_scene, written_scene
+from sph.scene.strict_json import to_json
 
 WITHIN = 0.05
 """Largest relative difference of the scene that is written from the sublayered column: of its first mode, the peak acceleration of its
@@ -75,6 +79,23 @@ class Written(NamedTuple):
     def within(self) -> bool:
         """Whether all of them are at most ``WITHIN``."""
         return max(map(abs, self.off)) <= WITHIN
+
+
+def site(path: Path, changes: Mapping[str, Any], at: float | None, plasticity: float, ocr: float, out: Path | None, as_json: bool) -> str:
+    """The response of a column of the scene in a file, and the scene with its stiffness and damping where asked for."""
+    data = merge(written_scene(path), changes)
+    scene = make_scene(data, str(path))
+    if out is not None:
+        check_writable(out, [path, *scene_files(data)])
+    found = respond(scene, darendeli(plasticity, ocr), at)
+    told = [table(COLUMNS, rows(scene, found)), *response_lines(found)]
+    if out is not None:
+        made = compatible(data, scene, found)
+        write_compatible(out, made, found)
+        if not made.within:
+            say(f"{out}: differs by more than {100 * WITHIN:g} % from the sublayered column; choose a smaller numerics.spacing")
+        told += [*lines(made), f"{out}: written; look at it with sph check {out}"]
+    return to_json(record(found), indent=1) if as_json else "\n".join(told)
 
 
 def compatible(data: Mapping[str, Any], scene: Scene, found: Site) -> Written:

@@ -3,14 +3,24 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 
+from sph.command.given import read_given
 from sph.jobs.progress import reporter
 from sph.scene.schema import Scene
 from sph.solver.simulation import Simulation
 from sph.stability.safety import DEFAULT_RULE
 from sph.stability.standing import divided_strength, static_scene
 from sph.study.preflight import standing_scene
+
+
+def compile_all(paths: Sequence[Path]) -> None:
+    """Compile for the scenes in files, all of which are read first; a line when each is ready."""
+    scenes = [read_given(path, {})[0] for path in paths]
+    for path, scene in zip(paths, scenes, strict=True):
+        print(f"{path}: ready, {compile_for(scene, scene.name):.1f} s", flush=True)
 
 
 def compile_for(scene: Scene, label: str) -> float:

@@ -15,8 +15,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from sph.command.status import Stand, State, look_at
+from sph.command.study import find_study
 from sph.scene.configuration import merge
+from sph.scene.names import check_known
 from sph.scene.schema import Scene, make_scene
+from sph.scene.strict_json import to_json
 from sph.solver.run import Progress, Run
 from sph.study.cost import COMPILE, START, Cost, cost, search_cost
 from sph.study.machine import duration
@@ -58,6 +61,19 @@ class StudyCost(NamedTuple):
     memory: float  # MiB, of as many jobs at once as there are cores, a search among them
     disk: float  # MiB
     speed: Speed
+
+
+def cost_of_study(study: Path, fidelity: str | None, cores: int, speed: float | None, start: float, as_json: bool) -> str:
+    """The prediction for a study's configuration, in words or for machines."""
+    if speed is not None and not 1e-3 <= speed <= 1e3:
+        raise ValueError(f"--speed {speed:g}: must be from 0.001 to 1000")
+    catalogue = find_study(study)
+    plan = catalogue.plan
+    if fidelity is not None:
+        check_known("--fidelity", [fidelity], plan.study.fidelities)
+        plan = plan.at(fidelity)
+    found = study_cost(plan, catalogue.base, cores, speed, start)
+    return to_json(record(found), indent=1) if as_json else "\n".join(lines(found))
 
 
 def study_cost(plan: Plan, base: Path, cores: int, speed: float | None = None, start: float = START) -> StudyCost:

@@ -4,6 +4,9 @@ A table names the runs of a row, by its dimensions or by a column; the place of 
 *agrees* if every run holds the scene that the configuration and the files on disk give now, was made by the solver that is installed, and
 gives the row's numbers when it is measured again.  What rests on many runs together (claims, indices, brackets) is traced by the table of
 its runs.
+
+``snakemake --summary`` says what would be made again.  It knows neither rows nor columns, and takes for current an edited table, and the
+file of one run copied over that of another.
 """
 
 from __future__ import annotations
@@ -16,19 +19,21 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.command.status import located as located_study
-from sph.experiments.base import Trace
+from sph.command.study import find_study
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY_FOLDER
 from sph.experiments.sensitivity.tables import sample_columns
 from sph.experiments.study_row import run_values
 from sph.experiments.trigger.design import FOLDER as TRIGGER_FOLDER
 from sph.experiments.trigger.points import point_columns
-from sph.jobs.catalogue import ALONE
+from sph.jobs.catalogue import ALONE, Catalogue
+from sph.jobs.exit_codes import DIFFERS
 from sph.measures.metrics import measure
 from sph.output.run import Run
 from sph.scene.configuration import CONTENT_KEYS
+from sph.scene.names import check_known
 from sph.scene.schema import make_scene
+from sph.scene.strict_json import to_json
 from sph.solver.compiled.jit import solver_digest
 from sph.storage import trajectory
 from sph.storage.trajectory import Variable
@@ -93,75 +98,56 @@ class Table(NamedTuple):
     values: Callable[[list[Run]], Mapping[str, Any]]  # columns measured from these runs
 
 
-class Project:
-    """The runs of a working folder and the tables made of them."""
+def explain(file: Path, conditions: Mapping[str, str], column: str | None, configfile: Path | None, as_json: bool) -> tuple[str, int]:
+    """Rows in words or for machines, and the exit code, whether one is not as planned; of numbers the ``column`` alone where one is named.
 
-    def __init__(self, folder: Path, configfile: Path | None, results: Path | None = None) -> None:
-        self.folder, self.catalogue = folder, located_study(results, configfile)
-        self.plan = self.catalogue.plan
-
-    def table(self, file: str) -> Table:
-        """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
-        plan, place = self.plan, str(Path(file).parent)
-        if file == f"{plan.folder}/study.csv":
-            return self._study()
-        if Path(place).parts[-1:] == (TRIGGER_FOLDER,) and Path(file).name in ("points.csv", "maps.csv") and place.startswith("results/"):
-            return self._searched()
-        sampled = f"{plan.folder}/{SENSITIVITY_FOLDER}"
-        if file == f"{sampled}/sample.csv" or place == f"{sampled}/samples":
-            sensitivity, runs = self.catalogue.sensitivity, {run.id: run.file for run in self.catalogue.sampled.values()}
-            return Table(
-                sample_columns(sensitivity.axes, sensitivity.quantities),
-                ["run"],
-                lambda row: [runs[row["run"]]],
-                lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], plan.study.metrics)},
-            )
-        traced = {f"{folder}/{name}.csv": name for folder, name in ALONE.items() if EXPERIMENTS[name].traced}
-        if file in traced:
-            return self._alone(traced[file], EXPERIMENTS[traced[file]].measuring.TRACE)
-        alone = ", ".join(f"{name}.csv" for name in traced.values())
-        raise ValueError(
-            f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
-            "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
-            f"sensitivity/samples/*.csv, {alone} in their folders"
-        )
-
-    def _alone(self, name: str, trace: Trace) -> Table:
-        design, settings = self.catalogue.design(name), self.plan.study.metrics
-        of = trace.runs(design)
-        return Table(
-            trace.columns,
-            trace.named,
-            lambda row: [design.runs[run].file for run in of[tuple(row[name] for name in trace.named)]],
-            lambda runs: trace.measure(runs[0], settings) if runs else {},
-        )
-
-    def _searched(self) -> Table:
-        trigger, settings = self.catalogue.trigger, self.plan.study.metrics
-
-        def files(row: Mapping[str, str]) -> list[str]:
-            point = {axis: row[axis] for axis in trigger.names}
-            return [run.file for run in trigger.runs_at([(row["case"], point)])]
-
-        columns = point_columns(trigger.dimensions.all, settings.places)
-        return Table(columns, ["case", *trigger.names], files, lambda runs: measure(runs[0], settings))
-
-    def _study(self) -> Table:
-        plan, layout = self.plan, self.plan.layout
-
-        def files(row: Mapping[str, str]) -> list[str]:
-            name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
-            return [plan.shared.runs[name].file, *([plan.searches[name].file] if name in plan.searches else [])]
-
-        def values(runs: list[Run]) -> Mapping[str, Any]:
-            return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if len(runs) > 1 else math.nan)
-
-        named = ["case"] * layout.named + [axis.name for axis in layout.axes]
-        return Table([row._replace(dtype="str") if row in layout.axes else row for row in layout.columns], named, files, values)
+    The file is a table or a run among results, or the configuration of a study, whose table is meant.
+    """
+    rows, plan = traced(file, conditions, configfile)
+    known = [number.column for number in rows[0].numbers]
+    if column is not None and not known:
+        raise ValueError(f"--column {column!r}: must be left out for the file of a run")
+    check_known("--column", [column], known)
+    text = to_json(record(rows, plan), indent=1) if as_json else "\n".join(lines(rows, plan, column))
+    return text, DIFFERS if any(row.differs for row in rows) else 0
 
 
-def located(file: Path) -> tuple[Path, str, Path | None]:
-    """Working folder of a result, its file relative to that, and its study's folder; ValueError for a file outside ``results``."""
+def traced(file: Path, conditions: Mapping[str, str], configfile: Path | None = None) -> tuple[list[Row], Plan]:
+    """The rows of a table that meet the conditions, or one row without numbers for a run's file, and the study they belong to.
+
+    ValueError names a file that cannot be traced, an unknown column, or conditions that no row meets.
+    """
+    if file.suffix in (".yaml", ".yml"):
+        catalogue = find_study(file, configfile)
+        relative = f"{catalogue.plan.folder}/study.csv"
+        file = Path(relative)
+    else:
+        relative, results = located(file)
+        catalogue = find_study(results, configfile)
+    if not file.is_file():
+        raise ValueError(f"{file}: there is no such file")
+    if file.suffix == ".nc":
+        return [Row({}, [origin(catalogue, relative)[0]], [])], catalogue.plan
+    table = table_of(catalogue, relative)
+    frame = read_csv(file, table.columns, file.name)
+    written = pd.read_csv(file, dtype=str, keep_default_na=False)[list(frame.columns)]
+    for name in conditions:
+        if name not in (columns := [column.name for column in table.columns]):
+            raise ValueError(f"{file}: has no column {name!r}; it has {', '.join(columns)}")
+    rows = [
+        {str(name): cell for name, cell in row.items()}
+        for row in written.to_dict("records")
+        if all(_is(row[name], value) for name, value in conditions.items())
+    ]
+    if not rows:
+        at = ", ".join(f"{name}={value}" for name, value in conditions.items())
+        raise ValueError(f"{file}: has no row with {at}; it has {len(written)} rows, identified by {', '.join(table.named)}")
+    known = functools.lru_cache(maxsize=16)(functools.partial(origin, catalogue))  # rows share a search
+    return [_row(table, row, known) for row in rows], catalogue.plan
+
+
+def located(file: Path) -> tuple[str, Path | None]:
+    """A result relative to its working folder, and its study's folder; ValueError for a file outside ``results``."""
     path = file.resolve()
     at = next((number for number, part in reversed(list(enumerate(path.parts))) if part == "results"), None)
     if at is None:
@@ -171,40 +157,65 @@ def located(file: Path) -> tuple[Path, str, Path | None]:
     alone = Path(*relative.parts[:2]).as_posix() in ALONE
     if alone and folder != Path.cwd():
         raise ValueError(f"{file}: belongs to no study; run the command in {folder}, where the configuration is")
-    return folder, relative.as_posix(), None if alone else Path(*path.parts[: at + 3])
+    return relative.as_posix(), None if alone else Path(*path.parts[: at + 3])
 
 
-def explain(file: Path, conditions: Mapping[str, str], configfile: Path | None = None) -> tuple[list[Row], Plan]:
-    """The rows of a table that meet the conditions, or one row without numbers for a run's file, and the study they belong to.
+def table_of(catalogue: Catalogue, file: str) -> Table:
+    """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
+    plan, settings, place = catalogue.plan, catalogue.plan.study.metrics, Path(file).parent
+    sampled = Path(plan.folder, SENSITIVITY_FOLDER)
+    alone = {f"{folder}/{name}.csv": name for folder, name in ALONE.items() if EXPERIMENTS[name].traced}
+    if file == f"{plan.folder}/study.csv":
+        return _study(plan)
+    if place.name == TRIGGER_FOLDER and Path(file).name in ("points.csv", "maps.csv") and place.parts[0] == "results":
+        trigger = catalogue.trigger
 
-    ValueError names a file that cannot be traced, an unknown column, or conditions that no row meets.
-    """
-    folder, relative, results = located(file)
-    if not file.is_file():
-        raise ValueError(f"{file}: there is no such file")
-    project = Project(folder, configfile, results)
-    if file.suffix == ".nc":
-        return [Row({}, [origin(project, relative)[0]], [])], project.plan
-    table = project.table(relative)
-    frame = read_csv(file, table.columns, file.name)
-    written = pd.read_csv(file, dtype=str, keep_default_na=False)[list(frame.columns)]
-    columns = [column.name for column in table.columns]
-    for name in conditions:
-        if name not in columns:
-            raise ValueError(f"{file}: has no column {name!r}; it has {', '.join(columns)}")
-    rows: list[dict[str, str]] = [{str(name): cell for name, cell in row.items()} for row in written.to_dict("records")]
-    count = len(rows)
-    rows = [row for row in rows if all(_is(row[name], value) for name, value in conditions.items())]
-    if not rows:
-        at = ", ".join(f"{name}={value}" for name, value in conditions.items())
-        raise ValueError(f"{file}: has no row with {at}; it has {count} rows, identified by {', '.join(table.named)}")
-    known = functools.lru_cache(maxsize=16)(functools.partial(origin, project))  # rows share a search
-    return [_row(table, row, known) for row in rows], project.plan
+        def searched(row: Mapping[str, str]) -> list[str]:
+            return [run.file for run in trigger.runs_at([(row["case"], {axis: row[axis] for axis in trigger.names})])]
+
+        columns = point_columns(trigger.dimensions.all, settings.places)
+        return Table(columns, ["case", *trigger.names], searched, lambda runs: measure(runs[0], settings))
+    if Path(file) == sampled / "sample.csv" or place == sampled / "samples":
+        sensitivity, files = catalogue.sensitivity, {run.id: run.file for run in catalogue.sampled.values()}
+        return Table(
+            sample_columns(sensitivity.axes, sensitivity.quantities),
+            ["run"],
+            lambda row: [files[row["run"]]],
+            lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
+        )
+    if file in alone:
+        design, trace = catalogue.design(alone[file]), EXPERIMENTS[alone[file]].measuring.TRACE
+        of = trace.runs(design)
+        return Table(
+            trace.columns,
+            trace.named,
+            lambda row: [design.runs[run].file for run in of[tuple(row[name] for name in trace.named)]],
+            lambda runs: trace.measure(runs[0], settings) if runs else {},
+        )
+    raise ValueError(
+        f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
+        "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
+        f"sensitivity/samples/*.csv, {', '.join(f'{name}.csv' for name in alone.values())} in their folders"
+    )
 
 
-def origin(project: Project, file: str) -> tuple[Origin, Run | None]:
+def _study(plan: Plan) -> Table:
+    layout = plan.layout
+
+    def files(row: Mapping[str, str]) -> list[str]:
+        name = row["case"] if layout.named else point_name({axis.name: row[axis.name] for axis in layout.axes})
+        return [plan.shared.runs[name].file, *([plan.searches[name].file] if name in plan.searches else [])]
+
+    def values(runs: list[Run]) -> Mapping[str, Any]:
+        return run_values(runs[0], plan.study.metrics, float(runs[1].attrs["value"]) if len(runs) > 1 else math.nan)
+
+    named = ["case"] * layout.named + [axis.name for axis in layout.axes]
+    return Table([row._replace(dtype="str") if row in layout.axes else row for row in layout.columns], named, files, values)
+
+
+def origin(catalogue: Catalogue, file: str) -> tuple[Origin, Run | None]:
     """What a run was made from and by, and where that is not what is planned now; its trajectory, None where there is none."""
-    path = project.folder / file
+    path = catalogue.base / file
     if not path.is_file():
         return Origin(file, "", [], "", "", "", ["there is no such file"]), None
     run = Run(trajectory.read(path), origin=file)
@@ -212,7 +223,7 @@ def origin(project: Project, file: str) -> tuple[Origin, Run | None]:
     digest, solver = trajectory.scene_digest(made), str(run.attrs.get("solver_digest", ""))
     differs, planned = [], None
     try:
-        planned = project.catalogue.row(file)
+        planned = catalogue.row(file)
         differs = differing(run.attrs, make_scene(planned.scene, file), file)
     except ValueError as error:
         differs = [str(error)]
@@ -252,16 +263,8 @@ def _row(table: Table, row: Mapping[str, str], known: Callable[[str], tuple[Orig
         if column.name not in table.named:
             value = again.get(column.name)
             text = None if value is None else repr(value) if isinstance(value, float) else str(value)
-            numbers.append(
-                Number(
-                    column.name,
-                    row[column.name],
-                    column.units,
-                    column.text,
-                    text,
-                    text is None or _is(row[column.name], text),
-                )
-            )
+            told = row[column.name]
+            numbers.append(Number(column.name, told, column.units, column.text, text, text is None or _is(told, text)))
     return Row({name: row[name] for name in table.named}, [each for each, _ in found], numbers)
 
 

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
 import numpy as np
 
 from sph.checks.layers import seam_rows
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, strengths, uncertain_rows, water_rows
+from sph.command.given import read_given
+from sph.command.terminal import aligned
 from sph.experiments.trade.advice import expected_sentence
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
@@ -15,8 +21,13 @@ from sph.solver.time_step import limits
 from sph.study.cost import ON_REFERENCE, cost, needs
 
 
+def info(path: Path, changes: Mapping[str, Any]) -> str:
+    """The summary of the scene in a file, with changes."""
+    return aligned(describe(read_given(path, changes)[0]))
+
+
 def describe(scene: Scene) -> list[tuple[str, str]]:
-    """Pairs of label and text, for ``sph info``."""
+    """Pairs of label and text."""
     particles = place_particles(scene)
     numerics, soil = scene.numerics, scene.soil
     count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE, TOP)}

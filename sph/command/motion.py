@@ -11,12 +11,15 @@ import numpy as np
 
 from sph.checks.finding import Finding
 from sph.checks.motion import drifting, implausible, of_motion, one_sided, sparse
-from sph.command.repeat import earlier_run, read_given
+from sph.command.given import earlier_run, read_given
+from sph.command.outputs import check_picture
+from sph.command.terminal import say, table
 from sph.scene.configuration import merge, validated
 from sph.scene.ground_motion import RECORDS, SCENES, GroundMotion, check_record, read_components
 from sph.scene.ground_motion.measures import Measures, measure
 from sph.scene.ground_motion.record import Record, check_gaps, processed, read_even
 from sph.scene.loading import loading_of
+from sph.scene.strict_json import to_json
 from sph.scene.units import in_both
 
 READING = {"unit", "component"}
@@ -32,6 +35,25 @@ class Shaking(NamedTuple):
     interval: float  # s
     components: dict[str, np.ndarray]  # each (n,) m/s2
     findings: tuple[Finding, ...] = ()  # what a user of the motion should know
+
+
+def motion(path: Path, changes: Mapping[str, Any], treatment: Mapping[str, Any], direction: str, out: Path | None, as_json: bool) -> str:
+    """The measures of the shaking in a file, as a table or for machines; its picture where asked for."""
+    if direction not in ("recorded", "turned"):
+        raise ValueError(f"--direction {direction!r}: must be recorded or turned; the measures of both are the same")
+    shaking = read_shaking(path, changes, treatment, direction == "turned")
+    if out is not None:
+        check_picture(out, shaking.files, "--plot")
+    found = {name: measure(values, shaking.interval) for name, values in shaking.components.items()}
+    if out is not None:
+        from sph.figures.ground_motion import figure_ground_motion
+        from sph.figures.style import save
+
+        save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
+    say(*(each.line() for each in shaking.findings))
+    if as_json:
+        return to_json({name: values._asdict() for name, values in found.items()}, indent=1)
+    return table(("", *found), rows(found))
 
 
 def read_treated(path: Path, treatment: Mapping[str, Any]) -> tuple[np.ndarray, list[np.ndarray]]:
@@ -90,11 +112,6 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
     horizontal = components["horizontal"]
     found += one_sided(GroundMotion(interval * np.arange(horizontal.size), horizontal), "--direction, or motion.factor of a scene")
     return Shaking(name, files, interval, components, tuple(found))
-
-
-def measures(shaking: Shaking) -> dict[str, Measures]:
-    """Measures by component."""
-    return {name: measure(values, shaking.interval) for name, values in shaking.components.items()}
 
 
 def rows(found: Mapping[str, Measures]) -> list[list[str]]:

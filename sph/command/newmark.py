@@ -11,12 +11,14 @@ import numpy as np
 from sph.checks.finding import Finding, Severity, finding
 from sph.checks.motion import cut_off, drifting, implausible, sampled, sparse
 from sph.command.motion import CURE, laid_over, read_treated
-from sph.command.options import aligned
+from sph.command.terminal import aligned, say
 from sph.scene.ground_motion import SCENES, GroundMotion, check_record
 from sph.scene.ground_motion.record import Record
 from sph.scene.loading import motion_of
 from sph.scene.motion import ConstantAcceleration
+from sph.scene.names import check_known
 from sph.scene.schema import load_scene
+from sph.scene.strict_json import to_json
 from sph.scene.units import in_both
 from sph.stability.newmark import SlidingBlock, sliding_block
 
@@ -38,6 +40,23 @@ class Answer(NamedTuple):
     sliding_time: float  # s
     direction: str  # of the motion: recorded or turned
     other_displacement: float | None  # permanent, in the other direction, where both were asked for, m
+
+
+def newmark(
+    path: Path,
+    changes: Mapping[str, Any],
+    down: float,
+    up: float | None,
+    peak: float | None,
+    treatment: Mapping[str, Any],
+    direction: str,
+    as_json: bool,
+) -> str:
+    """The displacement of a block, as ``slide``, in words or for machines."""
+    check_known("--direction", [direction], DIRECTIONS)
+    answer, heed = slide(path, changes, down, up, peak, treatment, direction)
+    say(*(each.line() for each in heed))
+    return to_json(answer._asdict(), indent=1) if as_json else lines(answer)
 
 
 def slide(
@@ -128,7 +147,7 @@ def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, An
     return motion, heed, recorded
 
 
-def lines(answer: Answer) -> list[str]:
+def lines(answer: Answer) -> str:
     """Aligned lines of text for an answer."""
     peak, up = answer.peak_acceleration, answer.upslope_yield_acceleration
     rows = [

@@ -1,23 +1,15 @@
-"""What the commands of ``sph`` share: types of their arguments and options, how the texts of these are read, and refusals."""
+"""The arguments and options that commands of ``sph`` share, and how their texts are read.
+
+What is imported to read a text is imported then: ``sph --help`` waits for nothing.
+"""
 
 from __future__ import annotations
 
 import re
-import sys
-import tempfile
-import threading
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
-from rich.table import Table
-from typer.core import TyperGroup
-
-from sph.jobs.exit_codes import REFUSED
-from sph.storage.files import ROLES, beside, same_file
 
 SMALLEST_ACCELERATION = 1e-6
 """Smallest yield acceleration, m/s2; a block slides the farther the smaller it is."""
@@ -33,12 +25,16 @@ Settings = Annotated[
     ),
 ]
 Trajectory = Annotated[Path, typer.Argument(metavar="FILE", help="trajectory file (netCDF)")]
+STUDY = "configuration of a study (YAML), as for snakemake --configfile"
+Study = Annotated[Path, typer.Argument(metavar="STUDY", help=f"{STUDY}; one without a scene overrides keys of config/config.yaml")]
+Configfile = Annotated[Path | None, typer.Option(help="the study's configuration, as for snakemake --configfile")]
+AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI units")]
+Picture = Annotated[Path | None, typer.Option("--plot", metavar="PICTURE", help="picture to write (.png, .pdf, .svg)")]
 Tolerance = Annotated[float, typer.Option(max=1, help="relative width of the bracket at which the search ends")]
 Rule = Annotated[
     list[str] | None,
     typer.Option("--rule", metavar="KEY=VALUE", help="change the failure rule: displacement, area, observation, ramp; may be repeated"),
 ]
-AsJson = Annotated[bool, typer.Option("--json", help="machine-readable, in SI units, trials included")]
 Trials = Annotated[Path | None, typer.Option(help="table of the trials to write (CSV)")]
 Spacings = Annotated[
     str | None,
@@ -48,101 +44,25 @@ Spacings = Annotated[
     ),
 ]
 Single = Annotated[bool, typer.Option("--single", help="search only at the scene's own spacing, without extrapolation")]
-
-
-PATIENCE = 2.0
-"""Wall time after which a command says what it does, s."""
-
-
-class Commands(TyperGroup):
-    """The list of commands with their whole first sentences, which wrap where the terminal ends."""
-
-    def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """Write the section of ``--help``."""
-        named = [(name, self.get_command(ctx, name)) for name in self.list_commands(ctx)]
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, (command.help or "").partition("\n\n")[0]) for name, command in named if command])
-
-
-def show_table(head: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    """Print a table; what is too wide for the terminal is folded, never cut."""
-    table = Table()
-    for name in head:
-        table.add_column(name, overflow="fold")
-    for row in rows:
-        table.add_row(*row)
-    Console().print(table)
-
-
-def aligned(rows: Sequence[tuple[str, str]]) -> list[str]:
-    """Lines of labels and texts, in two columns."""
-    width = max(len(label) for label, _ in rows)
-    return [f"{label:<{width}}  {text}" for label, text in rows]
-
-
-@contextmanager
-def refusals(doing: str = "") -> Iterator[None]:
-    """Turn errors of the user's input into one message and exit code 2; say what it is ``doing`` if that takes more than ``PATIENCE``."""
-    late = threading.Timer(PATIENCE, say, [f"{doing} ..."])
-    late.daemon = True
-    try:
-        if doing:
-            late.start()
-        yield
-    except MemoryError as error:
-        print("sph: not enough memory; choose a larger numerics.spacing or a longer outputs.frame_interval", file=sys.stderr)
-        raise typer.Exit(REFUSED) from error
-    except BrokenPipeError:
-        raise  # who reads what is printed has enough
-    except (ValueError, OSError) as error:
-        say(str(error))
-        raise typer.Exit(REFUSED) from error
-    finally:
-        late.cancel()
-
-
-def say(line: str) -> None:
-    """Print a message beside the result."""
-    print(f"sph: {line}", file=sys.stderr, flush=True)
-
-
-def check_writable(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
-    """Refuse a file that could not be written after hours of work, and one that the command reads; ValueError names the option."""
-    from sph.storage.files import check_name
-
-    if not path.parent.is_dir():
-        raise ValueError(f"{option} {path}: the folder {path.parent} does not exist")
-    try:
-        check_name(path)
-    except ValueError as error:
-        raise ValueError(f"{option} {error}") from error
-    if path.is_dir():
-        raise ValueError(f"{option} {path}: is a folder; name a file")
-    if path.exists() and not path.is_file() or path == Path("-"):
-        raise ValueError(f"{option} {path}: must be a new file, or an ordinary one to be replaced; name another")
-    check_apart(path, inputs, option)
-    try:
-        with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".sph."):
-            pass
-    except OSError as error:
-        raise ValueError(f"{option} {path}: cannot be written: {error.strerror}; remove the cause or choose another place") from error
-
-
-PICTURES = (".png", ".pdf", ".svg")
-
-
-def check_picture(path: Path, inputs: Iterable[Path | str], option: str = "--out") -> None:
-    """Refuse what ``check_writable`` refuses, and an ending that is not that of a picture."""
-    if not path.name.lower().endswith(PICTURES):
-        raise ValueError(f"{option} {path}: the name must end in {', '.join(PICTURES)}")
-    check_writable(path, inputs, option)
-
-
-def check_apart(path: Path, inputs: Iterable[Path | str], option: str) -> None:
-    """Refuse to write over a file that the command reads, by whatever name; ValueError names the option."""
-    for given in inputs:
-        if any(same_file(own, given) for own in (path, *(beside(path, role) for role in ROLES))):
-            raise ValueError(f"{option} {path}: would replace {given}, which the command reads; name another file")
+Unit = Annotated[str | None, typer.Option("--unit", help="unit of a record whose file does not state it: m/s2, cm/s2, gal or g")]
+Component = Annotated[
+    str | None,
+    typer.Option(
+        "--component", metavar="NAME", help="horizontal component of a record that holds several: its name, e.g. N-S, or its number"
+    ),
+]
+Baseline = Annotated[
+    int | None,
+    typer.Option(
+        "--baseline", metavar="DEGREE", help="remove drift, like motion.baseline of a scene: degree 0 an offset, 1 a straight line"
+    ),
+]
+BandPass = Annotated[
+    str | None,
+    typer.Option(
+        "--band-pass", metavar="LOW,HIGH", help="band-pass filter, like motion.band_pass of a scene: corner frequencies in Hz, e.g. 0.1,25"
+    ),
+]
 
 
 def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[str, Any]:
@@ -164,6 +84,14 @@ def parse_settings(settings: list[str] | None, option: str = "--set") -> dict[st
         return dotted(pairs)
     except ValueError as error:
         raise ValueError(f"{option} {error}") from error
+
+
+def parse_conditions(texts: list[str] | None) -> dict[str, str]:
+    """``["S_R=0.10"]`` as {"S_R": "0.10"}; ValueError for anything that is not COLUMN=VALUE."""
+    wrong = [text for text in texts or () if "=" not in text]
+    if wrong:
+        raise ValueError(f"{wrong[0]!r}: write COLUMN=VALUE, e.g. S_R=0.10")
+    return dict(text.split("=", 1) for text in texts or ())
 
 
 def parse_error(text: str) -> float:
@@ -223,24 +151,3 @@ def parse_treatment(unit: str | None, baseline: int | None, band_pass: str | Non
             ) from error
         found["band_pass"] = {"low": low, "high": high}
     return found
-
-
-UnitOption = Annotated[str | None, typer.Option("--unit", help="unit of a record whose file does not state it: m/s2, cm/s2, gal or g")]
-ComponentOption = Annotated[
-    str | None,
-    typer.Option(
-        "--component", metavar="NAME", help="horizontal component of a record that holds several: its name, e.g. N-S, or its number"
-    ),
-]
-BaselineOption = Annotated[
-    int | None,
-    typer.Option(
-        "--baseline", metavar="DEGREE", help="remove drift, like motion.baseline of a scene: degree 0 an offset, 1 a straight line"
-    ),
-]
-BandPassOption = Annotated[
-    str | None,
-    typer.Option(
-        "--band-pass", metavar="LOW,HIGH", help="band-pass filter, like motion.band_pass of a scene: corner frequencies in Hz, e.g. 0.1,25"
-    ),
-]

@@ -1,34 +1,39 @@
 """What ``sph pack`` writes: a study with every file that it names in one archive, which runs elsewhere by one command.
 
+``snakemake --archive`` takes what git tracks below the working folder: the program, but no scene, ground line or record of one's own.
 Files keep their places relative to the working folder, or to the program's for those that are found there; others go to ``files/``.  A name
 that would not lead to its file in the archive is replaced where it is written; nothing else is changed.
 """
 
 from __future__ import annotations
 
+import io
 import os
 import platform
 import shlex
+import shutil
+import zipfile
+from collections.abc import Mapping
 from contextlib import suppress
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePosixPath
 
 import sph
 from sph.command.named_files import NOTHING, Named, Role, named_files, renamed, words_of
-from sph.command.options import check_writable
-from sph.command.status import located
+from sph.command.outputs import check_writable
+from sph.command.study import CONFIGURATION, find_study
 from sph.scene.configuration import found_file, read_yaml
 from sph.solver.compiled.jit import solver_digest
-from sph.storage.archive import check_ending, write_archive
+from sph.storage.files import whole
 from sph.storage.trajectory import PACKAGES
 from sph.study.plan import OWNER, Plan
 from sph.study.sampling import read_cases
 
 FILES, PROGRAM, README = "files", "program", "README.txt"
 """In the archive: folder of files from elsewhere, folder of what says which program it was, and the file with the commands."""
-DEFAULT = "config/config.yaml"
-"""The configuration over which one is laid that names no scene."""
 CONSTRAINTS = "constraints.txt"
+DATE = (1980, 1, 1, 0, 0, 0)
+"""Of every file in an archive, the earliest that it can hold: the same files give the same bytes, whoever packs them and when."""
 LIBRARY = Path(os.path.abspath(sph.__file__)).parents[1]
 README_TEXT = """\
 {title}
@@ -64,7 +69,7 @@ RESULTS_TEXT = """
    The results are included. To continue from them, first run this command once with --touch added, since files from
    an archive look older than the program. To check that the results belong to this study and version, run
 
-   ~/sph-slope/.venv/bin/sph explain {table} --configfile {configuration}
+   ~/sph-slope/.venv/bin/sph explain {configuration}
 """
 
 
@@ -164,18 +169,20 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
     them or lie among the results.
     """
     laid_over = "scene" not in read_yaml(configuration)
-    if laid_over and not os.path.isfile(DEFAULT):
+    if laid_over and not CONFIGURATION.is_file():
         raise ValueError(
-            f"{configuration}: scene: is missing, and there is no {DEFAULT} in {Path.cwd()}; name the scene, or go to the folder with it"
+            f"{configuration}: scene: is missing, and there is no {CONFIGURATION} in {Path.cwd()}; "
+            "name the scene, or go to the folder with it"
         )
-    plan = located(None, configuration).plan
+    plan = find_study(configuration).plan
     name = plan.study.study
     path = out or Path(f"{name}.zip")
-    check_ending(path)
+    if path.suffix.lower() != ".zip":
+        raise ValueError(f"--out {path}: the name must end in .zip")
     packing = Packing()
     place = packing.text(configuration, "study")
     if laid_over:
-        packing.text(Path(DEFAULT), "configuration whose keys the study overrides")
+        packing.text(CONFIGURATION, "configuration whose keys the study overrides")
     scene = packing.name_of(plan.study.scene, Role.SCENE, "scene", f"{configuration}: scene")
     if results:
         packing.add_results(plan, os.path.normpath(scene))
@@ -184,8 +191,19 @@ def pack(configuration: Path, out: Path | None = None, results: bool = False) ->
     if results and Path(os.path.abspath(path)).is_relative_to(Path.cwd() / "results" / name):
         raise ValueError(f"--out {path}: lies among the results to be packed; choose another folder")
     members |= _program() | {README: _readme(plan, packing, place, scene, results).encode()}
-    write_archive(path, {f"{name}/{each}": content for each, content in members.items()})
+    write_zip(path, {f"{name}/{each}": content for each, content in members.items()})
     return path, len(members)
+
+
+def write_zip(path: Path, members: Mapping[str, Path | bytes]) -> None:
+    """Write an archive, whole or not at all, of files by name: those of disk, or their content; sorted, of one date and one mode."""
+    with whole(path) as temporary, zipfile.ZipFile(temporary, "w") as archive:
+        for name in sorted(members):
+            member, info = members[name], zipfile.ZipInfo(name, DATE)
+            info.compress_type, info.create_system, info.external_attr = zipfile.ZIP_DEFLATED, 3, 0o644 << 16  # as of Unix, everywhere
+            info.file_size = len(member) if isinstance(member, bytes) else member.stat().st_size
+            with io.BytesIO(member) if isinstance(member, bytes) else member.open("rb") as source, archive.open(info, "w") as target:
+                shutil.copyfileobj(source, target)
 
 
 def _program() -> dict[str, Path | bytes]:
@@ -210,7 +228,7 @@ def _readme(plan: Plan, packing: Packing, configuration: str, scene: str, result
         digest=solver_digest(),
         configuration=shlex.quote(configuration),
         page=f"{plan.folder}/report.html",
-        results=RESULTS_TEXT.format(table=f"{plan.folder}/study.csv", configuration=shlex.quote(configuration)) if results else "",
+        results=RESULTS_TEXT.format(configuration=shlex.quote(configuration)) if results else "",
         scene=shlex.quote(scene),
         program=PROGRAM,
         contents="\n".join(f"   {place:<{width}}  {words}" for place, words in contents),

@@ -10,7 +10,9 @@ import pandas as pd
 
 from sph.checks.layers import broken_at
 from sph.checks.scene import findings
-from sph.command.options import say
+from sph.command.given import read_given
+from sph.command.outputs import check_writable
+from sph.command.terminal import say
 from sph.scene.configuration import validated
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
@@ -48,27 +50,29 @@ QUESTIONS = {
 
 def answer(
     asked: str,
-    scene: Scene,
+    path: Path,
+    changes: Mapping[str, Any],
     tolerance: float,
-    rule: dict[str, Any],
+    rule: Mapping[str, Any],
     as_json: bool,
     out: Path | None,
     single: bool = False,
     spacings: Sequence[float] | None = None,
-) -> None:
-    """Search at two spacings and extrapolate, or at the scene's own alone; print and write.  ValueError for what is refused.
+) -> str:
+    """Search at two spacings and extrapolate, or at the scene's own alone, for the scene in a file; write the trials, and print each.
 
     Errors and warnings of the scene are said before, as by ``sph run``, and which layers another spacing breaks.
     """
+    scene, inputs = read_given(path, changes)
+    if out is not None:
+        check_writable(out, inputs)
     question, used = QUESTIONS[asked], validated(FailureRule, rule, "--rule")
     if single and spacings is not None:
         raise ValueError("--single: uses the scene's own spacing, --spacings uses two others; give one of them")
     told = findings(scene)
     if not single:
         told += broken_at(scene, two_spacings(scene, used, spacings))
-    for each in told:
-        if each.counts:
-            say(each.line())
+    say(*(each.line() for each in told if each.counts))
 
     def report(spacing: float, strength: float, trial: Trial) -> None:
         if not as_json:
@@ -87,9 +91,10 @@ def answer(
         rows = [{"spacing": spacing} | trial._asdict() for spacing, each in searches.items() for trial in each.trials]
         with whole(out) as temporary:
             pd.DataFrame(rows).to_csv(temporary, index=False)
-    text = [*lines(question, searches), *(remaining(scene, question, found) if isinstance(found, Extrapolated) else ()), used.sentence()]
-    facts = record(question, found, searches, used) | {"findings": [each._asdict() for each in told]}
-    print(to_json(facts, indent=1) if as_json else "\n".join(text))
+    if as_json:
+        return to_json(record(question, found, searches, used) | {"findings": [each._asdict() for each in told]}, indent=1)
+    remain = remaining(scene, question, found) if isinstance(found, Extrapolated) else []
+    return "\n".join([*lines(question, searches), *remain, used.sentence()])
 
 
 def trial_line(question: Question, trial: Trial) -> str:

@@ -1,5 +1,7 @@
 """Progress of a study, for a second terminal (``sph status``): nothing is written, locked or started.
 
+Snakemake counts its steps in its own terminal; what a run has simulated, what failed and why, and the time left stand here.
+
 A job is *done* when its file is there and holds the scene of the configuration; *outdated*, and to be made again, when it holds another.
 Without a file it is *running* while the process in its log runs (on another machine: while its log is fresh), *failed* when its log ends
 with a reason, *stopped* when it was killed (it continues from its checkpoint), else *waiting*.  Whether edited sources ask for a
@@ -15,38 +17,32 @@ import csv
 import functools
 import math
 import statistics
+import sys
 import time as clock
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import netCDF4
-from rich.console import Console
-from rich.live import Live
-from rich.text import Text
 
-import sph
-from sph.experiments.registry import load_study
-from sph.jobs.catalogue import Catalogue
+from sph.command.study import find_study
 from sph.jobs.log import read_log
-from sph.scene.configuration import merge, read_yaml, without_files
-from sph.scene.schema import Scene, make_scene, stored_scene
-from sph.scene.strict_json import parse_json
+from sph.scene.schema import Scene, make_scene
+from sph.scene.strict_json import to_json
 from sph.storage.files import beside
 from sph.study.machine import duration
 from sph.study.plan import Plan
+from sph.study.planned import differing
 from sph.study.runs import Kind, Run
-from sph.study.sampling import chosen_study
 
 REFRESH = 2.0
 """Wall time between looks of ``--watch``, s."""
 LISTED = 10
 """Most jobs of a state that are named."""
-
-
+CLEAR = "\x1b[H\x1b[J"
+"""Empties a terminal."""
 TITLES = {
     Kind.GRAVITY: "gravity stage",
     Kind.PRE_FAILURE: "shaking to the first failure",
@@ -96,42 +92,19 @@ class State(NamedTuple):
     computed: float = math.nan  # computing time by its file, without compiling, reading and writing, s
 
 
-def located(folder: Path | None, configfile: Path | None) -> Catalogue:
-    """The catalogue of a study; by default that of ``config/config.yaml`` in the working folder, as for ``snakemake``.
+def status(given: Path | None, configfile: Path | None, watching: bool, as_json: bool) -> str | None:
+    """How the jobs of a study stand, in words or for machines; None where that was shown until all were done."""
+    catalogue = find_study(given, configfile)
+    known: dict[str, Job] = {}
 
-    ``folder`` is ``.../results/<study>/<fidelity>`` and decides the fidelity; the configuration of another study than that of
-    ``config/config.yaml``, which need not be there then, is found by its name.  ValueError names what does not fit.
-    """
-    place = folder.resolve() if folder else None
-    if place and place.parent.parent.name != "results":
-        raise ValueError(f"{folder}: not the folder of a study's results, results/<study>/<fidelity>")
-    base = place.parents[2] if place else Path.cwd()
-    shipped = base / "config" / "config.yaml"
-    if configfile is None and place is None and not shipped.is_file():
-        raise ValueError(f"{shipped}: no such file; go to the folder the study was started in, or give its results folder or --configfile")
-    data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
-    if place and configfile is None and data.get("study") != place.parent.name:
-        configfile = _configuration_of(place.parent.name, base)
-    if configfile:
-        given = read_yaml(configfile)
-        data = chosen_study(merge(data, given), given)
-    if place:
-        if data.get("study") != place.parent.name:
-            other = f"the configuration's study is {data['study']!r}" if "study" in data else f"no configuration of it is found in {base}"
-            raise ValueError(f"{folder}: {other}; give the configuration of this one with --configfile")
-        data = {**data, "fidelity": place.name}
-    folders = [base, Path(sph.__file__).parents[1]]
-    return Catalogue(load_study(data, folders), folders, base, check=False)
+    def look_again() -> list[State]:
+        return look_at([*catalogue.plan.jobs, *catalogue.started], catalogue.base, known)
 
-
-def _configuration_of(study: str, base: Path) -> Path | None:
-    """The only file at most two folders below where a study was started that names the study; None where there is none, or more."""
-    found = []
-    for path in (path for depth in ("", "*/", "*/*/") for path in base.glob(f"{depth}*.y*ml")):
-        with suppress(ValueError):
-            if read_yaml(path).get("study") == study:
-                found.append(path)
-    return found[0] if len(found) == 1 else None
+    if watching and not as_json:
+        watch(catalogue.plan, look_again)
+        return None
+    states = look_again()
+    return to_json(record(catalogue.plan, states), indent=1) if as_json else "\n".join(lines(catalogue.plan, states))
 
 
 def look_at(runs: Sequence[Run], base: Path, known: dict[str, Job] | None = None) -> list[State]:
@@ -147,19 +120,16 @@ def look(job: Job, base: Path) -> State:
     """How a job stands, by what lies below the working folder."""
     path = base / job.run.file
     try:
-        scene, note, computed = _facts(path, path.stat().st_mtime_ns)
-    except OSError as error:
-        if not isinstance(error, FileNotFoundError):
-            return State(job, Stand.OUTDATED, f"cannot be read: {error.strerror or error}")
+        facts = _facts(path, path.stat().st_mtime_ns)
+        differs = differing(facts, job.scene, path)
+    except FileNotFoundError:
+        pass
+    except (OSError, ValueError) as error:
+        return State(job, Stand.OUTDATED, f"cannot be read: {getattr(error, 'strerror', None) or error}")
     else:
-        same = scene == job.scene.stored() or _content(_scene(scene)) == _content(job.scene)
-        return State(
-            job,
-            Stand.DONE if same else Stand.OUTDATED,
-            note if same else "of another scene",
-            took=_benchmark(base / job.run.benchmark),
-            computed=computed,
-        )
+        stand, note = (Stand.OUTDATED, "of another scene") if differs else (Stand.DONE, str(facts.get("status", "")))
+        took, computed = _benchmark(base / job.run.benchmark), float(facts.get("wall_time_s", math.nan))
+        return State(job, stand, note, took=took, computed=computed)
     log = read_log(base / job.run.log)
     if log is not None:
         time = log.time or 0.0
@@ -184,24 +154,10 @@ def _trials(path: Path) -> int:
 
 
 @functools.lru_cache(maxsize=20_000)
-def _facts(path: Path, changed: int) -> tuple[str, str, float]:
-    """Scene, status and computing time (s) in a file, which is not read again until it changes."""
+def _facts(path: Path, changed: int) -> dict[str, Any]:
+    """The attributes of a file, which is not read again until it changes."""
     with netCDF4.Dataset(path) as ds:
-        return str(getattr(ds, "scene", "")), str(getattr(ds, "status", "")), float(getattr(ds, "wall_time_s", math.nan))
-
-
-@functools.lru_cache(maxsize=20_000)
-def _scene(text: str) -> Scene | None:
-    """A scene as an earlier version wrote it, without the keys added since; None for what this version refuses."""
-    try:
-        return stored_scene(parse_json(text))
-    except ValueError:
-        return None
-
-
-def _content(scene: Scene | None) -> Any:
-    """What decides a run, wherever its files lie."""
-    return None if scene is None else without_files(scene.model_dump())
+        return {name: ds.getncattr(name) for name in ds.ncattrs()}
 
 
 def _benchmark(path: Path) -> float:
@@ -314,17 +270,15 @@ def record(plan: Plan, states: Sequence[State]) -> dict[str, Any]:
 
 def watch(plan: Plan, look_again: Callable[[], list[State]]) -> None:
     """Show the overview until all simulations are done: in place on a terminal, elsewhere whenever it has changed."""
-    shown = [""]
-    console = Console()
-    with Live(console=console, auto_refresh=False, transient=False) as live:
-        while True:
-            states = look_again()
-            new = lines(plan, states)
-            if console.is_terminal:
-                live.update(Text("\n".join(new)), refresh=True)
-            elif new != shown:
-                print("\n".join(new), flush=True)
-            shown = new
-            if all(state.state == Stand.DONE for state in states):
-                return
-            clock.sleep(REFRESH)
+    shown = ""
+    while True:
+        states = look_again()
+        text = "\n".join(lines(plan, states))
+        if sys.stdout.isatty():
+            print(f"{CLEAR}{text}", flush=True)
+        elif text != shown:
+            print(text, flush=True)
+        shown = text
+        if all(state.state == Stand.DONE for state in states):
+            return
+        clock.sleep(REFRESH)

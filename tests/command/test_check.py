@@ -16,8 +16,8 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from sph.checks.finding import CODES, Finding
 from sph.checks.scene import FEWEST_IN_WAVE, height_error, highest_frequency, in_wave
 from sph.command.check import check, draw, layer_rows, places_of, rows
-from sph.command.cli import REFUSED
 from sph.figures.scene import FEW
+from sph.jobs.exit_codes import REFUSED
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene

@@ -19,9 +19,10 @@ from PIL import Image
 from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
-import sph.command.options
-from sph.command.cli import DIVERGED, REFUSED, app
+import sph.command.terminal
+from sph.command.cli import app
 from sph.command.options import parse_settings
+from sph.jobs.exit_codes import DIVERGED, REFUSED
 from sph.scene.loading import motion_of
 from sph.scene.schema import load_scene
 from sph.scene.strict_json import parse_json
@@ -156,9 +157,9 @@ def test_the_list_of_commands_is_not_cut(columns: int) -> None:
 
 
 def test_what_takes_long_says_what_it_does(scene_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sph.command.options, "PATIENCE", 1e3)
+    monkeypatch.setattr(sph.command.terminal, "PATIENCE", 1e3)
     assert "placing the particles" not in call("info", scene_file).stderr
-    monkeypatch.setattr(sph.command.options, "PATIENCE", 0.0)
+    monkeypatch.setattr(sph.command.terminal, "PATIENCE", 0.0)
     assert "sph: placing the particles ..." in call("info", scene_file).stderr
 
 

@@ -12,7 +12,8 @@ import xarray as xr
 import yaml
 from record_files import geonet
 
-from sph.command.repeat import given_scene, stopped_at
+from sph.command.given import read_given
+from sph.command.run import stopped_at
 from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.restart import check_restart
@@ -38,7 +39,7 @@ def both(tmp_path: Path, data: dict[str, Any], changes: dict[str, Any]) -> tuple
     path.write_text(yaml.safe_dump(data, sort_keys=False))
     stored = xr.Dataset(attrs=run_attributes(load_scene(path)))
     assert scene_of(stored) == load_scene(path)
-    return given_scene(path, dotted(changes)), given_scene(tmp_path / "run.nc", dotted(changes), stored)
+    return read_given(path, dotted(changes))[0], read_given(tmp_path / "run.nc", dotted(changes), stored)[0]
 
 
 @pytest.mark.parametrize(
@@ -81,16 +82,16 @@ def test_a_run_of_an_earlier_version_does_not_tell_what_its_layers_named() -> No
     check_restart(scene_of(earlier), scene, 1.0, False, "run.nc")  # may still be gone on from
     for unambiguous in ({"coupling.S_R": 0.3}, {"soil.friction_angle": 30.0, "layers.rock.soil.friction_angle": 20.0}):
         changes = unambiguous | ({"layers.fill.soil.friction_angle": 20.0} if "soil.friction_angle" in unambiguous else {})
-        assert given_scene(Path("run.nc"), dotted(changes), earlier).layers["clay"].soil.friction_angle == 5.0
+        assert read_given(Path("run.nc"), dotted(changes), earlier)[0].layers["clay"].soil.friction_angle == 5.0
     with pytest.raises(ValueError, match=r"run\.nc: soil\.cohesion: .*layers\.clay\.soil\.cohesion"):
-        given_scene(Path("run.nc"), dotted({"soil.cohesion": 10.0}), earlier)
+        read_given(Path("run.nc"), dotted({"soil.cohesion": 10.0}), earlier)[0]
 
 
 @pytest.mark.parametrize("changes", [{"motion": 3}, {"soil": 3}, {"soil": None}, {"layers": 3}, {"layers.clay": None}])
 def test_a_change_that_is_none_is_refused(tmp_path: Path, changes: dict[str, Any]) -> None:
     for stored in (as_earlier_versions_stored(make_scene(LAYERED)), xr.Dataset(attrs=run_attributes(make_scene(LAYERED)))):
         with pytest.raises(ValueError, match=rf"run\.nc: {next(iter(changes))}"):
-            given_scene(Path("run.nc"), dotted(changes), stored)
+            read_given(Path("run.nc"), dotted(changes), stored)[0]
 
 
 def test_a_factor_of_the_vertical_needs_no_file(tmp_path: Path) -> None:
@@ -100,13 +101,13 @@ def test_a_factor_of_the_vertical_needs_no_file(tmp_path: Path) -> None:
     (tmp_path / "record.csv").unlink()
     assert by_run == by_file
     stored = xr.Dataset(attrs=run_attributes(by_file))
-    assert given_scene(tmp_path / "run.nc", dotted({"motion.vertical.factor": 2.0}), stored).motion == by_file.motion
+    assert read_given(tmp_path / "run.nc", dotted({"motion.vertical.factor": 2.0}), stored)[0].motion == by_file.motion
 
 
 def test_a_stored_scene_that_is_no_json_is_refused() -> None:
     for text in ("{", "[" * 20_000, '{"duration": NaN}', json.dumps({"name": "a"})):
         with pytest.raises(ValueError, match=r"run\.nc: "):
-            given_scene(Path("run.nc"), {}, xr.Dataset(attrs={"scene": text}))
+            read_given(Path("run.nc"), {}, xr.Dataset(attrs={"scene": text}))[0]
 
 
 @pytest.mark.parametrize(

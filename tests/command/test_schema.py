@@ -13,8 +13,9 @@ from jsonschema import Draft202012Validator
 from small_scenes import SLOPE
 from typer.testing import CliRunner
 
-from sph.command.cli import REFUSED, app
+from sph.command.cli import app
 from sph.command.schema import MODELS, json_schema, schema_file, schema_text
+from sph.jobs.exit_codes import REFUSED
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = sorted((ROOT / "config").rglob("*.yaml"))

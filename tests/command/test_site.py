@@ -10,8 +10,8 @@ import pytest
 import yaml
 from calling import call
 
-from sph.command.cli import REFUSED
 from sph.command.site import LARGEST_STRAIN, STRAINS, TOLERANCE, Stratum, column, darendeli, respond, rows
+from sph.jobs.exit_codes import REFUSED
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.scene.units import GRAVITY

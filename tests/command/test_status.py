@@ -16,8 +16,10 @@ import yaml
 from small_scenes import SLOPE, SceneBuilder
 from typer.testing import CliRunner
 
-from sph.command.cli import REFUSED, app
-from sph.command.status import State, estimate, located, look, look_at, sentence, watch
+from sph.command.cli import app
+from sph.command.status import State, estimate, look, look_at, sentence, watch
+from sph.command.study import find_study
+from sph.jobs.exit_codes import REFUSED
 from sph.jobs.log import FRESH, PROCESS, PROGRESS, Process, job_log, line_of, read_log
 from sph.jobs.progress import SECONDS, Lines, reporter
 from sph.scene.schema import make_scene
@@ -80,7 +82,7 @@ def study(request: pytest.FixtureRequest, tmp_path: Path, small_slope: SceneBuil
     (tmp_path / "config").mkdir()
     (tmp_path / "config" / "config.yaml").write_text(yaml.safe_dump(config))
     (tmp_path / "slope.yaml").write_text(yaml.safe_dump(small_slope({}).model_dump(mode="json")))
-    return Folder(tmp_path, located(tmp_path / "results" / "small" / "draft", None).plan)
+    return Folder(tmp_path, find_study(tmp_path / "results" / "small" / "draft", None).plan)
 
 
 def progress(time: float, elapsed: float) -> Progress:
@@ -258,8 +260,10 @@ def test_a_configuration_of_another_name(study: Folder, monkeypatch: pytest.Monk
     (study.base / "mine.yaml").write_text("study: mine\n")
     assert "results/mine/draft" in call(study.base / "results" / "mine" / "draft", "--configfile", study.base / "mine.yaml").stdout
     monkeypatch.chdir(study.base)
+    assert "results/mine/draft" in call("mine.yaml").stdout, "or the configuration alone"
+    assert "give one of them" in call("mine.yaml", "--configfile", "mine.yaml").stderr
     (study.base / "config" / "config.yaml").unlink()
-    assert "config/config.yaml: no such file; " in call().stderr and "--configfile" in call().stderr
+    assert "config/config.yaml: no such file; " in call().stderr and "give its configuration" in call().stderr
 
 
 def test_a_folder_of_one_s_own_needs_no_shipped_configuration(study: Folder) -> None:

@@ -13,7 +13,8 @@ import yaml
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.command.status import Job, State, located, look_at
+from sph.command.status import Job, State, look_at
+from sph.command.study import find_study
 from sph.jobs.catalogue import Catalogue
 from sph.scene.schema import Scene, make_scene
 from sph.study.runs import laid_over
@@ -57,11 +58,11 @@ def finish(base: Path, job: Job) -> None:
 
 
 def test_nothing_is_listed_before_it_is_started(study: Path) -> None:
-    assert located(study, None).started == []
+    assert find_study(study, None).started == []
 
 
 def test_a_search_is_listed_round_by_round_without_the_study_s_own_runs(study: Path) -> None:
-    catalogue = located(study, None)
+    catalogue = find_study(study, None)
     wants(study, "trigger-0", "as it is,0.10,100,6.0", "as it is,0.10,100,8", "slip: sides,0.10,100,8")
     jobs = [state.job for state in states_of(catalogue)]
     # The first point is one of the study's grid, and its run is listed there.
@@ -79,15 +80,15 @@ def test_a_search_is_listed_round_by_round_without_the_study_s_own_runs(study: P
 
 def test_points_of_an_earlier_configuration_are_none(study: Path) -> None:
     wants(study, "trigger-0", "as it is,0.10,100,8", "no more,0.10,100,8")
-    assert [run.id for run in located(study, None).started] == ["S_R-0.10_gamma-100_amplitude-8"]
+    assert [run.id for run in find_study(study, None).started] == ["S_R-0.10_gamma-100_amplitude-8"]
     (study / "trigger" / "rounds" / "trigger-0-wanted.csv").write_text("case,motion.frequency,amplitude,round\nas it is,2,8,0\n")
-    assert located(study, None).started == []
+    assert find_study(study, None).started == []
 
 
 def test_sensitivity_is_listed_with_its_indices_once_the_factors_are_known(study: Path) -> None:
     place = study / "sensitivity"
     place.mkdir(parents=True)
-    catalogue = located(study, None)
+    catalogue = find_study(study, None)
     designs = {run.group for run in catalogue.started}
     assert designs == {"sensitivity morris", "sensitivity tornado"}
     (place / "factors.json").write_text('["S_R", "height"]')
@@ -102,7 +103,7 @@ def test_sensitivity_is_listed_with_its_indices_once_the_factors_are_known(study
 
 
 def test_files_that_a_search_has_asked_for_are_known_by_its_tables(study: Path) -> None:
-    catalogue = located(study, None)
+    catalogue = find_study(study, None)
     case = "results/paper/draft/trigger/slip-sides"
     run = f"{case}/runs/S_R-0.10_gamma-100_amplitude-8.0.nc"
 
@@ -123,7 +124,7 @@ def test_files_that_a_search_has_asked_for_are_known_by_its_tables(study: Path) 
 
 
 def test_the_plan_is_written_beside_the_results(study: Path) -> None:
-    catalogue = located(study, None)
+    catalogue = find_study(study, None)
     wants(study, "trigger-0", "slip: sides,0.10,100,8")
     catalogue.row("results/paper/draft/stages/gravity.nc")
     catalogue.row("results/limits/runs/as-it-is/S_R-0.10.nc")

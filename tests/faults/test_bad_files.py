@@ -13,7 +13,7 @@ import yaml
 from calling import call
 from small_scenes import SceneBuilder
 
-from sph.command.cli import REFUSED
+from sph.jobs.exit_codes import REFUSED
 from sph.scene.ground_motion import read_record
 from sph.scene.ground_motion.text import LARGEST_RECORD
 from sph.solver.run import Run, run

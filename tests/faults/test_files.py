@@ -16,7 +16,7 @@ from comparison import same_files
 from small_scenes import SceneBuilder
 from typer.testing import CliRunner, Result
 
-from sph.command.cli import REFUSED
+from sph.jobs.exit_codes import REFUSED
 from sph.jobs.log import job_log
 from sph.solver.checkpoint import run_to_file
 from sph.storage import trajectory

@@ -17,7 +17,7 @@ import yaml
 from calling import call
 from small_scenes import SLOPE, SceneBuilder
 
-from sph.command.cli import REFUSED
+from sph.jobs.exit_codes import REFUSED
 from sph.jobs.log import job_log
 from sph.solver.checkpoint import run_to_file
 from sph.study.plan import load_study

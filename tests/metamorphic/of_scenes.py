@@ -22,7 +22,7 @@ from comparison import same_bits, same_variables
 from relation import default_walls, is_a, relation
 from scenes import Data, top
 
-from sph.command.repeat import given_scene
+from sph.command.given import read_given
 from sph.scene.configuration import dotted
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.particles import place_particles
@@ -89,10 +89,10 @@ def scene_in_its_trajectory(case: Case, chance: np.random.Generator) -> None:
     ]
     settings += [{f"layers.{name}.soil.cohesion": 7.5} for name in case.scene.layers]
     for each in settings:
-        written, kept = load_scene(path, dotted(each)), given_scene(stored, dotted(each))
+        written, kept = load_scene(path, dotted(each)), read_given(stored, dotted(each))[0]
         case.others[:] = [each]
         assert written.model_dump_json() == kept.model_dump_json(), f"with {each}: {_differing(written.model_dump(), kept.model_dump())}"
-    same_bits(case.result, run(given_scene(stored, {})))
+    same_bits(case.result, run(read_given(stored, {})[0]))
     same_metrics(case.result.trajectory, trajectory.read_run(stored))
 
 

@@ -14,7 +14,8 @@ import pytest
 import yaml
 from typer.testing import CliRunner, Result
 
-from sph.command.cli import REFUSED, app
+from sph.command.cli import app
+from sph.jobs.exit_codes import REFUSED
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene

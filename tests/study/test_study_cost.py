@@ -13,9 +13,11 @@ import yaml
 from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
-from sph.command.cli import REFUSED, app
+from sph.command.cli import app
 from sph.command.cost import coarse, speed_here, study_cost
-from sph.command.status import Job, located, look_at
+from sph.command.status import Job, look_at
+from sph.command.study import find_study
+from sph.jobs.exit_codes import REFUSED
 from sph.scene.schema import make_scene
 from sph.stability.extrapolation import at_spacing
 from sph.stability.safety import DEFAULT_RULE
@@ -69,7 +71,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
     assert one["wall"] == one["left"] and one["left"] / 2 <= two["wall"] < one["wall"]
     assert one["memory"] < two["memory"] <= 2 * one["memory"] and two["computing"] == one["computing"]
     fine = predicted(config, "--speed", 1, "--cores", 1, "--fidelity", "fine")
-    scenes = located(None, config).plan.at("fine")
+    scenes = find_study(None, config).plan.at("fine")
     of_a_run = cost(scenes.built(**next(iter(scenes.study.runs.values())))).particles
     assert fine["particles"] == of_a_run, "not of the search, which has finer particles"
     assert fine["folder"].endswith("small/fine") and fine["run"] > 2 * one["run"] and fine["disk"] > 2 * one["disk"]
@@ -84,7 +86,7 @@ def test_a_study_that_has_not_begun(config: Path) -> None:
 
 def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """As many static tests as it makes: each slope, each residual strength, and the searches of a slope."""
-    catalogue = located(None, config)
+    catalogue = find_study(None, config)
     plan = catalogue.plan.at("fine")
     scenes = {name: plan.built(**plan.study.runs[name]) for name in plan.study.runs}
     slope = scenes[next(iter(scenes))]
@@ -111,7 +113,7 @@ def test_linear_reconstruction_takes_its_time(small_slope: SceneBuilder) -> None
 
 
 def test_finished_runs_tell_the_speed_and_are_not_left(config: Path) -> None:
-    catalogue = located(None, config)
+    catalogue = find_study(None, config)
     plan, base = catalogue.plan, catalogue.base
     jobs = [state.job for state in look_at(plan.jobs, base)]
     runs = [job for job in jobs if job.is_run]

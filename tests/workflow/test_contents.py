@@ -19,7 +19,8 @@ from test_record_workflow import write_record
 from test_workflow import planned_jobs, snakemake
 from typer.testing import CliRunner, Result
 
-from sph.command.cli import DIFFERS, REFUSED, app
+from sph.command.cli import app
+from sph.jobs.exit_codes import DIFFERS, REFUSED
 from sph.scene.schema import load_scene
 from sph.storage import trajectory
 

@@ -213,14 +213,16 @@ def test_a_trajectorys_record_is_replaced_by_another_file(records: Path) -> None
     # What `sph run old.nc --set motion.file=...` does: the samples of the old one must not stay.
     import xarray as xr
 
-    from sph.command.repeat import given_scene
+    from sph.command.given import read_given
     from sph.storage.trajectory import run_attributes
 
     earlier = xr.Dataset(attrs=run_attributes(load_scene(written(records))))
     other = records / "other.AT2"
     other.write_text(at2(2.0 * BURST, INTERVAL))
-    assert given_scene(records / "old.nc", {}, earlier).motion.peak == pytest.approx(np.abs(BURST).max())
-    assert given_scene(records / "old.nc", {"motion": {"file": str(other)}}, earlier).motion.peak == pytest.approx(2 * np.abs(BURST).max())
+    assert read_given(records / "old.nc", {}, earlier)[0].motion.peak == pytest.approx(np.abs(BURST).max())
+    assert read_given(records / "old.nc", {"motion": {"file": str(other)}}, earlier)[0].motion.peak == pytest.approx(
+        2 * np.abs(BURST).max()
+    )
 
 
 BAD: list[tuple[dict[str, Any], list[str]]] = [

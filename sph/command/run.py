@@ -1,0 +1,123 @@
+"""What ``sph run`` does: a new run, one that goes on, or one that is repeated from the trajectory that holds its scene.
+
+A run that continued from a stage, as those of a study do, is repeated from the start: what may differ between a stage and the run that
+continues it (see ``sph.solver.run.check_restart``) has no effect before the stage ends, so that both give the same bits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from sph.checks.after_run import found_after
+from sph.checks.finding import codes
+from sph.checks.scene import findings
+from sph.command.given import earlier_run, read_given
+from sph.command.outputs import check_writable
+from sph.command.terminal import say
+from sph.jobs.exit_codes import DIVERGED
+from sph.jobs.progress import reporter
+from sph.output.run import Run
+from sph.scene.names import check_known
+from sph.scene.schema import Scene
+from sph.scene.strict_json import parse_json
+from sph.solver.checkpoint import run_to_file
+from sph.solver.run import Until
+from sph.storage import trajectory
+from sph.storage.trajectory import Status
+from sph.study.planned import differing
+
+
+def run(
+    path: Path,
+    changes: Mapping[str, Any],
+    out: Path | None,
+    restart: Path | None,
+    until: str | None,
+    threads: int,
+    checkpoint: float | None,
+    overwrite: bool,
+) -> tuple[str, int]:
+    """Simulate the scene in a file with changes; what came of it, and the exit code."""
+    check_known("--until", [until], ("end", "gravity", "first_failure"))
+    earlier = earlier_run(path)
+    scene, inputs = read_given(path, changes, earlier)
+    out = out or Path(f"{scene.name}.nc")
+    check_writable(out, [*inputs, *([restart] if restart else [])])
+    if not overwrite:
+        check_of_scene(out, scene)
+    repeats = earlier is not None and not changes and until is None
+    found = findings(scene)
+    say(*(each.line() for each in found if each.counts))
+    with reporter(scene.name, scene) as report:
+        result = run_to_file(
+            scene,
+            out,
+            until or stopped_at(earlier),  # type: ignore[arg-type]
+            restart,
+            report,
+            threads,
+            checkpoint,
+            say,
+            enforce_limit=not repeats,  # what was allowed to run with a step above its limit may be repeated
+            attrs={"findings": codes(found)},
+        )
+    made = Run(result.trajectory, scene)
+    if made.time_step_ratio > 1.0:
+        say(
+            f"numerics.time_step was {made.time_step_ratio:.2f} times the stability limit measured during the run; "
+            "choose a smaller step, or let it adapt (numerics.adaptive_step={})"
+        )
+    if result.status not in (Status.DIVERGED, Status.PAUSED):
+        say(*(each.line() for each in found_after(made)))
+    if earlier is not None and repeats:
+        say(compare(earlier, result.trajectory, path))
+    reason = f" ({made.attrs['status_reason']})" if made.attrs["status_reason"] else ""
+    speed = made.attrs["particle_steps_per_second"] / 1e6
+    text = f"{out}: {result.status}{reason}, {made.attrs['wall_time_s']:.1f} s, {speed:.2f} M particle-steps/s"
+    return text, DIVERGED if result.status == Status.DIVERGED else 0
+
+
+def check_of_scene(path: Path, scene: Scene) -> None:
+    """ValueError where a file holds the run of another scene, with the first key that differs; one that cannot be read may be replaced."""
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as ds:
+            differ = differing(ds.attrs, scene, path) if "scene" in ds.attrs else []
+    except (OSError, RuntimeError, ValueError):
+        return
+    if differ:
+        more = f" and {len(differ) - 1} more" if len(differ) > 1 else ""
+        raise ValueError(
+            f"--out {path}: holds the run of another scene ({differ[0]}{more}); name another file, or replace it with --overwrite"
+        )
+
+
+def stopped_at(earlier: xr.Dataset | None) -> Until:
+    """The stage up to which a trajectory was to be simulated; ``end`` for a new scene.
+
+    A paused run whose last sample is that at the end of the gravity stage has the same bits whichever stage it was told to stop at.
+    """
+    if earlier is None or earlier.attrs.get("status") != trajectory.Status.PAUSED:
+        return "end"
+    scene = trajectory.scene_of(earlier)
+    at_gravity = scene.steps(float(earlier["sample_time"][-1])) == scene.steps(scene.gravity.duration)
+    return "gravity" if at_gravity else "first_failure"
+
+
+def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:
+    """Whether a repeated run has the bits of the earlier one, in words; if not, what was not the same."""
+    names = [row.name for row in trajectory.VARIABLES]
+    differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
+    if not differ:
+        return f"every variable is identical to that of {path}, bit for bit"
+    old, new = (parse_json(ds.attrs.get("versions", "{}")) | {"machine": ds.attrs.get("machine")} for ds in (earlier, again))
+    other = ", ".join(f"{name} {old.get(name)} there and {new[name]} here" for name in new if old.get(name) != new[name])
+    return f"differs from {path} in {', '.join(differ)}: {other or 'made by other sources or on another processor'}"
+
+
+def _same(one: np.ndarray, other: np.ndarray) -> bool:
+    return one.shape == other.shape and one.dtype == other.dtype and one.tobytes() == other.tobytes()

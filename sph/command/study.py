@@ -1,0 +1,59 @@
+"""The study that a command is given: its configuration, or the folder of its results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import sph
+from sph.experiments.registry import load_study
+from sph.jobs.catalogue import Catalogue
+from sph.scene.configuration import merge, read_yaml
+from sph.study.sampling import chosen_study
+
+CONFIGURATION = Path("config", "config.yaml")
+"""The configuration that ``snakemake`` reads unless it is given another, and over which one is laid that names no scene."""
+
+
+def find_study(given: Path | None, configfile: Path | None = None) -> Catalogue:
+    """The catalogue of a study; by default that of ``CONFIGURATION`` in the working folder, as for ``snakemake``.
+
+    What is given is a configuration, or ``.../results/<study>/<fidelity>``, which decides the fidelity; the configuration of another study
+    than that of ``CONFIGURATION``, which need not be there then, is found by its name.  ValueError names what does not fit.
+    """
+    if given and (given.is_file() or given.suffix in (".yaml", ".yml")):
+        if configfile:
+            raise ValueError(f"{given}: is a configuration, and so is --configfile {configfile}; give one of them")
+        given, configfile = None, given
+    place = given.resolve() if given else None
+    if place and place.parent.parent.name != "results":
+        raise ValueError(f"{given}: is neither a configuration (YAML) nor the folder of a study's results, results/<study>/<fidelity>")
+    base = place.parents[2] if place else Path.cwd()
+    shipped = base / CONFIGURATION
+    if configfile is None and place is None and not shipped.is_file():
+        raise ValueError(f"{shipped}: no such file; go to the folder the study was started in, or give its configuration or results folder")
+    data: Mapping[str, Any] = read_yaml(shipped) if shipped.is_file() else {}
+    if place and configfile is None and data.get("study") != place.parent.name:
+        configfile = _configuration_of(place.parent.name, base)
+    if configfile:
+        own = read_yaml(configfile)
+        data = chosen_study(merge(data, own), own)
+    if place:
+        if data.get("study") != place.parent.name:
+            other = f"the configuration's study is {data['study']!r}" if "study" in data else f"no configuration of it is found in {base}"
+            raise ValueError(f"{given}: {other}; give the configuration of this one with --configfile")
+        data = {**data, "fidelity": place.name}
+    folders = [base, Path(sph.__file__).parents[1]]
+    return Catalogue(load_study(data, folders), folders, base, check=False)
+
+
+def _configuration_of(study: str, base: Path) -> Path | None:
+    """The only file at most two folders below where a study was started that names the study; None where there is none, or more."""
+    found = []
+    for path in (path for depth in ("", "*/", "*/*/") for path in base.glob(f"{depth}*.y*ml")):
+        with suppress(ValueError):
+            if read_yaml(path).get("study") == study:
+                found.append(path)
+    return found[0] if len(found) == 1 else None
