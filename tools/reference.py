@@ -2,7 +2,7 @@
 
 ``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
 ``python -m tools.reference`` fills the marks of all these files again, writes the schemas in ``config/schemas``, and a test fails
-where one differs.
+where one differs.  Where a page has ``<!-- sph site NAME -->`` the table is made with the site (``snakemake docs``) and not kept.
 """
 
 from __future__ import annotations
@@ -21,6 +21,8 @@ import pandas as pd
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from cases.slow_sine import LIMIT
+from cases.suite import SHIPPED_VALIDATION, VALIDATION, read_validation
 from sph.checks.finding import CODES
 from sph.command.new import ROWS
 from sph.command.schema import MODELS, schema_file, schema_text
@@ -49,8 +51,6 @@ from sph.experiments.trigger.exceedance import exceedance_columns, width_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
-from sph.experiments.validation.measure import SHIPPED_VALIDATION, VALIDATION, read_validation
-from sph.experiments.validation.slow_sine import LIMIT
 from sph.measures.places import place_columns
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
@@ -380,7 +380,7 @@ def trust_text() -> str:
     strong = known[~held & known["text"].str.startswith(("F,", "amplitude")) & (known["error"] > 0)]  # resists more than it should
     lines = [
         f"* **Known answers:** {held.sum()} of {len(held)} results (waves, columns, factors of safety, yield accelerations, flows, water) "
-        f"are within their tolerance, set before the runs but for [a few](docs/experiments/validation.md). Missed: {missed} "
+        f"are within their tolerance, set before the runs but for [a few](docs/evidence/validation.md). Missed: {missed} "
         "([which, and why](docs/evidence/validation.md#what-is-missed-and-why)); on the unsafe side "
         f"{', '.join(strong['case'].unique())}, by up to {percent(strong['error'].max())}. No case is a "
         "[displacement measured on a shaking table](docs/evidence/validation.md#shaking-table-tests-that-we-do-not-reproduce-and-why). "
@@ -583,12 +583,14 @@ MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOT
 def filled(text: str) -> str:
     """Text with the tables between its marks made again; ValueError for a mark of no table."""
 
-    def table(found: re.Match[str]) -> str:
-        if found[2] not in TABLES:
-            raise ValueError(f"{found[1].strip()}: must be one of {', '.join(TABLES)}")
-        return f"{found[1]}\n{markdown(TABLES[found[2]]())}\n\n{found[3]}"
+    return MARKED.sub(lambda found: f"{found[1]}\n{table_text(found[2])}\n\n{found[3]}", text)
 
-    return MARKED.sub(table, text)
+
+def table_text(name: str) -> str:
+    """A table by its name, in Markdown; ValueError for a name of none."""
+    if name not in TABLES:
+        raise ValueError(f"{name}: is no table; must be one of {', '.join(TABLES)}")
+    return markdown(TABLES[name]())
 
 
 def _listed_sections(annotation: Any) -> list[type[BaseModel]]:

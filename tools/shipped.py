@@ -15,16 +15,17 @@ import argparse
 import hashlib
 import re
 import shutil
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import netCDF4
 import pandas as pd
 import yaml
 
 import sph
-from sph.experiments.validation.measure import SHIPPED_VALIDATION, read_validation
+from cases import CASES
+from cases.suite import FOLDER, SHIPPED_VALIDATION, read_validation
 from sph.scene.scheme import filled
 from sph.solver.compiled.jit import solver_digest
 from sph.solver.run import run
@@ -62,6 +63,8 @@ class Shipped(NamedTuple):
     """the table in the package"""
     parts: str = ""
     """pattern of the tables of its parts in the first folder, where it is adopted part by part"""
+    settings: Callable[[], Any] = lambda: None
+    """what configures it beside these files"""
 
     @property
     def runs(self) -> list[Path]:
@@ -69,19 +72,27 @@ class Shipped(NamedTuple):
         return sorted(path for folder in self.folders for path in Path(folder).glob("**/runs/**/*.nc"))
 
 
-def _experiment(name: str, path: Path, *scenes: str, parts: str = "") -> Shipped:
-    renewal = f"snakemake --cores 2 {name} && python -m tools.shipped adopt {name}"
-    return Shipped((f"results/{name}",), (f"config/{name}.yaml", *scenes), renewal, path, parts)
+def _experiment(name: str, *scenes: str) -> Shipped:
+    return Shipped((f"results/{name}",), (f"config/{name}.yaml", *scenes), _renewed(name), MEASURED / f"{name}.csv")
+
+
+def _renewed(target: str) -> str:
+    return f"snakemake --cores 2 {target} && python -m tools.shipped adopt {target}"
+
+
+def _cases() -> list[Any]:
+    """What the reference cases run and ask."""
+    return [[name, [filled(scene) for scene in case.scenes().values()], case.compared, case.quantities] for name, case in CASES.items()]
 
 
 _PAPER = "snakemake --cores 2 && snakemake --cores 2 trigger"
 _PAPER_FILES = ("config/config.yaml", "config/scenes/paper.yaml")
 SHIPPED: dict[str, Shipped] = {
-    "trade": _experiment("trade", MEASURED / "trade.csv", "config/scenes/paper.yaml"),
-    "resolution": _experiment("resolution", MEASURED / "resolution.csv", "config/scenes/slope_on_rock.yaml"),
-    "limits": _experiment("limits", MEASURED / "limits.csv", "config/scenes/paper.yaml"),
-    "extremes": _experiment("extremes", MEASURED / "extremes.csv", "config/scenes/paper.yaml"),
-    "validation": _experiment("validation", SHIPPED_VALIDATION, "config/scenes/validation/*.yaml", parts="cases/*.csv"),
+    "trade": _experiment("trade", "config/scenes/paper.yaml"),
+    "resolution": _experiment("resolution", "config/scenes/slope_on_rock.yaml"),
+    "limits": _experiment("limits", "config/scenes/paper.yaml"),
+    "extremes": _experiment("extremes", "config/scenes/paper.yaml"),
+    "validation": Shipped((FOLDER,), (), _renewed("validation"), SHIPPED_VALIDATION, "cases/*.csv", _cases),
     "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m tools.release", MEASURED / "claims.csv"),
     "resolved_claims": Shipped(
         ("results/paper_resolved", "results/long_box"),
@@ -129,12 +140,13 @@ SHIPPED: dict[str, Shipped] = {
 """The tables by name."""
 
 
-def settings_digest(patterns: Sequence[str], root: Path = ROOT) -> str:
-    """Digest of what YAML files say, comments left out, and of what its scheme fills into a scene."""
+def settings_digest(patterns: Sequence[str], settings: Any = None, root: Path = ROOT) -> str:
+    """Digest of what YAML files say, comments left out, of what its scheme fills into a scene, and of other settings."""
     paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
     said = [[path.relative_to(root).as_posix(), yaml.safe_load(path.read_text(encoding="utf-8"))] for path in paths]
     said = [[name, filled(data) if "scenes" in Path(name).parts else data] for name, data in said]
-    return hashlib.sha256(yaml.safe_dump(said, sort_keys=True).encode()).hexdigest()[:16]
+    more = "" if settings is None else repr(settings)
+    return hashlib.sha256((yaml.safe_dump(said, sort_keys=True) + more).encode()).hexdigest()[:16]
 
 
 def solver_of(runs: Sequence[Path]) -> str:
@@ -155,7 +167,7 @@ def note(name: str, solver: str, origins: Path = MEASURED / "origins.csv", repea
     """Keep what a table of the package, as it is now, was measured with, in the place of an earlier row."""
     table = SHIPPED[name]
     row = {"table": name, "content": content_digest(table.path), "solver": solver, "version": sph.__version__, "repeated": repeated}
-    row["configuration"] = settings_digest(table.configuration)
+    row["configuration"] = settings_digest(table.configuration, table.settings())
     kept = read_origins(origins)
     write_csv(pd.concat([kept[kept["table"] != name], pd.DataFrame([row])], ignore_index=True)[[each.name for each in ORIGINS]], origins)
 
@@ -240,7 +252,7 @@ def states(origins: Path = MEASURED / "origins.csv") -> dict[str, tuple[str, str
         elif row["content"] != content_digest(table.path):
             found[name] = NOT_RECORDED, "the table has changed since its origin was noted"
         else:
-            now = settings_digest(table.configuration)
+            now = settings_digest(table.configuration, table.settings())
             changed = [f"solver {row['solver']}, now {solver_digest()}"] * (row["solver"] != solver_digest())
             changed += [f"configuration {row['configuration']}, now {now}"] * (now != row["configuration"])
             found[name] = (OLDER, "; ".join(changed)) if changed else (CURRENT, f"solver {row['solver']}")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from sph.experiments.validation.slow_sine import COLLAPSE, LIMIT, collapsed
+from cases.slow_sine import COLLAPSE, LIMIT, collapsed
 from sph.scene.configuration import merge, read_scene
 from sph.scene.gravity import GRAVITY
 from sph.scene.motion import TaperedSine

@@ -5,7 +5,6 @@
 * ``sensitivity``: which parameters decide the results (``snakemake sensitivity``, ``back_analysis``)
 * ``limits``: what the choices behind a scene do
 * ``extremes``: how far the solver can be pushed
-* ``validation``: the reference cases
 * ``paper``: the source paper's study, its claims and figures
 * ``registry``: lists them, and reads the configuration of a study
 * ``base``: what one is, keys, names of files, the check of every scene before any work

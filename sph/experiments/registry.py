@@ -17,7 +17,6 @@ NAMES = (
     "resolution",
     "limits",
     "extremes",
-    "validation",
     "sensitivity",
     "trigger",
     "spacing",

@@ -13,6 +13,7 @@ import yaml
 from calling import call
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from cases.limit_analysis import limit_factor
 from sph.checks.finding import CODES, Finding
 from sph.checks.scene import FEWEST_IN_WAVE, height_error, highest_frequency, in_wave
 from sph.command.check import check, draw, layer_rows, places_of, rows
@@ -24,7 +25,6 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.units import in_both
 from sph.solver.particles import place_particles
 from sph.solver.time_step import limits, wave_speed_ratio
-from sph.stability.limit_analysis import limit_factor
 from sph.study.preflight import stability
 
 SOUND: dict[str, Any] = {

@@ -15,7 +15,6 @@ from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import load_sensitivity
 from sph.experiments.trade.design import load_trade
 from sph.experiments.trigger.design import load_trigger
-from sph.experiments.validation.design import load_suite
 from sph.scene.configuration import read_yaml
 from sph.study.plan import Plan
 
@@ -62,13 +61,3 @@ def test_a_scene_without_a_probe(folder: Path) -> None:
     (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": {}}))
     with pytest.raises(ValueError, match=r"limits\.yaml: .*'as it is'.*'one'.*metrics\.probe: 'A'"):
         load_limits("limits.yaml", study_plan(), [folder])
-
-
-@pytest.mark.parametrize(("case", "probes"), [("V2", {"A": [1.0, 5.0]}), ("V3", {}), ("V4", {})])
-def test_a_reference_case_has_the_probes_that_it_measures_at(folder: Path, case: str, probes: dict[str, Any]) -> None:
-    (folder / "slope.yaml").write_text(yaml.safe_dump(SLOPE | {"probes": probes}))
-    quantity = {"kind": "stress", "tolerance": 1, "coarse": 1, "reason": "r"}
-    data = {"title": "t", "scene": "slope.yaml", "source": "s", "quantities": {"q": quantity}}
-    (folder / "validation.yaml").write_text(yaml.safe_dump({"cases": {case: data}}))
-    with pytest.raises(ValueError, match=rf"case {case}, run 'run', level 'only': probes: {len(probes)}"):
-        load_suite("validation.yaml", study_plan(), [folder])

@@ -46,7 +46,6 @@ def test_figures_are_those_of_the_steps() -> None:
         "resolution": ["figures/tradeoff", "figures/convergence"],
         "limits": [],
         "extremes": ["figures/extremes"],
-        "validation": ["cases/{case}.csv", "figures/{case}"],
     }
 
 

@@ -42,7 +42,6 @@ from inputs import (
     TINY,
     TRADE,
     TRIGGER,
-    VALIDATION,
     broken,
     comma_separated,
     lines,
@@ -61,7 +60,6 @@ from sph.experiments.trade.advice import shipped_table
 from sph.experiments.trade.design import Trade, load_trade
 from sph.experiments.trade.table import summary
 from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
-from sph.experiments.validation.design import Validation, load_suite
 from sph.scene.loading import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.run import Run
@@ -268,16 +266,6 @@ def trigger(data: Any, folder: Path) -> str:
     return "accepted"
 
 
-def validation(data: Any, folder: Path) -> str:
-    """Load a suite; every run has a file of its own in its folder."""
-    write(folder / "validation.yaml", data)
-    suite = load_suite("validation.yaml", study_plan(), [folder])
-    assert len(suite.runs) == sum(len(case.runs) * len(case.levels) for case in suite.cases.values()), "two runs with one file"
-    for name in suite.runs:
-        _stays(f"results/validation/runs/{name}.nc", "results/validation/runs")
-    return "accepted"
-
-
 def _stays(path: str, folder: str) -> None:
     whole = Path("/study").joinpath(path)
     assert Path(os.path.normpath(whole)) == whole and whole.is_relative_to(f"/study/{folder}"), f"{path} leaves {folder}"
@@ -336,7 +324,6 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
         st.one_of(changed(Sensitivity, SENSITIVITY, 1), changed(Sensitivity, SENSITIVITY), broken(SENSITIVITY)),
     ),
     "trigger": (5, trigger, st.one_of(changed(Trigger, TRIGGER, 1), changed(Trigger, TRIGGER), broken(TRIGGER))),
-    "validation": (6, validation, st.one_of(changed(Validation, VALIDATION, 1), changed(Validation, VALIDATION), broken(VALIDATION))),
     "record": (9, record, records),
     "survey": (9, survey, st.one_of(surveys, comma_separated)),
     "line": (10, line, lines.map(list)),

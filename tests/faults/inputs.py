@@ -17,7 +17,6 @@ from sph.experiments.paper.design import AnyStudy
 from sph.experiments.sensitivity.design import Sensitivity
 from sph.experiments.trade.design import Trade
 from sph.experiments.trigger.design import Trigger
-from sph.experiments.validation.design import Validation
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
@@ -142,17 +141,6 @@ TRIGGER = {
         "gamma": {"lowest": 1, "highest": 100, "cells": 1, "scale": "logarithmic"},
     },
 }
-VALIDATION = {
-    "cases": {
-        "V1": {
-            "title": "t",
-            "scene": "tiny.yaml",
-            "source": "s",
-            "levels": {"1 m": {}, "0.5 m": {"numerics": {"spacing": 0.5}}},
-            "quantities": {"q": {"kind": "stress", "tolerance": 0.1, "coarse": 0.2, "reason": "r"}},
-        }
-    }
-}
 MODELS = {
     "scene": Scene,
     "study": AnyStudy,
@@ -160,7 +148,6 @@ MODELS = {
     "limits": Limits,
     "sensitivity": Sensitivity,
     "trigger": Trigger,
-    "validation": Validation,
     "rule": FailureRule,
 }
 

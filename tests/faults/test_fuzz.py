@@ -12,7 +12,7 @@ import pytest
 from configurations import changed, keys, section
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from inputs import FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER, VALIDATION
+from inputs import FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER
 from pydantic import BaseModel
 
 from sph.scene.configuration import validated
@@ -25,7 +25,6 @@ BASES: dict[str, list[dict[str, Any]]] = {
     "limits": [LIMITS],
     "sensitivity": [SENSITIVITY],
     "trigger": [TRIGGER],
-    "validation": [VALIDATION],
     "rule": [{}],
 }
 ANYTHING = {

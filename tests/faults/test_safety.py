@@ -18,7 +18,6 @@ from sph.experiments.limits.design import load_limits
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import load_study
 from sph.experiments.trade.design import load_trade
-from sph.experiments.validation.design import load_suite
 from sph.scene.configuration import found_file, merge, validated
 from sph.study.sampling import MOST_RUNS
 
@@ -102,21 +101,12 @@ def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
     elif kind == "changes":
         data = {"scene": PAPER, "cases": {"one": {}}, "changes": {"as it is": {}} | each}
         yield from load_limits(written(tmp_path / "c.yaml", data), study_plan(), [tmp_path, ROOT]).runs
-    elif kind == "points":
+    else:
         data = {"scene": PAPER, "cases": each, "changes": {"as it is": {}, "other": {"numerics": {"spacing": 5.0}}}}
         yield from load_limits(written(tmp_path / "c.yaml", data), study_plan(), [tmp_path, ROOT]).runs
-    else:
-        case = {
-            "title": "t",
-            "scene": PAPER,
-            "source": "s",
-            "levels": each,
-            "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}},
-        }
-        yield from load_suite(written(tmp_path / "c.yaml", {"cases": {"V1": case}}), study_plan(), [tmp_path, ROOT]).runs
 
 
-KINDS = ("variants", "cases", "changes", "points", "levels")
+KINDS = ("variants", "cases", "changes", "points")
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -138,12 +128,6 @@ def test_labels_with_one_file_name_are_refused(tmp_path: Path, kind: str) -> Non
 def test_a_label_is_one_line_without_a_formula(tmp_path: Path, kind: str, label: str) -> None:
     with pytest.raises(ValueError, match=r"c\.yaml"):
         list(paths_of(tmp_path, kind, label, "plain"))
-
-
-def test_a_case_that_nothing_measures_is_refused(tmp_path: Path) -> None:
-    case = {"title": "t", "scene": PAPER, "source": "s", "quantities": {"q": {"tolerance": 1, "coarse": 1, "reason": "r"}}}
-    with pytest.raises(ValueError, match=r"c\.yaml: cases: 'V99'.*V15"):
-        load_suite(written(tmp_path / "c.yaml", {"cases": {"V99": case}}), study_plan(), [tmp_path, ROOT])
 
 
 def test_a_grid_has_an_end() -> None:

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from cases.limit_analysis import limit_factor
 from sph.measures.metrics import measure
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import make_scene
 from sph.solver.run import run
-from sph.stability.limit_analysis import limit_factor
 
 ROWS = (8, 20)
 """Rows of particles over the height, of which each slope is made."""

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from comparison import momenta, same_bits
 
-from sph.experiments.validation.columns import transfer
-from sph.experiments.validation.level import Result
+from cases.case import Result
+from cases.columns import transfer
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import overburden

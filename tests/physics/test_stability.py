@@ -14,13 +14,13 @@ import pytest
 import yaml
 from typer.testing import CliRunner, Result
 
+from cases.limit_analysis import infinite_slope_factor
 from sph.command.cli import app
 from sph.jobs.exit_codes import REFUSED
 from sph.scene.configuration import dotted, merge
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene
 from sph.stability.extrapolation import extrapolated
-from sph.stability.limit_analysis import infinite_slope_factor
 from sph.stability.safety import critical_strength_ratio, factor_of_safety, yield_acceleration
 from sph.stability.search import Trial, search
 from sph.stability.standing import SMOOTHING_RATIO, VISCOSITY, FailureRule, divided_strength, stand, static_scene, weakened

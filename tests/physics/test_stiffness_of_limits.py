@@ -13,8 +13,8 @@ import pytest
 import yaml
 from typer.testing import CliRunner
 
+from cases.slopes import PUBLISHED_FACTORS, SEISMIC_BOUNDS
 from sph.command.cli import app
-from sph.experiments.validation.slopes import PUBLISHED_FACTORS, SEISMIC_BOUNDS
 from sph.scene.configuration import dotted, merge, read_scene
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene, make_scene

@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 from small_scenes import SceneBuilder
 
-from sph.experiments.validation.measure import SHIPPED_VALIDATION, read_validation
+from cases.suite import SHIPPED_VALIDATION, read_validation
 from sph.scene.scheme import RESOLVED
 from sph.solver.checkpoint import run_to_file
 from sph.solver.compiled.jit import solver_digest
@@ -56,14 +56,14 @@ def origins(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     table = Shipped(("results/one",), ("config/one.yaml",), "snakemake one", tmp_path / "one.csv")
     table.path.write_text("a\n0\n")
     monkeypatch.setattr(shipped, "SHIPPED", {"one": table})
-    monkeypatch.setattr(settings_digest, "__defaults__", (tmp_path,))
+    monkeypatch.setattr(settings_digest, "__defaults__", (None, tmp_path))
     return tmp_path / "origins.csv"
 
 
 def test_every_measured_table_is_known() -> None:
     found = {*MEASURED.glob("*.csv")} - {MEASURED / "origins.csv"}
     assert {table.path for table in SHIPPED.values()} == found
-    assert all(settings_digest(table.configuration) for table in SHIPPED.values())
+    assert all(settings_digest(table.configuration, table.settings()) for table in SHIPPED.values())
 
 
 def test_a_table_is_not_recorded_until_it_is_adopted(origins: Path) -> None:
@@ -93,9 +93,9 @@ def test_what_a_scheme_fills_into_a_scene_is_of_its_configuration(tmp_path: Path
     scenes.mkdir(parents=True)
     (scenes / "own.yaml").write_text("name: own\n")
     (scenes / "paper.yaml").write_text("scheme: paper\n")
-    before = [settings_digest([f"config/scenes/{name}.yaml"], tmp_path) for name in ("own", "paper")]
+    before = [settings_digest([f"config/scenes/{name}.yaml"], root=tmp_path) for name in ("own", "paper")]
     monkeypatch.setitem(RESOLVED["numerics"], "time_step", 1e-3)
-    after = [settings_digest([f"config/scenes/{name}.yaml"], tmp_path) for name in ("own", "paper")]
+    after = [settings_digest([f"config/scenes/{name}.yaml"], root=tmp_path) for name in ("own", "paper")]
     assert after[0] != before[0] and after[1] == before[1]
 
 

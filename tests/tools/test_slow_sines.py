@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from sph.experiments.validation.slow_sine import LIMIT
+from cases.slow_sine import LIMIT
 from sph.scene.configuration import read_scene
 from sph.scene.gravity import GRAVITY
 from sph.scene.motion import TaperedSine

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from sph.experiments.validation.flows import aspect_ratio, reach_of_share, rods_height, rods_runout, thickness
-from sph.experiments.validation.level import Result
-from sph.experiments.validation.rods import LINE, SURFACE, failure_line, foot_and_angle, reach, surface
+from cases.case import Result
+from cases.flows import aspect_ratio, reach_of_share, rods_height, rods_runout, thickness
+from cases.rods import LINE, SURFACE, failure_line, foot_and_angle, reach, surface
 from sph.scene.schema import make_scene
 from sph.solver.particles import SOIL
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from sph.experiments.validation.slopes import lowest_between
+from cases.slopes import lowest_between
 
 
 def test_the_lowest_point_of_a_parabola_is_found_between_its_points() -> None:

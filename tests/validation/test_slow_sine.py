@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
-from small_scenes import study_plan
 
-from sph.experiments.validation.design import load_suite
-from sph.experiments.validation.slow_sine import LIMIT, limit_between
+from cases.slow_sine import LIMIT, V24, limit_between
 from sph.scene.motion import TaperedSine
 from sph.scene.schema import make_scene
 
@@ -30,8 +27,7 @@ def test_without_a_limit_there_is_none(gone: tuple[bool, ...]) -> None:
 
 def test_the_sine_has_eight_natural_periods_and_whole_cycles() -> None:
     """T = 4 D / V_s of the 50 m below the crest; two cycles of increase, two at full strength and one of decrease."""
-    suite = load_suite("config/validation.yaml", study_plan(), [Path(__file__).parents[2]])
-    scene = make_scene(next(iter(suite.of("V24").values())).scene)
+    scene = make_scene(next(iter(V24.scenes().values())))
     motion = scene.motion
     assert isinstance(motion, TaperedSine)
     speed = math.sqrt(scene.soil.youngs_modulus * 1e3 / (2.0 * (1.0 + scene.soil.poisson_ratio)) / scene.soil.density)

@@ -77,6 +77,6 @@ def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path) -> Non
     result = snakemake(folder, "--dry-run", "--configfile", "bad.yaml")
     assert result.returncode != 0
     assert (
-        "config: experiments: 'limts' is not one of trade, resolution, limits, extremes, validation, sensitivity, trigger"
+        "config: experiments: 'limts' is not one of trade, resolution, limits, extremes, sensitivity, trigger"
         in result.stdout + result.stderr
     )

@@ -50,7 +50,12 @@ rule docs:
     log:
         "results/logs/docs.log",
     params:
-        sources=lambda wildcards: contents("**/*.py", "../docs/**/*.*"),
+        sources=lambda wildcards: contents(
+            "**/*.py",
+            "experiments/measured/*.csv",
+            "../docs/**/*.*",
+            "../tools/*.py",
+        ),
         gallery={
             page: os.path.getmtime(f"results/gallery/{page}")
             for page in GALLERY

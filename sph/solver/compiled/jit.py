@@ -208,7 +208,7 @@ def _kept(variant: str) -> Iterator[None]:
             for place in (folder, *folder.glob("*/")):
                 tempfile.TemporaryFile(dir=place).close()
             stack.enter_context(for_user_alone())
-            earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
+            earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)
             stack.callback(setattr, numba.config, "CACHE_DIR", earlier)  # type: ignore[attr-defined]
             for compiled in _entries:
                 compiled.enable_caching()

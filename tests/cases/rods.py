@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.experiments.validation.flows import SHARE, column, reach_of_share, spread
-from sph.experiments.validation.level import Found, Level, Result
+from cases.case import Case, Found, Kind, Level, Quantity, Result, at_spacings
+from cases.flows import SHARE, column, reach_of_share, spread
 from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 
 RUNS = ("rods", "rods2")
@@ -118,3 +118,26 @@ def draw_rods(levels: Mapping[str, Level]) -> Figure:
     label_panels(axes, titles)
     figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=len(levels) + 2)
     return figure
+
+
+ASKED = {
+    "misfit": Quantity(Kind.PROFILE, 0.05, 0.10, "one test; another program has about 0.01 for a similar one"),
+    "height": Quantity(Kind.HEIGHT, 0.005, 0.010, "three to five rods, where the deposit is higher than 10 mm"),
+    "reach": Quantity(Kind.RUNOUT, 0.10, 0.20, "height of one or two rods; the front grows with finer particles"),
+    "mass99": Quantity(Kind.RUNOUT, 0.15, 0.25, "1 % of the mass is the thin end of the deposit"),
+    "foot": Quantity(Kind.LENGTH, 0.056, 0.112, "10 mm"),
+    "angle": Quantity(Kind.ANGLE, 0.091, 0.182, "3 degrees"),
+}
+V23 = Case(
+    title="Collapse of a column of rods, point by point",
+    scene="config/scenes/validation/v23_rods.yaml",
+    source="test with aluminium rods, Bui, Fukagawa, Sako and Ohno (2008), doi 10.1002/nag.688, as digitised in data of two other programs",
+    reference="published",
+    ours="stiffness between published ones, walls, and the measures of misfit",
+    measure=measure_rods,
+    draw=draw_rods,
+    runs={"rods": {}, "rods2": {"soil": {"friction_angle": 21.9}}},
+    levels=at_spacings({"10 mm": 0.01, "5 mm": 0.005, "2.5 mm": 0.0025}),
+    # One test, digitised once: the area under its surface is 1.5 % above the column's.  The rods are 1 and 1.5 mm thick.
+    quantities={f"{name}_{run}": asked for name, asked in ASKED.items() for run in RUNS},
+)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from sph.stability.limit_analysis import (
+from cases.limit_analysis import (
     POINTS,
     Wet,
     _moment_below,

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.experiments.validation.columns import row_means
-from sph.experiments.validation.level import Found, Level, Result
+from cases.case import Case, Found, Kind, Level, Quantity, Result, at_spacings
+from cases.columns import row_means
 from sph.figures.profile import draw_circles
 from sph.figures.style import LINE_STYLES, WIDTH, curve_colours, label_panels, styled
 from sph.measures.linked import largest_mass
@@ -304,3 +305,141 @@ def draw_granular_column(levels: Mapping[str, Level]) -> Figure:
     figure.supxlabel("distance from the wall over the column's width")
     figure.supylabel("thickness over the column's width")
     return figure
+
+
+# ---------------------------------------------------------------- the cases
+
+V6 = Case(
+    title="Bingham plane Poiseuille flow",
+    scene="config/scenes/validation/v06_poiseuille.yaml",
+    source="closed form; u = G (h y - y²/2)/μ - τ_y y/μ to the plug",
+    ours="channel, fluid and pressure gradient",
+    measure=measure_poiseuille,
+    draw=draw_poiseuille,
+    levels={
+        **at_spacings({"0.05": 0.05, "0.025": 0.025}),
+        "0.0125": {"numerics": {"spacing": 0.0125, "time_step": 0.005}},
+        "0.00625": {"numerics": {"spacing": 0.00625, "time_step": 0.005}},
+    },
+    quantities={
+        "plug_speed": Quantity(Kind.SPEED, 0.05, 0.15, "closed form; the wall takes the place of the layers behind it to first order"),
+        "plug_half_width": Quantity(Kind.LENGTH, 0.05, 0.30, "closed form; known to a spacing"),
+        "profile_error": Quantity(Kind.PROFILE, 0.05, 0.15, "closed form; root mean square over the channel, over the plug's speed"),
+    },
+)
+
+
+def rectangle(left: float, right: float, height: float) -> dict[str, Any]:
+    """Geometry of one body on the base, m."""
+    return {"bodies": [{"kind": "polygon", "points": [[left, 0.0], [right, 0.0], [right, height], [left, height]]}]}
+
+
+SLIDING = {
+    "duration": 0.5,
+    "geometry": {"width": 0.05, **rectangle(0.0, 0.05, 0.015)},
+    "walls": {"sides": "periodic"},
+    "soil": {"viscosity": 0.01},
+    "initial_velocity": {"along": "y", "position": [0.0], "x": [1.0], "y": [0.0]},
+    "outputs": {"frame_interval": 0.01},
+}
+"""15 mm of nearly inviscid fluid that slide at 1 m/s on the base."""
+V7 = Case(
+    title="Slump of a Bingham fluid",
+    scene="config/scenes/validation/v07_bingham_slump.yaml",
+    source="shallow theory (Liu and Mei 1989); h² = h_c² - 2 τ_y x/(ρ g)",
+    reference="formula",
+    ours="fluid and its first shape; the sliding layers and their hold are a closed form of our own",
+    measure=measure_slump,
+    draw=draw_slump,
+    # The layers were added after the first runs of the slump, to see why it runs too far.  The yield stress should hold both.
+    runs={
+        "run": {},
+        "on_base": SLIDING,
+        "on_fluid": {
+            **SLIDING,
+            "geometry": {"width": 0.05, **rectangle(0.0, 0.05, 0.03)},
+            "initial_velocity": {"along": "y", "position": [0.0149, 0.0151], "x": [0.0, 1.0], "y": [0.0, 0.0]},
+        },
+    },
+    levels=at_spacings({"5 mm": 0.005, "2.5 mm": 0.0025, "1.25 mm": 0.00125}),
+    # The tolerance of the base's hold was tightened with the no-slip wall.
+    quantities={
+        "runout": Quantity(
+            Kind.RUNOUT, 0.10, 0.15, "the theory is for shallow flows; this one is at rest 4.6 times as long as it was high"
+        ),
+        "central_height": Quantity(Kind.HEIGHT, 0.30, 0.40, "the theory is for shallow flows; codes accept 25 to 30 %"),
+        "traction_on_base": Quantity(
+            Kind.TRACTION, 0.10, 0.15, "momentum of the layer between 0.25 and 0.45 s; a wall without slip holds it as fluid does"
+        ),
+        "traction_on_fluid": Quantity(
+            Kind.TRACTION, 0.25, 0.50, "momentum of the layer; particles at the interface differ by tens of per cent"
+        ),
+    },
+)
+SECOND_SOIL = {"soil": {"density": 2040.0, "youngs_modulus": 5840.0, "poisson_ratio": 0.3, "friction_angle": 21.9}}
+TWICE_AS_HIGH = {"geometry": rectangle(1.5, 1.6, 0.2)}
+FIT = "fit of experiments; friction angle known within 2 degrees"
+V8 = Case(
+    title="Collapse of a column of rods in plane strain",
+    scene="config/scenes/validation/v08_granular_column.yaml",
+    source=(
+        "experiments with aluminium rods (Nguyen, Bui and Fukagawa 2015): (d - d_0)/d_0 = 3.25 a^0.96 to a = 1.5, 3.80 a^0.73 above, "
+        "h_0/h = 1.42 a^(2/3)"
+    ),
+    reference="published",
+    ours="stiffness, walls, and the friction angle between two published ones; the sliding layer is a closed form of our own",
+    measure=measure_granular_column,
+    draw=draw_granular_column,
+    # The friction angle of the rods is not known: 19.8 degrees is that of Bui et al. (2008) for aluminium rods, 21.9 that of Nguyen et al.
+    # (2017).  The runs soil2 are of the second set; they show what the angle does.
+    runs={
+        "a10": {},
+        "a15": {"geometry": rectangle(1.5, 1.6, 0.15)},
+        "a20": TWICE_AS_HIGH,
+        "a30": {"geometry": rectangle(1.5, 1.6, 0.3)},
+        "soil2_a10": SECOND_SOIL,
+        "soil2_a20": {**SECOND_SOIL, **TWICE_AS_HIGH},
+        # A layer of the same grains that slides on the base at 1 m/s.  The closed form was g tan φ until the layer had been measured on a
+        # no-slip base: soil that does not dilate mobilises sin φ on the plane along which it is sheared.
+        "layer": {
+            "duration": 0.25,
+            "geometry": {"width": 0.2, **rectangle(0.0, 0.2, 0.05)},
+            "walls": {"sides": "periodic"},
+            "initial_velocity": {"along": "y", "position": [0.0], "x": [1.0], "y": [0.0]},
+            "outputs": {"frame_interval": 0.01},
+        },
+    },
+    levels=at_spacings({"10 mm": 0.01, "5 mm": 0.005, "2.5 mm": 0.0025}),
+    # The two fits that the source gives for d differ by up to 4 %; 15 % allows for that, for a scatter of the tests of some 10 % and for
+    # the friction angle.  The last hundredth of the area of a deposit that ends in a wedge of 8 degrees is the last tenth of its length:
+    # the distance that holds 99 % of the mass falls that much short of the law for the front.
+    quantities={
+        **{f"front_{name}": Quantity(Kind.RUNOUT, 0.15, 0.25, FIT) for name in COLUMNS},
+        **{
+            f"mass99_{name}": Quantity(Kind.RUNOUT, 0.25, 0.35, "law of the front; 1 % of the mass is the last tenth of the length")
+            for name in COLUMNS
+        },
+        **{f"height_{name}": Quantity(Kind.HEIGHT, 0.15, 0.25, FIT) for name in COLUMNS},
+        "friction": Quantity(Kind.TRACTION, 0.10, 0.20, "Coulomb friction on the whole layer; closed form"),
+    },
+)
+STEADY_FLOW = Quantity(Kind.SPEED, 0.03, 0.06, "closed form; no part of the flow may gather errors over 60 s")
+STEADY_PROFILE = Quantity(Kind.PROFILE, 0.05, 0.15, "closed form; root mean square over the layer, over the plug's speed, as V6")
+# Added after a layer of soft fluid had been seen to speed up without end (+23 % after 55 s at 0.05 m), and after the cause had been removed
+# in runs of 0.1, 0.05 and 0.025 m that told the speeds to expect.  The 3 % had been asked for before.
+V25 = Case(
+    title="Bingham layer on an incline",
+    scene="config/scenes/validation/v25_bingham_incline.yaml",
+    source="closed form; u = (G (H y - y²/2) - τ_y y)/μ to the plug, G = ρ g sin θ, steady for as long as it flows",
+    ours="layer, fluid and incline; the time, in which the surface of the softer fluid travels 88 times the layer's thickness",
+    measure=measure_incline,
+    draw=draw_incline,
+    runs={"run": {}, "stiff": {"soil": {"youngs_modulus": 2.0e4}}},
+    levels=at_spacings({"0.1": 0.1, "0.05": 0.05, "0.025": 0.025}),
+    quantities={
+        "worst_speed_run": STEADY_FLOW,
+        "profile_run": STEADY_PROFILE,
+        "worst_speed_stiff": STEADY_FLOW,
+        "profile_stiff": STEADY_PROFILE,
+    },
+)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.experiments.validation.level import Found, Level, Result
+from cases.case import COMPUTATION, Case, Found, Kind, Level, Quantity, Result, at_time_steps
 from sph.figures.style import GREY, WIDTH, curve_colours, label_panels, styled
 from sph.scene.gravity import GRAVITY
 from sph.scene.schema import Scene
@@ -224,3 +224,64 @@ def draw_return(levels: Mapping[str, Level]) -> Figure:
     ax.set(xlabel="mean pressure in the plane (MPa)", ylabel="radius of Mohr's circle (MPa)", xlim=(-8.0, 15.0), ylim=(0.0, 15.0))
     ax.legend(markerscale=3)
     return figure
+
+
+# ---------------------------------------------------------------- the cases
+
+V11 = Case(
+    title="Newmark sliding block",
+    scene="config/scenes/paper.yaml",
+    by=COMPUTATION,
+    source="Newmark (1965); D = A g t_0² (A/N - 1)/2 for a rectangular pulse",
+    reference="formula",
+    ours="pulse, sines and yield acceleration",
+    measure=measure_newmark,
+    draw=draw_newmark,
+    quantities={
+        "pulse": Quantity(Kind.DISPLACEMENT, 1.0e-6, 1.0e-6, "the integration is exact but for the pulse's sides of 1e-9 s"),
+        "sine_train": Quantity(Kind.DISPLACEMENT, 1.0e-4, 1.0e-4, "exact but for the sampling of the sine at 1 ms"),
+    },
+)
+V13 = Case(
+    title="Simple shear of one element",
+    scene="config/scenes/validation/v13_simple_shear.yaml",
+    source=(
+        "closed form; τ_f + (τ - τ_f) exp(-γ (t - t_f)) with τ that of the solid state, τ_s where it yields, and no stress from rotation"
+    ),
+    ours="element, rate of shear and soil",
+    measure=measure_simple_shear,
+    draw=draw_simple_shear,
+    size="numerics.time_step",
+    runs={
+        "shear": {},
+        "elastic": {"coupling": {"solid_after_failure": "elastic"}},
+        "spin": {"prescribed_velocity_gradient": {"xy": -1.0, "yx": 1.0}},
+    },
+    levels=at_time_steps({"1e-3 s": 1.0e-3, "5e-4 s": 5.0e-4, "2.5e-4 s": 2.5e-4}),
+    quantities={
+        "peak_strength": Quantity(Kind.STRENGTH, 1.0e-3, 1.0e-3, "closed form; the return to the surface is exact"),
+        "strength_after": Quantity(Kind.STRENGTH, 0.01, 0.02, "closed form; t_f is known to a time step"),
+        "elastic_after": Quantity(
+            Kind.STRENGTH,
+            0.01,
+            0.02,
+            "closed form of the paper's solid state, elastic after failure: τ = τ_s + G times the strain since t_f",
+        ),
+        "spin_deviator": Quantity(Kind.STRESS, 1.0e-6, 1.0e-6, "closed form; deviator after 0.6 rad over the shear modulus"),
+        "spin_pressure": Quantity(Kind.STRESS, 1.0e-3, 1.0e-3, "closed form; change of pressure after 0.6 rad over the bulk modulus"),
+    },
+)
+V14 = Case(
+    title="Mohr-Coulomb return",
+    scene="config/scenes/paper.yaml",
+    by=COMPUTATION,
+    source="definition of the surface",
+    ours="random stresses and soil",
+    measure=measure_return,
+    draw=draw_return,
+    quantities={
+        "overshoot": Quantity(Kind.STRESS, 1.0e-10, 1.0e-10, "rounding; over the strength"),
+        "turn": Quantity(Kind.STRESS, 1.0e-10, 1.0e-10, "rounding; radians"),
+        "apex": Quantity(Kind.STRESS, 1.0e-10, 1.0e-10, "rounding; over the apex' tension"),
+    },
+)

@@ -1,4 +1,4 @@
-"""The verification book: what is missed, then a page per reference case, as Markdown and PDF, from the results of the suite."""
+"""The verification book: what is missed, then a page per reference case, as Markdown and PDF."""
 
 from __future__ import annotations
 
@@ -18,12 +18,13 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from matplotlib.transforms import Bbox
 
-from sph.experiments.validation.cases import CASES
+from cases.case import COMPUTATION, Case
 from sph.figures.profile import draw_circles, survey_axes
 from sph.figures.style import DPI, STYLE
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL, place_particles
 from sph.storage.files import whole
+from sph.study.runs import SIMULATION
 from sph.study.verdicts import MISSES
 
 PAGE = (210 / 25.4, 297 / 25.4)
@@ -66,8 +67,7 @@ class Page(NamedTuple):
     """What the book says of a case."""
 
     name: str
-    case: Mapping[str, Any]
-    """the configuration of the case, as ``Suite.plan`` gives it"""
+    case: Case
     rows: pd.DataFrame
     """its rows of the suite's table"""
     costs: Sequence[Cost]
@@ -143,13 +143,13 @@ def _cells(row: Mapping[Any, Any]) -> tuple[str, ...]:
 def _said(page: Page) -> list[str]:
     """Problem, source, resolutions, cost and verdict of a case, in sentences."""
     missed = int((page.rows["verdict"] == MISSES).sum())
-    found = {"simulation": "runs of the scene", "computation": "functions of the solver alone"}
-    by = found.get(page.case["by"], f"a search for the {page.case['by'].replace('_', ' ')}")
+    found = {SIMULATION: "runs of the scene", COMPUTATION: "functions of the solver alone"}
+    by = found.get(page.case.by, f"a search for the {page.case.by.replace('_', ' ')}")
     took = "; ".join(f"{cost.level}: " + f"{cost.steps} steps, " * (cost.steps > 0) + f"{cost.seconds:.3g} s" for cost in page.costs)
-    caption = " ".join((inspect.getdoc(CASES[page.name][1]) or "").split())
+    caption = " ".join((inspect.getdoc(page.case.draw) or "").split())
     return [
-        f"{REFERENCES[page.case['reference']]}: {page.case['source']}.",
-        f"Ours: {page.case['ours']}.",
+        f"{REFERENCES[page.case.reference]}: {page.case.source}.",
+        f"Ours: {page.case.ours}.",
         f"Result by {by}. Resolutions: {page.rows['levels'].iloc[0]}.",
         f"Made by {page.code}." if page.code is not None else "Computed by functions alone when the book was made.",
         f"Cost on one core: {took or 'under a second'}.",
@@ -166,7 +166,7 @@ def markdown_book(pages: Sequence[Page]) -> str:
         lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |" for cells in missed]
         lines.append("")
     for page in pages:
-        lines += [f"## {page.name}: {page.case['title']}", "", *(f"* {said}" for said in _said(page)), ""]
+        lines += [f"## {page.name}: {page.case.title}", "", *(f"* {said}" for said in _said(page)), ""]
         lines += [f"![{page.name}](figures/{page.name}.png)", "", f"| {' | '.join(HEAD)} | why this tolerance |", "|" + " --- |" * 7]
         for row in page.rows.to_dict("records"):
             cells = [*_cells(row), row["reason"]]
@@ -200,7 +200,7 @@ def draw_opening(pages: Sequence[Page]) -> Figure:
 def draw_page(page: Page, picture: Path | str) -> Figure:
     """A page of the book: words, the scene before its first step, the picture of the case, the table."""
     figure = Figure(figsize=PAGE)
-    figure.text(0.08, 0.95, f"{page.name}  {page.case['title']}", fontsize=13, weight="bold")
+    figure.text(0.08, 0.95, f"{page.name}  {page.case.title}", fontsize=13, weight="bold")
     words = "\n".join(textwrap.fill(said, 118) for said in _said(page))
     figure.text(0.08, 0.937, words, fontsize=7.5, va="top", linespacing=1.35)
     top = 0.925 - 0.0125 * (words.count("\n") + 1)

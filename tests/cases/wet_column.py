@@ -7,8 +7,8 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 
-from sph.experiments.validation.columns import row_means
-from sph.experiments.validation.level import Found, Level, Result
+from cases.case import Case, Found, Kind, Level, Quantity, Result, at_spacings
+from cases.columns import SOFT_COLUMN, row_means
 from sph.figures.style import WIDTH, curve_colours, styled
 from sph.scene.gravity import GRAVITY
 
@@ -65,3 +65,34 @@ def draw_wet_columns(levels: Mapping[str, Level]) -> Figure:
     ax.set(xlabel="vertical effective stress, compression (kPa)", ylabel="height (m)", xlim=(0.0, None))
     ax.legend()
     return figure
+
+
+COLUMN = Quantity(Kind.STRESS, 0.02, 0.05, "closed form; mean over the inner half of the column, as V1")
+V20 = Case(
+    title="Column with water",
+    scene="config/scenes/validation/v20_wet_column.yaml",
+    source="equilibrium; effective stress σ'_yy = ρ g z - u (Terzaghi 1943)",
+    ours="column, soil and levels of the water",
+    measure=measure_wet_columns,
+    draw=draw_wet_columns,
+    runs={
+        "surface": {},
+        "flooded": {"water": {"level": 25.0}},
+        "half": {"water": {"level": 10.0}},
+        "carried": {"water": {"pressure": "carried"}},
+        "ratio": {"water": {"level": None, "r_u": 0.4}},
+        "neutral": {"soil": {"density": 1000.0}},
+        "soft": SOFT_COLUMN,
+    },
+    levels=at_spacings({"2 m": 2.0, "1 m": 1.0, "0.5 m": 0.5}),
+    quantities={
+        **dict.fromkeys(("surface", "half", "carried", "ratio"), COLUMN),
+        "soft": Quantity(
+            Kind.STRESS, 0.03, 0.06, "as the stiff column, and 1 % for the settlement, by which the surface sinks below the water"
+        ),
+        "flooded": Quantity(
+            Kind.STRESS, 1.0e-6, 1.0e-6, "standing water changes no effective stress; rounding and the stored single precision"
+        ),
+        "neutral": Quantity(Kind.STRESS, 1.0e-3, 1.0e-3, "soil as heavy as water floats in it: no effective stress, over ρ g H"),
+    },
+)

@@ -1,0 +1,100 @@
+# Purpose: the reference cases (tests/cases): problems with a known answer, each result beside the value that it has to meet.
+# Inputs:  tests/cases: the scenes of every case at every resolution; the solver's sources, by their contents.
+# Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/<case>.csv, figures/<case>, validation.csv, book.md, book.pdf
+if (SPH.parent / "tests" / "cases").is_dir():
+    sys.path.append(str(SPH.parent / "tests"))
+    from cases import CASES, suite
+else:
+    CASES = {}  # the library is installed without its tests
+
+
+@functools.cache
+def runs_of_case(case):
+    """The runs of a reference case, by file."""
+    return {run.file: run for run in suite.runs_of(case).values()}
+
+
+def case_run(wildcards):
+    """The run of a file, or a refusal."""
+    file = "results/validation/runs/{case}/{variant}/{level}.nc".format(**wildcards)
+    if wildcards.case not in CASES or file not in runs_of_case(wildcards.case):
+        raise ValueError(f"{file}: no reference case has such a run")
+    return runs_of_case(wildcards.case)[file]
+
+
+def whole_suite(wildcards):
+    """Tables and pictures of all cases, and their runs; a refusal where there are none."""
+    if not CASES:
+        raise ValueError(
+            f"validation: the reference cases are no part of the installed package ({SPH}); run it in a clone of the repository with the "
+            "package installed from there (pip install -e .)"
+        )
+    return {
+        "tables": expand("results/validation/cases/{case}.csv", case=CASES),
+        "pictures": expand("results/validation/figures/{case}.png", case=CASES),
+        "runs": [file for case in CASES for file in runs_of_case(case)],
+    }
+
+
+wildcard_constraints:
+    case="V[0-9]+",
+    variant="[^/]+",
+    level="[^/]+",
+
+
+rule validation_run:
+    """Simulate a run of a reference case, or search the limit of its slope."""
+    output:
+        "results/validation/runs/{case}/{variant}/{level}.nc",
+    log:
+        "results/validation/logs/{case}/{variant}/{level}.log",
+    benchmark:
+        "results/validation/benchmarks/{case}/{variant}/{level}.tsv"
+    resources:
+        **asked(
+            lambda wildcards: case_run(wildcards).scene,
+            lambda wildcards: case_run(wildcards).needs,
+        ),
+    params:
+        **told(lambda wildcards: asked_of(case_run(wildcards))),
+        sources=lambda wildcards: (
+            SOLVER if case_run(wildcards).by == SIMULATION else SEARCHING
+        ),
+    script:
+        "../scripts/simulate.py"
+
+
+rule validation_case:
+    """Compare a reference case with its known answer at every resolution, and draw it."""
+    input:
+        runs=lambda wildcards: list(runs_of_case(wildcards.case)),
+    output:
+        shown("results/validation/cases/{case}.csv", "Validation", ""),
+        shown("results/validation/figures/{case}.png", "Validation", "case {case}"),
+        "results/validation/figures/{case}.pdf",
+    log:
+        "results/validation/logs/{case}.log",
+    params:
+        tests=str(SPH.parent / "tests"),
+        sources=DRAWING + SEARCHING + (sources("../tests/cases/*.py") if CASES else ""),
+        about="A reference case: what is computed at every resolution beside the value that it has to meet.",
+    script:
+        "../scripts/validation/measure_case.py"
+
+
+rule validation:
+    """Put all reference cases into one table and the verification book."""
+    input:
+        unpack(whole_suite),
+    output:
+        shown("results/validation/validation.csv", "Validation", "all cases"),
+        "results/validation/book.md",
+        "results/validation/book.pdf",
+    log:
+        "results/validation/logs/validation.log",
+    params:
+        tests=str(SPH.parent / "tests"),
+        sources=DRAWING + (contents("../tests/cases/*.py") if CASES else ""),
+        about="Reference cases: every quantity beside the value that it has to meet, with its error, tolerance, order of convergence and verdict.",
+    script:
+        "../scripts/validation/write_book.py"
