@@ -26,10 +26,6 @@ from cases.suite import SHIPPED_VALIDATION, VALIDATION, read_validation
 from sph.checks.finding import CODES
 from sph.command.new import ROWS
 from sph.command.schema import MODELS, schema_file, schema_text
-from sph.experiments.extremes.design import REFUSED, TIME_STEP
-from sph.experiments.extremes.measure import read_extremes
-from sph.experiments.limits.measure import QUANTITIES as LIMIT_QUANTITIES
-from sph.experiments.limits.measure import read_limits
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.sensitivity.back_analysis import BACK_ANALYSIS, MEASURED, PREDICTED
@@ -37,12 +33,6 @@ from sph.experiments.sensitivity.design import SAMPLE
 from sph.experiments.sensitivity.elementary_effects import MORRIS
 from sph.experiments.sensitivity.surrogate import CROSS_VALIDATION, SOBOL
 from sph.experiments.sensitivity.tables import CONFIRMED, TORNADO
-from sph.experiments.spacing.measure import spacing_columns
-from sph.experiments.trade import advice
-from sph.experiments.trade.advice import percent
-from sph.experiments.trade.convergence import CONVERGENCE
-from sph.experiments.trade.design import FIDELITY
-from sph.experiments.trade.table import QUANTITIES, Summary, summary
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import confirm_columns, critical_columns
 from sph.experiments.trigger.design import Searched
@@ -51,6 +41,16 @@ from sph.experiments.trigger.exceedance import exceedance_columns, width_columns
 from sph.experiments.trigger.fragility import curve_columns, fit_columns
 from sph.experiments.trigger.maps import cell_columns, share_columns
 from sph.experiments.trigger.points import point_columns
+from sph.experiments.variants import advice
+from sph.experiments.variants.advice import percent
+from sph.experiments.variants.assumptions import QUANTITIES as CHANGED
+from sph.experiments.variants.assumptions import read_assumptions
+from sph.experiments.variants.convergence import CONVERGENCE
+from sph.experiments.variants.figures_robustness import REFUSED
+from sph.experiments.variants.robustness import read_robustness
+from sph.experiments.variants.schema import FIDELITY, TIME_STEP, Variants
+from sph.experiments.variants.second_spacing import spacing_columns
+from sph.experiments.variants.table import QUANTITIES, Summary, summary
 from sph.measures.places import place_columns
 from sph.scene.configuration import flat, validated
 from sph.scene.schema import Scene, load_scene
@@ -194,13 +194,13 @@ def change_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
         for case in cases:
             row = by_case.loc[case]
             reference = change == table["change"].iloc[0]
-            for name in LIMIT_QUANTITIES:
+            for name in CHANGED:
                 value = f"{row[name]:.3g} m"
                 cells.append(value if reference else f"{value} ({100 * row[f'{name}_change']:+z.0f} %)")
         yield str(change), *cells
 
 
-def _limits_table(table: pd.DataFrame) -> Reference:
+def _assumptions_table(table: pd.DataFrame) -> Reference:
     cases = dict.fromkeys(table["case"])
     return Reference(("change", *(f"{case}, {what}" for case in cases for what in ("A", "run-out"))), list(change_lines(table)))
 
@@ -229,7 +229,7 @@ def too_long(steps: pd.DataFrame) -> pd.Series:
 
 def outcome_lines(table: pd.DataFrame) -> Iterator[tuple[str, ...]]:
     """Rows (section of the configuration, settings, sound, diverged, falsely fallen, refused) of the robustness study."""
-    for section, rows in (("sweeps", table[table["sweep"] != TIME_STEP]), ("time_steps", table[table["sweep"] == TIME_STEP])):
+    for section, rows in (("parameters", table[table["sweep"] != TIME_STEP]), ("time_steps", table[table["sweep"] == TIME_STEP])):
         diverged, refused = ((rows["status"] == status).sum() for status in (Status.DIVERGED, REFUSED))
         fallen = too_long(rows).sum() - diverged if section == "time_steps" else 0
         yield section, *(str(count) for count in (len(rows), len(rows) - diverged - fallen - refused, diverged, fallen, refused))
@@ -476,7 +476,9 @@ VARIABLE_HEAD = ("variable", "dimensions", "type", "unit", "meaning")
 
 
 def _keys(model: type[BaseModel]) -> Reference:
-    return Reference(KEY_HEAD, list(key_rows(model)))
+    """The keys of a configuration, without those of all variants, which have a table of their own."""
+    shared = {*key_rows(Variants)} if model is not Variants and issubclass(model, Variants) else set()
+    return Reference(KEY_HEAD, [row for row in key_rows(model) if row not in shared])
 
 
 def _variables(columns: Iterable[Variable]) -> Reference:
@@ -518,6 +520,7 @@ _KINDS = {each.keys: each for each in reversed(EXPERIMENTS.values()) if each.key
 TABLES: dict[str, Callable[[], Reference]] = {
     "scene": lambda: _keys(Scene),
     "study": lambda: _keys(AnyStudy),
+    "variants_keys": lambda: _keys(Variants),
     **{f"{each.name}_keys": functools.partial(_keys, keys) for keys, each in _KINDS.items()},
     **{f"{each.name}_variables": functools.partial(_variables, each.measuring.TRACE.columns) for each in _KINDS.values() if each.traced},
     "failure_rule": lambda: _keys(FailureRule),
@@ -546,10 +549,10 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "validation": lambda: Reference(
         CASE_HEAD, list(case_lines(read_validation(SHIPPED_VALIDATION))), code_words(read_validation(SHIPPED_VALIDATION))
     ),
-    "limits": lambda: _limits_table(read_limits()),
-    "extremes": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_extremes()))),
-    "outcomes": lambda: Reference(OUTCOME_HEAD, list(outcome_lines(read_extremes()))),
-    "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_extremes()))),
+    "assumptions": lambda: _assumptions_table(read_assumptions()),
+    "robustness": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_robustness()))),
+    "outcomes": lambda: Reference(OUTCOME_HEAD, list(outcome_lines(read_robustness()))),
+    "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_robustness()))),
     "findings": lambda: Reference(("code", "severity", "meaning"), [(name, code.severity, code.text) for name, code in CODES.items()]),
     "preflight_variables": lambda: _variables(PREFLIGHT),
     "trajectory": lambda: _variables(VARIABLES),
@@ -571,12 +574,12 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "commands": lambda: Reference((), [], commands_text()),
     "schemes": _schemes_table,
     "fidelity_errors": lambda: measured(FIDELITY_ERROR_HEAD, fidelity_rows),
-    "trade": lambda: measured(VARIANT_HEAD, variant_lines),
+    "cost-accuracy": lambda: measured(VARIANT_HEAD, variant_lines),
     "resolved": lambda: measured(RESOLVED_HEAD, resolved_lines, "resolved"),
     "resolution": lambda: measured(VARIANT_HEAD, variant_lines, "resolved"),
 }
 """The tables by name."""
-MARKED = re.compile(r"(<!-- sph reference (\w+) -->\n).*?(<!-- end -->)", re.DOTALL)
+MARKED = re.compile(r"(<!-- sph reference ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 """A table between its marks: the mark with its name, the name, the mark behind it."""
 
 

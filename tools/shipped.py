@@ -88,10 +88,10 @@ def _cases() -> list[Any]:
 _PAPER = "snakemake --cores 2 && snakemake --cores 2 trigger"
 _PAPER_FILES = ("config/config.yaml", "config/scenes/paper.yaml")
 SHIPPED: dict[str, Shipped] = {
-    "trade": _experiment("trade", "config/scenes/paper.yaml"),
+    "cost-accuracy": _experiment("cost-accuracy", "config/scenes/paper.yaml"),
     "resolution": _experiment("resolution", "config/scenes/slope_on_rock.yaml"),
-    "limits": _experiment("limits", "config/scenes/paper.yaml"),
-    "extremes": _experiment("extremes", "config/scenes/paper.yaml"),
+    "assumptions": _experiment("assumptions", "config/scenes/paper.yaml"),
+    "robustness": _experiment("robustness", "config/scenes/paper.yaml"),
     "validation": Shipped((FOLDER,), (), _renewed("validation"), SHIPPED_VALIDATION, "cases/*.csv", _cases),
     "claims": Shipped(("results/paper",), _PAPER_FILES, f"{_PAPER} && python -m tools.release", MEASURED / "claims.csv"),
     "resolved_claims": Shipped(
@@ -285,7 +285,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         except ValueError as error:
             parser.error(str(error))
     for name, (state, why) in states().items():
-        print(f"{name:<11} {state}: {why}" + ("" if state == CURRENT else f"\n{'':<11} {SHIPPED[name].renewal}"))
+        print(f"{name:<15} {state}: {why}" + ("" if state == CURRENT else f"\n{'':<15} {SHIPPED[name].renewal}"))
 
 
 if __name__ == "__main__":

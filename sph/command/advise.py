@@ -12,10 +12,10 @@ import pandas as pd
 import yaml
 
 from sph.command.given import read_given
-from sph.experiments.trade import advice
-from sph.experiments.trade.advice import Advice, Resolution, percent
-from sph.experiments.trade.design import is_mean
-from sph.experiments.trade.table import QUANTITIES, WORDS, against, read_trade, summary
+from sph.experiments.variants import advice
+from sph.experiments.variants.advice import Advice, Resolution, percent
+from sph.experiments.variants.design import is_mean
+from sph.experiments.variants.table import QUANTITIES, WORDS, against, read_cost_accuracy, summary
 from sph.jobs.exit_codes import REFUSED
 from sph.scene.configuration import flat, merge
 from sph.scene.names import check_known
@@ -30,7 +30,7 @@ def advise(error: float, scene: Path | None, quantity: str, of: str | None, sche
     """The cheapest setting within an error, or the spacings of a scene's slope; and the exit code, whether there is one."""
     check_known("--quantity", [quantity], (*QUANTITIES, "both"))
     check_known("--scheme", [scheme], SCHEMES)
-    measured = read_trade(table) if table else advice.shipped_table(scheme)
+    measured = read_cost_accuracy(table) if table else advice.shipped_table(scheme)
     if measured is None:
         raise ValueError(advice.NOT_MEASURED_YET)
     if of is not None:
@@ -43,7 +43,7 @@ def advise(error: float, scene: Path | None, quantity: str, of: str | None, sche
         raise ValueError(f"--of {of}: has no effect with a scene, whose spacings are compared with the finest run; leave it out")
     else:
         own, _ = read_given(scene, {})
-        spacings = advice.resolutions(own, read_trade(table) if table else None)
+        spacings = advice.resolutions(own, read_cost_accuracy(table) if table else None)
         finer = {each.spacing: make_scene(merge(own.model_dump(), {"numerics": {"spacing": each.spacing}})) for each in spacings}
         said, fits = for_scene(spacings, error, wanted, {spacing: cost(built).seconds for spacing, built in finer.items()})
     return "\n".join(said), 0 if fits else REFUSED

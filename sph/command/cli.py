@@ -354,7 +354,8 @@ def yield_acceleration(
 
 
 @command(
-    "Examples:  sph advise slope.yaml --error 10%  |  sph advise --error 5% --of paper  |  sph advise --error 0.2 --table trade.csv",
+    "Examples:  sph advise slope.yaml --error 10%  |  sph advise --error 5% --of paper  |  "
+    "sph advise --error 0.2 --table cost-accuracy.csv",
     "reading the table",
 )
 def advise(
@@ -364,7 +365,8 @@ def advise(
     of: Annotated[str | None, typer.Option(help="fidelity to compare with, e.g. paper; the finest run by default")] = None,
     scheme: Annotated[str, typer.Option(help="scheme of the scenes: paper, or resolved for your own slopes")] = "paper",
     table: Annotated[
-        Path | None, typer.Option(help="table to answer from, trade.csv or resolution.csv; by default the one measured for this release")
+        Path | None,
+        typer.Option(help="table to answer from, cost-accuracy.csv or resolution.csv; by default the one measured for this release"),
     ] = None,
 ) -> Told:
     """Name the cheapest measured setting within a given error, or the most accurate one (exit code 2) if there is none.
@@ -474,7 +476,7 @@ def motion(
 @command("Examples:  sph schema scene > scene.schema.json  |  sph schema study > study.schema.json")
 def schema(
     of: Annotated[
-        str, typer.Argument(metavar="FILE", help="kind of file: scene, study, or an experiment such as trade or trigger")
+        str, typer.Argument(metavar="FILE", help="kind of file: scene, study, or an experiment such as resolution or trigger")
     ] = "scene",
 ) -> Told:
     """Print the JSON Schema of a file, with which an editor completes keys and marks mistakes (also in config/schemas)."""

@@ -13,7 +13,7 @@ from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, strengths, uncertain_rows, water_rows
 from sph.command.given import read_given
 from sph.command.terminal import aligned
-from sph.experiments.trade.advice import expected_sentence
+from sph.experiments.variants.advice import expected_sentence
 from sph.scene.schema import Scene
 from sph.solver.particles import BASE, SIDE, SOIL, TOP, locate_probes, place_particles
 from sph.solver.terms import KEYS, wanted_terms

@@ -103,7 +103,7 @@ def _role(key: tuple[str, ...]) -> Role | None:
     """What the value of a key is, by its path, if it is a text; None for a key that names no file."""
     if key[-1] == "file" or key[-1].endswith(".file"):
         return Role.CONTENT
-    if key[-1] == "scene" and (len(key) == 1 or len(key) == 3 and key[0] in ("cases", "sweeps")):
+    if key[-1] == "scene" and (len(key) == 1 or len(key) == 3 and key[0] in ("cases", "parameters")):
         return Role.SCENE
     if key[0] == "experiments" and len(key) == 2:
         return Role.CONFIGURATION

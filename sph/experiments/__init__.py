@@ -1,10 +1,8 @@
-"""Experiments: sets of runs designed to answer one question, and what they answer; each a folder by the name of its target.
+"""Experiments: sets of runs designed to answer one question, and what they answer.
 
-* ``trade``, ``resolution``: what each saving of computing time costs in accuracy
+* ``variants``: a scene with keys changed, for ``snakemake cost-accuracy``, ``resolution``, ``assumptions``, ``robustness`` and ``spacing``
 * ``trigger``: the shaking at which a slope fails, and maps around it (``snakemake trigger``, ``fragility``, ``maps``, ``confirm``)
 * ``sensitivity``: which parameters decide the results (``snakemake sensitivity``, ``back_analysis``)
-* ``limits``: what the choices behind a scene do
-* ``extremes``: how far the solver can be pushed
 * ``paper``: the source paper's study, its claims and figures
 * ``registry``: lists them, and reads the configuration of a study
 * ``base``: what one is, keys, names of files, the check of every scene before any work

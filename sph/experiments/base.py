@@ -57,8 +57,7 @@ class Trace(NamedTuple):
 class Experiment(NamedTuple):
     """An experiment: ``EXPERIMENT`` of the module ``design`` in the folder of its name, which ``sph.experiments.registry`` lists.
 
-    The module ``measure`` beside it holds its ``STEPS``, what reads their files (``READERS``) and, where a row of its table is a run, its
-    ``TRACE``.
+    ``measuring`` holds its ``STEPS``, what reads their files (``READERS``) and, where a row of its table is a run, its ``TRACE``.
     """
 
     name: str
@@ -81,6 +80,8 @@ class Experiment(NamedTuple):
     """other experiments on whose modules it depends"""
     study: type[Study] | None = None
     """a study with the keys that it adds to those of any"""
+    module: str = ""
+    """what measures and draws, below this package; none: ``measure`` in the folder of its name"""
 
     @property
     def alone(self) -> bool:
@@ -94,8 +95,13 @@ class Experiment(NamedTuple):
 
     @property
     def measuring(self) -> Any:
-        """Its module ``measure``, which loads what measures and draws."""
-        return import_module(f"{__package__}.{self.name}.measure")
+        """What measures and draws."""
+        return import_module(f"{__package__}.{self.module or f'{self.name}.measure'}")
+
+    @property
+    def sources(self) -> list[str]:
+        """Patterns of the files on which it depends, beside the sources of all."""
+        return [f"experiments/{name}/*.py" for name in ((self.module or self.name).partition(".")[0], *self.uses)]
 
     @property
     def traced(self) -> bool:

@@ -1,4 +1,4 @@
-"""The experiments: each is a folder here and a line of ``NAMES``."""
+"""The experiments: each is a folder here and a line of ``NAMES``, or a configuration of a scene in variants."""
 
 from __future__ import annotations
 
@@ -8,22 +8,20 @@ from pathlib import Path
 from typing import Any
 
 from sph.experiments.base import Experiment
+from sph.experiments.variants.design import EXPERIMENTS as VARIANTS
 from sph.study.plan import Plan
 from sph.study.plan import load_study as load
 from sph.study.schema import Study
 
 NAMES = (
-    "trade",
-    "resolution",
-    "limits",
-    "extremes",
     "sensitivity",
     "trigger",
-    "spacing",
     "paper",
 )
-"""Of their folders."""
-EXPERIMENTS: dict[str, Experiment] = {name: import_module(f"{__package__}.{name}.design").EXPERIMENT for name in NAMES}
+"""Of the folders of one experiment each; that of variants holds several."""
+EXPERIMENTS: dict[str, Experiment] = {
+    each.name: each for each in (*VARIANTS, *(import_module(f"{__package__}.{name}.design").EXPERIMENT for name in NAMES))
+}
 """By name; the workflow makes what is listed here (``workflow/rules/experiments.smk``)."""
 CONFIGURED = [name for name, each in EXPERIMENTS.items() if each.keys]
 """Those with a file of their own, which a study may name."""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from sph.checks.after_run import after_run
-from sph.experiments.trade.advice import expected_metrics
-from sph.experiments.trade.design import scheme, settings_text
-from sph.experiments.trade.likeness import unlike
+from sph.experiments.variants.advice import expected_metrics
+from sph.experiments.variants.design import scheme, settings_text
+from sph.experiments.variants.likeness import unlike
 from sph.measures.metrics import MetricSettings, Value, measure
 from sph.output.run import Run
 from sph.scene.strict_json import parse_json

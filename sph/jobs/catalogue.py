@@ -16,6 +16,7 @@ from sph.experiments.sensitivity.design import BACK_FILE, FACTORS_FILE, Sensitiv
 from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY
 from sph.experiments.trigger.design import FOLDER as TRIGGER
 from sph.experiments.trigger.design import TriggerPlan
+from sph.experiments.variants.design import EARLIER
 from sph.scene.names import check_known
 from sph.scene.strict_json import to_json
 from sph.storage.files import whole
@@ -32,6 +33,10 @@ class Catalogue:
     """The runs of a study's configuration and of those that it names, each read when it is asked for."""
 
     def __init__(self, plan: Plan, folders: Sequence[Path], base: Path = Path(), check: bool = True) -> None:
+        for name in EARLIER.keys() & plan.study.experiments.keys():
+            raise ValueError(
+                f"config: experiments.{name}: is called {EARLIER[name]} now, and its file has the keys of config/{EARLIER[name]}.yaml"
+            )
         check_known("config: experiments", plan.study.experiments, CONFIGURED)
         self.plan, self.base, self._folders, self._check = plan, base, folders, check
         self._known: dict[str, tuple[tuple[tuple[Path, int], ...], dict[str, Run]]] = {}

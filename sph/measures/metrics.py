@@ -60,7 +60,7 @@ OUTLINE_GRID = 4
 
 ENERGY_LIMIT = 0.01
 """Above this ``energy_error`` the budget is open and a run's numbers are not to be trusted: the largest of the shipped tables
-``trade.csv`` and ``resolution.csv`` is 6e-4, and soil that settled 64 % too much had 0.04."""
+``cost-accuracy.csv`` and ``resolution.csv`` is 6e-4, and soil that settled 64 % too much had 0.04."""
 
 
 class MetricSettings(Section):

@@ -12,12 +12,12 @@ import pandas as pd
 from sph.checks.after_run import is_bounded, is_open
 from sph.checks.equilibrium import RESIDUAL, spencers, weakest_words
 from sph.checks.finding import Finding, Severity
-from sph.experiments.spacing.measure import CONVERGED, NOT_CONVERGED, read_spacing
-from sph.experiments.trade.advice import expected_sentence
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
 from sph.experiments.trigger.exceedance import SHARES, width_within
+from sph.experiments.variants.advice import expected_sentence
+from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, read_spacing
 from sph.measures.metrics import CLASSES, ENERGY_LIMIT, STABLE
 from sph.measures.places import ARRIVAL, DEPTH, PASSED, column_of, places_in
 from sph.measures.sides import BACK

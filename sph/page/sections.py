@@ -11,8 +11,8 @@ from itertools import chain
 from pathlib import Path, PurePath
 from typing import Any, NamedTuple, TypeVar
 
-from sph.experiments.spacing.measure import spacing_columns
 from sph.experiments.trigger.figures import MAPPED
+from sph.experiments.variants.second_spacing import spacing_columns
 from sph.figures import RUN_FIGURES, STUDY_FIGURES
 from sph.figures import caption as caption_of
 from sph.page.answer import ANNUAL, CRITICAL, FINDINGS, SPACINGS

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 
 from sph.checks.after_run import is_bounded, is_open
-from sph.experiments.trade.advice import percent
+from sph.experiments.variants.advice import percent
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil

@@ -1,10 +1,10 @@
 """What a scene needs: computing time, memory and disk space, predicted before it is run.
 
 Computing time is a sum of four parts, each with a constant of the reference machine (one core of the machine that measured
-the cost-accuracy study, two runs side by side).  The constants were fitted to the 78 timed variants of ``measured/trade.csv``: half of
-them are met within 4 %, eight in ten between -7 % and +9 %; the worst are 0.77 and 1.19 times the measured time.  Steps that an adaptive
-step adds are counted in whole parts of the scene's step: with h of 2.3 spacings on ten and fifteen rows
-of particles that was 40 and 27 % too many.
+the cost-accuracy study, two runs side by side).  The constants were fitted to the 78 timed variants of
+``measured/cost-accuracy.csv``: half of them are met within 4 %, eight in ten between -7 % and +9 %; the worst are 0.77 and 1.19 times the
+measured time.  Steps that an adaptive step adds are counted in whole parts of the scene's step: with h of 2.3 spacings on ten and fifteen
+rows of particles that was 40 and 27 % too many.
 
 * a directed neighbour and a particle in a time step;
 * the renewal of a directed neighbour's gradient, whenever the fastest debris has moved by ``numerics.gradient_tolerance``; it is taken

@@ -54,7 +54,7 @@ EXPECTED: tuple[Variable, ...] = tuple(
     )
     for name, what in (("displacement", "displacement_magnitude"), ("runout", "runout"))
 )
-"""The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.trade.advice``."""
+"""The errors to expect of a run, by the cost-accuracy study; see ``sph.experiments.variants.advice``."""
 MOST_SLOPES = 10
 """Most slopes of a study, or of a case of a search, whose yield accelerations are searched."""
 BASELINE: tuple[Variable, ...] = (

@@ -20,7 +20,7 @@ from typing import Any
 from measuring import command_line, hand_out, scene_of
 
 import sph
-from sph.experiments.trade.advice import shipped_table
+from sph.experiments.variants.advice import shipped_table
 from sph.measures.metrics import MetricSettings, measure
 from sph.solver.run import Run
 

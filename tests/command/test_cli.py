@@ -127,7 +127,7 @@ def test_a_trajectory_is_a_scene(scene_file: Path, tmp_path: Path, monkeypatch: 
 
 
 def test_a_run_beyond_its_time_step_is_repeated_but_not_changed(scene_file: Path, tmp_path: Path) -> None:
-    """A sweep of the extremes makes such runs, which the command would refuse to begin."""
+    """A study of robustness makes such runs, which the command would refuse to begin."""
     scene = load_scene(scene_file, {"numerics": {"time_step": 0.05}, "outputs": {"series_interval": 0.25}, "motion": {"kind": "none"}})
     run_to_file(scene, tmp_path / "fast.nc", enforce_limit=False)
     result = call("run", tmp_path / "fast.nc", "--out", tmp_path / "again.nc")

@@ -127,7 +127,7 @@ def test_the_plan_is_written_beside_the_results(study: Path) -> None:
     catalogue = find_study(study, None)
     wants(study, "trigger-0", "slip: sides,0.10,100,8")
     catalogue.row("results/paper/draft/stages/gravity.nc")
-    catalogue.row("results/limits/runs/as-it-is/S_R-0.10.nc")
+    catalogue.row("results/assumptions/runs/assumption/as-it-is/S_R-0.10_1.nc")
     catalogue.row("results/paper/draft/trigger/slip-sides/stages/gravity.nc")
     catalogue.write()
     told = json.loads((study / "plan.json").read_text(encoding="utf-8"))
@@ -138,6 +138,6 @@ def test_the_plan_is_written_beside_the_results(study: Path) -> None:
         assert make_scene(laid_over(told["scenes"][run["scene"]], run["point"])) == make_scene(planned.scene)
         assert [run[name] for name in ("id", "parent", "until", "by")] == [planned.id, planned.parent, planned.until, planned.by]
         assert run["parent"] is None or run["parent"] in runs
-    alone = json.loads((catalogue.base / "results" / "limits" / "plan.json").read_text(encoding="utf-8"))
-    assert {run["target"] for run in alone["runs"]} == {"limits"} and len(alone["runs"]) > 50
-    assert not (catalogue.base / "results" / "trade").exists(), "what nobody asked for is not read"
+    alone = json.loads((catalogue.base / "results" / "assumptions" / "plan.json").read_text(encoding="utf-8"))
+    assert {run["target"] for run in alone["runs"]} == {"assumptions"} and len(alone["runs"]) > 50
+    assert not (catalogue.base / "results" / "cost-accuracy").exists(), "what nobody asked for is not read"

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from sph.experiments.trade.convergence import CONVERGENCE, SAFETY, convergence_table, observed_convergence
+from sph.experiments.variants.convergence import CONVERGENCE, SAFETY, convergence_table, observed_convergence
 
 
 def manufactured(spacings: list[float], order: float, limit: float = 10.0, factor: float = 0.7) -> list[float]:

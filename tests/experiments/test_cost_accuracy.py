@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 import shlex
 from collections.abc import Mapping
@@ -16,17 +17,18 @@ from calling import call
 from matplotlib.figure import Figure
 from small_scenes import study_plan
 from synthetic import PAPER, synthetic, translation
-from synthetic_trade import FIDELITIES, SCENE, TRADE, runs_of, trade_frame, trade_runs
+from synthetic_cost_accuracy import CONFIG, FIDELITIES, SCENE, made_frame, made_runs, runs_of
 
 from sph.command.advise import options
 from sph.command.options import parse_settings
-from sph.experiments.trade import advice
-from sph.experiments.trade.advice import advise, expected_error, expected_sentence, resolutions, shipped_table
-from sph.experiments.trade.convergence import convergence_table
-from sph.experiments.trade.design import VariantRow, is_mean, load_trade, scheme
-from sph.experiments.trade.figures import figure_convergence, figure_tradeoff
-from sph.experiments.trade.table import COLUMNS, against, measured_run, non_dominated, read_trade, summary, trade_table
-from sph.experiments.trade.table import TRADE as VARIABLES
+from sph.experiments.variants import advice
+from sph.experiments.variants.advice import advise, expected_error, expected_sentence, resolutions, shipped_table
+from sph.experiments.variants.convergence import convergence_table
+from sph.experiments.variants.design import Row, is_mean, load_variants, scheme
+from sph.experiments.variants.figures import figure_convergence, figure_tradeoff
+from sph.experiments.variants.schema import CostAccuracy
+from sph.experiments.variants.table import COLUMNS, against, cost_accuracy_table, measured_run, non_dominated, read_cost_accuracy, summary
+from sph.experiments.variants.table import COST_ACCURACY as VARIABLES
 from sph.measures.metrics import MetricSettings
 from sph.scene.configuration import dotted, merge, read_scene
 from sph.scene.schema import Scene, load_scene, make_scene
@@ -35,13 +37,14 @@ from sph.study.tables import flat_dataset, write_csv
 from tools.reference import TABLES, markdown
 
 ROOT = Path(__file__).resolve().parents[2]
+load = functools.partial(load_variants, "cost-accuracy", CostAccuracy)
 
 
 @pytest.fixture
 def shipped(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The hand-made study in the place of the one measured for the release."""
-    path = tmp_path / "measured" / "trade.csv"
-    write_csv(trade_frame(), path)
+    path = tmp_path / "measured" / "cost-accuracy.csv"
+    write_csv(made_frame(), path)
     monkeypatch.setattr(advice, "SHIPPED", path)
     return path
 
@@ -78,9 +81,9 @@ class TestResolution:
     """The study of the scheme for one's own slopes."""
 
     def test_it_is_valid_and_its_slope_has_the_height_that_errors_are_looked_up_by(self) -> None:
-        shipped = load_trade("config/resolution.yaml", study_plan({"paper": {}}), [ROOT])
+        shipped = load("config/resolution.yaml", study_plan({"paper": {}}), [ROOT])
         assert {row.variant for row in shipped.rows if row.parameter == "fidelity"} == {"draft", "standard", "fine"}
-        assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
+        assert {row.case for row in shipped.rows if row.reference} == set(shipped.variants.cases)
         geometry = load_scene(SLOPE_ON_ROCK).geometry
         assert geometry.slope_height == advice.HEIGHT  # type: ignore[union-attr]
 
@@ -165,9 +168,9 @@ class TestAdviceForAScene:
 class TestConfiguration:
     def test_the_shipped_study_is_valid_and_covers_the_fidelities(self) -> None:
         config = yaml.safe_load((ROOT / "config" / "config.yaml").read_text(encoding="utf-8"))
-        shipped = load_trade("config/trade.yaml", study_plan(config["fidelities"]), [ROOT])
+        shipped = load("config/cost-accuracy.yaml", study_plan(config["fidelities"]), [ROOT])
         assert {row.variant for row in shipped.rows if row.parameter == "fidelity"} == {"draft", "standard", "paper", "fine"}
-        assert {row.case for row in shipped.rows if row.reference} == set(shipped.trade.cases)
+        assert {row.case for row in shipped.rows if row.reference} == set(shipped.variants.cases)
         assert all(row.runs and set(row.runs) <= set(shipped.runs) for row in shipped.rows)
         contents = [
             make_scene(made.scene).model_dump_json(exclude={"name", "title"}) for name, made in shipped.runs.items() if name.endswith("_1")
@@ -175,11 +178,11 @@ class TestConfiguration:
         assert len(set(contents)) == len(contents), "equal scenes are run once"
 
     def test_the_settings_of_every_shipped_variant_survive_the_command_line(self) -> None:
-        for row in load_trade("config/trade.yaml", study_plan(), [ROOT]).rows:
+        for row in load("config/cost-accuracy.yaml", study_plan(), [ROOT]).rows:
             assert parse_settings([word for word in shlex.split(options(row.settings)) if word != "--set"]) == row.settings
 
     def test_equal_scenes_share_their_runs_and_take_the_most_repeats(self) -> None:
-        rows = {(row.parameter, row.variant, row.case): row.runs for row in trade_runs().rows}
+        rows = {(row.parameter, row.variant, row.case): row.runs for row in made_runs().rows}
         assert rows["skin", "0.3", "weak"] == rows["spacing", "3 m", "weak"] == tuple(f"spacing/3-m/weak_{n}" for n in (1, 2, 3))
         assert rows["fidelity", "draft", "weak"] == rows["spacing", "5 m", "weak"]
         assert rows["skin", "0.6", "weak"] == ("skin/0.6/weak_1",)
@@ -187,7 +190,7 @@ class TestConfiguration:
         assert rows["spacing", "1.5 m", "weak"] == ("spacing/1.5-m/weak_1",) and ("spacing", "1.5 m", "strong") not in rows
 
     def test_a_variant_lies_over_its_parameter_and_a_case_over_both(self) -> None:
-        made = trade_runs({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"].scene
+        made = made_runs({"overrides": {"duration": 12.0}}).runs["skin/0.6/strong_1"].scene
         assert made["numerics"] == {"spacing": 3.0, "time_step": 1e-3, "smoothing_ratio": 1.3, "neighbour_skin": 0.6}
         assert made["coupling"] == {"S_R": 0.5} and made["duration"] == 12.0
 
@@ -196,7 +199,7 @@ class TestConfiguration:
         [
             (
                 {"parameters": {"spacing": {"variants": {"x": {"numerics": {"spacng": 1}}}}}},
-                ("parameter spacing, variant 'x', case 'weak'", "numerics.spacng", "no such"),
+                ("parameter 'spacing', variant 'x', case 'weak'", "numerics.spacng", "no such"),
             ),
             (
                 {"parameters": {"spacing": {"variants": {"x": {"numerics": {"time_step": 0.01}}}}}},
@@ -207,7 +210,7 @@ class TestConfiguration:
             ({"parameters": {"spacing": {"exceptions": {"7 m": {}}}}}, ("parameters.spacing", "'7 m'", "5 m, 3 m")),
             ({"parameters": {"skin": {"cases": ["medium"]}}}, ("parameters.skin", "'medium'", "weak, strong")),
             ({"parameters": {"skin": {"cases": ["strong"]}}}, ("parameters.skin", "timed case 'weak'")),
-            ({"parameters": {"fidelity": TRADE["parameters"]["skin"]}}, ("'fidelity'", "another name")),
+            ({"parameters": {"fidelity": CONFIG["parameters"]["skin"]}}, ("'fidelity'", "another name")),
             ({"parameters": {"skin": {"repeats": 0}}}, ("parameters.skin.repeats", "0")),
             ({"reference": {"variant": "9 m"}}, ("reference", "'9 m'")),
             ({"reference": {"variant": "1.5 m"}}, ("reference", "'1.5 m'", "missing: strong")),
@@ -215,23 +218,23 @@ class TestConfiguration:
             ({"timed_case": "medium"}, ("timed_case", "'medium'", "weak, strong")),
             ({"convergence": "depth"}, ("convergence", "'depth'", "spacing, skin")),
             ({"cases": {"weak": {"coupling": {"S_R": 2}}}}, ("case 'weak'", "coupling.S_R", "2")),
-            ({"extra": 1}, ("trade.yaml: extra", "no such key")),
+            ({"extra": 1}, ("study.yaml: extra", "no such key")),
         ],
     )
     def test_refusals_name_file_key_and_value(self, overrides: dict[str, Any], wanted: tuple[str, ...]) -> None:
         with pytest.raises(ValueError) as error:
-            trade_runs(overrides)
-        for text in ("trade.yaml", *wanted):
+            made_runs(overrides)
+        for text in ("study.yaml", *wanted):
             assert text in str(error.value)
 
     def test_files_are_searched_for_and_named_when_absent(self, tmp_path: Path) -> None:
-        (tmp_path / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
-        with pytest.raises(ValueError, match=r"trade.yaml: scene: no file 'slope.yaml'"):
-            load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path])
+        (tmp_path / "study.yaml").write_text(yaml.safe_dump(CONFIG, sort_keys=False))
+        with pytest.raises(ValueError, match=r"study.yaml: scene: no file 'slope.yaml'"):
+            load("study.yaml", study_plan(FIDELITIES), [tmp_path])
         (tmp_path / "slope.yaml").write_text(yaml.safe_dump(SCENE, sort_keys=False))
-        assert load_trade("trade.yaml", study_plan(FIDELITIES), [tmp_path / "elsewhere", tmp_path]).rows == trade_runs().rows
+        assert load("study.yaml", study_plan(FIDELITIES), [tmp_path / "elsewhere", tmp_path]).rows == made_runs().rows
         with pytest.raises(ValueError, match="no file 'absent.yaml'"):
-            load_trade("absent.yaml", study_plan(FIDELITIES), [tmp_path])
+            load("absent.yaml", study_plan(FIDELITIES), [tmp_path])
 
 
 class TestScheme:
@@ -260,7 +263,7 @@ class TestScheme:
 
 class TestTable:
     def test_deviations_are_relative_to_reference_and_baseline_in_the_same_case(self) -> None:
-        frame = trade_frame()
+        frame = made_frame()
         assert list(frame.columns) == COLUMNS
         coarse = row_of(frame, "spacing", "5 m", "strong")
         assert coarse["displacement_deviation"] == pytest.approx(1.2 / 1.0 - 1)
@@ -271,52 +274,52 @@ class TestTable:
         assert reference["reference"] == 1 and reference["displacement_deviation"] == 0.0 and reference["class_as_reference"] == 1
 
     def test_costs_are_the_median_of_the_repeats(self) -> None:
-        row = row_of(trade_frame(), "spacing", "3 m")
+        row = row_of(made_frame(), "spacing", "3 m")
         assert (row["repeats"], row["timed"]) == (3, 1)
         assert [row[name] for name in ("wall_time", "wall_time_min", "wall_time_max")] == pytest.approx([4.4, 4.0, 4.8])
 
     def test_repeats_that_differ_are_told(self) -> None:
-        made = trade_runs()
+        made = made_runs()
         runs = runs_of(made)
         runs["fidelity/draft/weak_2"]["displacement_magnitude"] = np.nextafter(12.0, 13.0)
-        frame = trade_table(made.rows, runs, "paper", "m")
+        frame = cost_accuracy_table(made.rows, runs, "paper", "m")
         assert row_of(frame, "spacing", "5 m")["reproducible"] == 0.0
         assert row_of(frame, "spacing", "3 m")["reproducible"] == 1.0
         assert math.isnan(row_of(frame, "skin", "0.6")["reproducible"])
 
     def test_a_diverged_run_has_no_deviation_and_another_class(self) -> None:
         gone = {"status": "diverged", "collapse_class": "undetermined", "displacement_magnitude": math.nan, "runout": math.nan}
-        frame = trade_frame(**{"skin_0.6": gone})
+        frame = made_frame(**{"skin_0.6": gone})
         row = row_of(frame, "skin", "0.6")
         assert math.isnan(row["displacement_deviation"]) and row["class_as_reference"] == 0
         assert not next(variant for variant in summary(frame) if variant.name == "skin: 0.6").finished
 
     def test_nothing_moved_in_both_is_no_deviation(self) -> None:
         still = {"runout": 0.0}
-        frame = trade_frame(**{"spacing_2_m": still, "spacing_3_m": still})
+        frame = made_frame(**{"spacing_2_m": still, "spacing_3_m": still})
         assert row_of(frame, "spacing", "3 m")["runout_deviation"] == 0.0
         assert row_of(frame, "spacing", "5 m")["runout_deviation"] == math.inf
 
     def test_files_hold_what_was_written(self, tmp_path: Path) -> None:
-        frame = trade_frame()
-        write_csv(frame, tmp_path / "trade.csv")
-        pd.testing.assert_frame_equal(read_trade(tmp_path / "trade.csv"), frame, check_dtype=False)
+        frame = made_frame()
+        write_csv(frame, tmp_path / "study.csv")
+        pd.testing.assert_frame_equal(read_cost_accuracy(tmp_path / "study.csv"), frame, check_dtype=False)
         ds = flat_dataset(frame, VARIABLES, {"machine": "m"})
         assert ds.attrs["machine"] == "m" and list(ds.data_vars) == COLUMNS and ds["wall_time"].attrs["units"] == "s"
         (tmp_path / "empty.csv").write_text(",".join(COLUMNS) + "\n")
         with pytest.raises(ValueError, match=r"empty.csv.*without a row"):
-            read_trade(tmp_path / "empty.csv")
+            read_cost_accuracy(tmp_path / "empty.csv")
         (tmp_path / "other.csv").write_text("a\n1\n")
         with pytest.raises(ValueError, match="other.csv"):
-            read_trade(tmp_path / "other.csv")
+            read_cost_accuracy(tmp_path / "other.csv")
 
     def test_a_trajectory_gives_what_a_row_needs(self) -> None:
         run = synthetic(translation(-3.0))
         run.attrs["particle_steps"] = 2404 * 30
         values = measured_run(run, MetricSettings())
         assert (values["particles"], values["steps"], values["spacing"]) == (2404, 30, 1.0)
-        frame = trade_table(
-            [VariantRow("fidelity", "paper", "only", "accuracy", {}, {}, True, True, (("a", "b"),))],
+        frame = cost_accuracy_table(
+            [Row("fidelity", "paper", "only", "accuracy", {}, {}, True, True, False, "", 2, (("a", "b"),))],
             {"a": values, "b": values},
             "paper",
             "m",
@@ -327,16 +330,18 @@ class TestTable:
         """Results are averaged, times added, the worst error and the most frequent class taken; a run that another has made is shared."""
         variants = {"2 m": {"numerics": {"spacing": 2.0, "lattice_shift": [-0.25, 0.0, 0.25]}}}
         mean = {"about": "mean", "base": {"numerics": {"smoothing_ratio": 1.3}}, "repeats": 1, "variants": variants}
-        made = trade_runs({"parameters": {"mean": mean}})
+        made = made_runs({"parameters": {"mean": mean}})
         (row,) = (row for row in made.rows if (row.parameter, row.case) == ("mean", "weak"))
         assert row.lattices[1] == ("spacing/2-m/weak_1", "spacing/2-m/weak_2", "spacing/2-m/weak_3"), "without a shift it is the variant"
         assert [made.runs[name].scene["numerics"]["lattice_shift"] for name in row.runs if name.startswith("mean/")] == [-0.25, 0.25]
         assert row.scheme["numerics"]["lattice_shift"] == [-0.25, 0.0, 0.25] and is_mean(row.settings)
-        first = runs_of(trade_runs())[row.lattices[1][0]]
+        first = runs_of(made_runs())[row.lattices[1][0]]
         values = {"displacement_magnitude": (9.0, 10.0, 14.0), "runout": (12.0, 11.0, 13.0), "onset_time": (4.0, 5.0, 6.0)}
         values |= {"energy_error": (1e-3, -4e-3, 2e-3), "wall_time": (1.0, 2.0, 4.0), "collapse_class": ("collapse", "damaged", "collapse")}
         runs = {name: first | {key: each[at] for key, each in values.items()} for at, names in enumerate(row.lattices) for name in names}
-        (found,) = trade_table([row._replace(parameter="fidelity", variant="paper", reference=True)], runs, "paper", "m").to_dict("records")
+        (found,) = cost_accuracy_table([row._replace(parameter="fidelity", variant="paper", reference=True)], runs, "paper", "m").to_dict(
+            "records"
+        )
         assert (found["displacement_magnitude"], found["runout"]) == (11.0, 12.0)
         assert found["onset_after_start"] == 5.0 - first["shaking_start"]
         assert (found["energy_error"], found["wall_time"], found["collapse_class"]) == (-4e-3, 7.0, "collapse")
@@ -348,8 +353,8 @@ class TestTable:
     )
     def test_lattices_that_are_none_are_refused(self, shifts: list[Any], wanted: str) -> None:
         mean = {"about": "mean", "variants": {"2 m": {"numerics": {"spacing": 2.0, "lattice_shift": shifts}}}}
-        with pytest.raises(ValueError, match=f"trade.yaml: parameter '?mean'?, variant '2 m'.*{wanted}"):
-            trade_runs({"parameters": {"mean": mean}})
+        with pytest.raises(ValueError, match=f"study.yaml: parameter '?mean'?, variant '2 m'.*{wanted}"):
+            made_runs({"parameters": {"mean": mean}})
 
     def test_the_machine_has_a_name(self) -> None:
         assert "cores" in machine_class()
@@ -357,7 +362,7 @@ class TestTable:
 
 class TestSummary:
     def test_the_largest_deviation_over_the_cases_counts(self) -> None:
-        variants = {variant.name: variant for variant in summary(trade_frame(**{"skin_0.6": {"collapse_class": "collapse"}}))}
+        variants = {variant.name: variant for variant in summary(made_frame(**{"skin_0.6": {"collapse_class": "collapse"}}))}
         coarse = variants["spacing: 5 m"]
         assert coarse.errors == pytest.approx({"displacement": 0.2, "runout": 13 / 11 - 1}) and coarse.cost == pytest.approx(1.1)
         assert (variants["skin: 0.6"].classes_agree, variants["skin: 0.6"].cases) == (1, 2)
@@ -370,46 +375,46 @@ class TestSummary:
 
 class TestAdvice:
     def test_the_cheapest_within_the_error_is_named(self) -> None:
-        frame = trade_frame()
+        frame = made_frame()
         for error, name in ((0.25, "fidelity: draft"), (0.1, "spacing: 3 m")):
             found = advise(frame, error)
             assert found.fits and found.variant.name == name
 
     def test_one_quantity_alone_may_allow_more(self) -> None:
-        assert advise(trade_frame(), 0.19, ("runout",)).variant.cost == pytest.approx(1.1)
-        assert advise(trade_frame(), 0.19, ("displacement",)).variant.cost == pytest.approx(4.4)
+        assert advise(made_frame(), 0.19, ("runout",)).variant.cost == pytest.approx(1.1)
+        assert advise(made_frame(), 0.19, ("displacement",)).variant.cost == pytest.approx(4.4)
 
     def test_a_variant_of_another_class_is_no_answer(self) -> None:
-        changed = trade_frame(**{"fidelity_draft": {"collapse_class": "minor"}})
+        changed = made_frame(**{"fidelity_draft": {"collapse_class": "minor"}})
         assert advise(changed, 0.25).variant.name == "spacing: 3 m"
 
     def test_a_variant_that_changes_the_model_is_no_answer(self) -> None:
-        frame = trade_frame(trade_runs({"parameters": {"spacing": {"changes": "model"}}}))
+        frame = made_frame(made_runs({"parameters": {"spacing": {"changes": "model"}}}))
         found = advise(frame, 0.1)
         assert found.fits and found.variant.name == "skin: 0.3"
         assert set(frame[frame["parameter"] == "spacing"]["changes"]) == {"model"}
 
     def test_a_variant_above_its_time_step_limit_is_no_answer(self) -> None:
         exceeded = {"time_step_ratio": 1.01}
-        assert advise(trade_frame(fidelity_draft=exceeded, spacing_5_m=exceeded), 0.25).variant.name == "spacing: 3 m"
+        assert advise(made_frame(fidelity_draft=exceeded, spacing_5_m=exceeded), 0.25).variant.name == "spacing: 3 m"
 
     def test_a_fidelity_can_be_the_measure(self) -> None:
         # A moves by 15 m at paper and by 12 m at draft; the run-outs are a metre more.
-        frame = against(trade_frame(), "paper")
+        frame = against(made_frame(), "paper")
         assert advise(frame, 0.25).variant.name == "fidelity: draft"
         draft = next(variant for variant in summary(frame) if variant.name == "fidelity: draft")
         assert draft.errors["displacement"] == pytest.approx(0.2) and draft.errors["runout"] == pytest.approx(1 - 13 / 16)
         with pytest.raises(ValueError, match="fidelity: 'best' .*draft, paper"):
-            against(trade_frame(), "best")
+            against(made_frame(), "best")
 
     def test_neither_the_reference_nor_a_variant_of_some_cases_is_an_answer(self) -> None:
-        found = advise(trade_frame(), 0.001)
+        found = advise(made_frame(), 0.001)
         assert not found.fits and found.variant.name == "spacing: 3 m"
 
     @pytest.mark.parametrize(("error", "quantities"), [(-0.1, ("runout",)), (math.nan, ("runout",)), (0.1, ("speed",))])
     def test_bad_questions_are_refused(self, error: float, quantities: tuple[str, ...]) -> None:
         with pytest.raises(ValueError):
-            advise(trade_frame(), error, quantities)
+            advise(made_frame(), error, quantities)
 
     def test_the_command_prints_settings_that_give_it(self, shipped: Path) -> None:
         result = call("advise", "--error", "10%")
@@ -437,7 +442,7 @@ class TestAdvice:
 
     def test_without_a_table_the_command_says_so(self, absent: None) -> None:
         result = call("advise", "--error", "10%")
-        assert result.exit_code == 2 and "snakemake --cores 2 trade" in result.stderr
+        assert result.exit_code == 2 and "snakemake --cores 2 cost-accuracy" in result.stderr
 
 
 class TestExpectedError:
@@ -469,19 +474,19 @@ class TestExpectedError:
 
 class TestReference:
     def test_the_tables_of_the_readme_come_from_the_shipped_table(self, shipped: Path) -> None:
-        variants, fidelities = markdown(TABLES["trade"]()), markdown(TABLES["fidelity_errors"]())
+        variants, fidelities = markdown(TABLES["cost-accuracy"]()), markdown(TABLES["fidelity_errors"]())
         assert "| `spacing: 3 m` | 10.0 M | 4.4 s | 9 % | 8.2 % | 2 of 2 |" in variants and "test machine, 2 cores" in variants
         assert "| `spacing: 2 m` | 10.0 M | 22 s | reference | reference | 2 of 2 |" in variants
         assert "| `paper` | 33 s | 15 / 1.5 m | 16 / 2.5 m | 50 % | 45 % | 0 % / 0 % | 2 of 2 |" in fidelities
 
     def test_without_a_table_they_say_so(self, absent: None) -> None:
-        for name in ("trade", "fidelity_errors"):
+        for name in ("cost-accuracy", "fidelity_errors"):
             assert TABLES[name]().rows == [] and markdown(TABLES[name]()).startswith("Not measured yet")
 
 
 class TestFigures:
     def test_every_variant_but_the_reference_has_a_point_and_fidelities_their_name(self) -> None:
-        figure = figure_tradeoff(trade_frame(**{"skin_0.6": {"collapse_class": "minor"}}))
+        figure = figure_tradeoff(made_frame(**{"skin_0.6": {"collapse_class": "minor"}}))
         for ax in figure.axes:
             points = [line for line in ax.lines if line.get_marker() not in (None, "None")]
             assert len(points) == 6, "draft, paper, 5 m, 3 m and two skins; not the reference, not the variant of one case"
@@ -491,14 +496,14 @@ class TestFigures:
         assert front.get_xydata().tolist() == pytest.approx(np.array([[1.1, 0.2], [4.4, 0.09]]))
 
     def test_the_curves_of_convergence_are_those_of_the_table(self) -> None:
-        frame = trade_frame()
+        frame = made_frame()
         figure = figure_convergence(convergence_table(frame, "spacing"), frame)
         assert isinstance(figure, Figure) and len(figure.axes) == 3
         curve = figure.axes[0].lines[0]
         assert np.asarray(curve.get_xydata()).tolist() == [[1.5, 9.7], [2.0, 10.0], [3.0, 10.9], [5.0, 12.0]]
 
     def test_nothing_to_draw_is_refused(self) -> None:
-        frame = trade_frame()
+        frame = made_frame()
         with pytest.raises(ValueError, match="nothing to draw"):
             figure_tradeoff(frame[frame["reference"] == 1])
         with pytest.raises(ValueError, match="no row"):

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from sph.experiments.trade.advice import REMEDY, expected_error, expected_metrics, expected_sentence
-from sph.experiments.trade.likeness import unlike
+from sph.experiments.variants.advice import REMEDY, expected_error, expected_metrics, expected_sentence
+from sph.experiments.variants.likeness import unlike
 from sph.scene.configuration import dotted, merge, read_scene
 from sph.scene.schema import Scene, load_scene, make_scene
 

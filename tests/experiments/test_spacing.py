@@ -11,8 +11,8 @@ import pytest
 import yaml
 
 from sph.experiments.registry import load_study
-from sph.experiments.spacing.design import load_spacing
-from sph.experiments.spacing.measure import CONVERGED, NOT_CONVERGED, UNKNOWN, compared, read_spacing, spacing_columns
+from sph.experiments.variants.design import load_spacing
+from sph.experiments.variants.second_spacing import CONVERGED, NOT_CONVERGED, UNKNOWN, compared, read_spacing, spacing_columns
 from sph.jobs.catalogue import Catalogue
 from sph.measures.metrics import UNDETERMINED
 from sph.page.answer import answer_spacing, drifts

@@ -10,6 +10,7 @@ The solver runs interpreted, since compiling each combination of terms would tak
 from __future__ import annotations
 
 import argparse
+import functools
 import os
 import re
 import signal
@@ -33,14 +34,14 @@ from configurations import changed, keys, section
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from inputs import (
+    ASSUMPTIONS,
+    COST_ACCURACY,
     FREE,
-    LIMITS,
     MODELS,
     SCENES,
     SENSITIVITY,
     STUDY,
     TINY,
-    TRADE,
     TRIGGER,
     broken,
     comma_separated,
@@ -52,14 +53,14 @@ from small_scenes import study_plan
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.limits.design import Limits, load_limits
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.registry import load_study
 from sph.experiments.sensitivity.design import Sensitivity, load_sensitivity
-from sph.experiments.trade.advice import shipped_table
-from sph.experiments.trade.design import Trade, load_trade
-from sph.experiments.trade.table import summary
 from sph.experiments.trigger.design import SEARCHED, Trigger, load_trigger
+from sph.experiments.variants.advice import shipped_table
+from sph.experiments.variants.design import load_variants
+from sph.experiments.variants.schema import Assumptions, CostAccuracy, Variants
+from sph.experiments.variants.table import summary
 from sph.scene.loading import motion_of
 from sph.scene.schema import Scene, load_scene, make_scene
 from sph.solver.run import Run
@@ -183,7 +184,7 @@ def scene(data: Any, folder: Path) -> str:
     columns, rows = loaded.lattice
     if columns * rows > MANY:
         return "accepted, too large to run here"
-    with warnings.catch_warnings(), mock.patch("sph.experiments.trade.advice.summary", lambda _: RUNGS):
+    with warnings.catch_warnings(), mock.patch("sph.experiments.variants.advice.summary", lambda _: RUNGS):
         warnings.simplefilter("error")
         call("info", path)
         call("check", path)
@@ -220,21 +221,13 @@ def study(data: Any, folder: Path) -> str:
     return "accepted"
 
 
-def trade(data: Any, folder: Path) -> str:
-    """Load a cost-accuracy study; every run has a file of its own in its folder."""
-    write(folder / "trade.yaml", data)
-    for name in load_trade("trade.yaml", study_plan(STUDY["fidelities"]), [folder]).runs:
-        _stays(f"results/trade/runs/{name}.nc", "results/trade/runs")
-    return "accepted"
-
-
-def limits(data: Any, folder: Path) -> str:
-    """Load changes; every run has a file of its own in its folder."""
-    write(folder / "limits.yaml", data)
-    found = load_limits("limits.yaml", study_plan(), [folder])
-    assert len(found.runs) == len(found.rows), "two runs with one file"
-    for name in found.runs:
-        _stays(f"results/limits/runs/{name}.nc", "results/limits/runs")
+def variants(name: str, keys: type[Variants], data: Any, folder: Path) -> str:
+    """Load a scene in variants; every run has a file of its own in its folder."""
+    write(folder / f"{name}.yaml", data)
+    found = load_variants(name, keys, f"{name}.yaml", study_plan(STUDY["fidelities"]), [folder])
+    assert {*found.runs} == {run for row in found.rows for run in row.runs}, "runs of no row"
+    for run in found.runs:
+        _stays(f"results/{name}/runs/{run}.nc", f"results/{name}/runs")
     return "accepted"
 
 
@@ -316,8 +309,16 @@ EXAMPLES: dict[str, tuple[int, Callable[[Any, Path], str], st.SearchStrategy[Any
         st.one_of([changed(Scene, base, most) for base in SCENES for most in (1, 2, 4)] + [section(Scene), broken(SCENES[1])]),
     ),
     "study": (8, study, st.one_of([changed(AnyStudy, base, most) for base in (STUDY, STUDY, *FREE) for most in (1, 3)] + [broken(STUDY)])),
-    "trade": (6, trade, st.one_of(changed(Trade, TRADE, 1), changed(Trade, TRADE), broken(TRADE))),
-    "limits": (6, limits, st.one_of(changed(Limits, LIMITS, 1), changed(Limits, LIMITS), broken(LIMITS))),
+    "cost-accuracy": (
+        6,
+        functools.partial(variants, "cost-accuracy", CostAccuracy),
+        st.one_of(changed(CostAccuracy, COST_ACCURACY, 1), changed(CostAccuracy, COST_ACCURACY), broken(COST_ACCURACY)),
+    ),
+    "assumptions": (
+        6,
+        functools.partial(variants, "assumptions", Assumptions),
+        st.one_of(changed(Assumptions, ASSUMPTIONS, 1), changed(Assumptions, ASSUMPTIONS), broken(ASSUMPTIONS)),
+    ),
     "sensitivity": (
         5,
         sensitivity,

@@ -12,11 +12,10 @@ from hypothesis import strategies as st
 from record_files import afad, csmip, esm, geonet, knet, unam
 from small_scenes import TWO_BODIES
 
-from sph.experiments.limits.design import Limits
 from sph.experiments.paper.design import AnyStudy
 from sph.experiments.sensitivity.design import Sensitivity
-from sph.experiments.trade.design import Trade
 from sph.experiments.trigger.design import Trigger
+from sph.experiments.variants.schema import Assumptions, CostAccuracy
 from sph.scene.configuration import merge
 from sph.scene.schema import Scene
 from sph.stability.standing import FailureRule
@@ -107,7 +106,7 @@ FREE = [
     ANY | {"sample": {"method": "random", "size": 5, "ranges": {"S_R": [0.1, 0.5], "soil.cohesion": {"bounds": [1, 9], "scale": "log"}}}},
 ]
 """Studies over other dimensions than the paper's."""
-TRADE = {
+COST_ACCURACY = {
     "scene": "tiny.yaml",
     "cases": {"weak": {"coupling": {"S_R": 0.1}}, "strong": {"coupling": {"S_R": 0.5}}},
     "timed_case": "weak",
@@ -117,7 +116,12 @@ TRADE = {
         "spacing": {"about": "x", "variants": {"1 m": {}, "0.5 m": {"numerics": {"spacing": 0.5}}}, "exceptions": {"0.5 m": {"repeats": 1}}}
     },
 }
-LIMITS = {"scene": "tiny.yaml", "cases": {"weak": {}}, "changes": {"as it is": {}, "S_R 0.1": {"coupling": {"S_R": 0.1}}}}
+ASSUMPTIONS = {
+    "scene": "tiny.yaml",
+    "cases": {"weak": {}},
+    "reference": {"parameter": "S_R", "variant": "as it is"},
+    "parameters": {"S_R": {"variants": {"as it is": {}, "S_R 0.1": {"coupling": {"S_R": 0.1}}}}},
+}
 SENSITIVITY = {
     "factors": {
         "S_R": {"keys": {"coupling.S_R": 1.0}, "bounds": [0.1, 0.5]},
@@ -144,8 +148,8 @@ TRIGGER = {
 MODELS = {
     "scene": Scene,
     "study": AnyStudy,
-    "trade": Trade,
-    "limits": Limits,
+    "cost-accuracy": CostAccuracy,
+    "assumptions": Assumptions,
     "sensitivity": Sensitivity,
     "trigger": Trigger,
     "rule": FailureRule,

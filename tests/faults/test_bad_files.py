@@ -126,9 +126,9 @@ def test_what_cannot_be_written_is_refused_before_the_work(
 
 @pytest.mark.parametrize("content", [b"", b"name,value\n1,2\n", bytes(range(256)), b'"'])
 def test_a_table_that_is_none_is_refused(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "trade.csv"
+    path = tmp_path / "cost-accuracy.csv"
     path.write_bytes(content)
-    assert "trade.csv" in refused("advise", "--error", "0.1", "--table", path)
+    assert "cost-accuracy.csv" in refused("advise", "--error", "0.1", "--table", path)
     assert str(tmp_path) in refused("advise", "--error", "0.1", "--table", tmp_path)
 
 

@@ -12,7 +12,7 @@ import pytest
 from configurations import changed, keys, section
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
-from inputs import FREE, LIMITS, MODELS, SCENES, SENSITIVITY, STUDY, TRADE, TRIGGER
+from inputs import ASSUMPTIONS, COST_ACCURACY, FREE, MODELS, SCENES, SENSITIVITY, STUDY, TRIGGER
 from pydantic import BaseModel
 
 from sph.scene.configuration import validated
@@ -21,8 +21,8 @@ from tools.reference import key_rows
 BASES: dict[str, list[dict[str, Any]]] = {
     "scene": SCENES,
     "study": [STUDY, *FREE],
-    "trade": [TRADE],
-    "limits": [LIMITS],
+    "cost-accuracy": [COST_ACCURACY],
+    "assumptions": [ASSUMPTIONS],
     "sensitivity": [SENSITIVITY],
     "trigger": [TRIGGER],
     "rule": [{}],
@@ -60,7 +60,7 @@ def test_every_section_takes_or_refuses_anything(name: str, data: st.DataObject)
         assert validated(MODELS[name], found.model_dump(), "some.yaml") == found
 
 
-@pytest.mark.parametrize("name", ["scene", "study", "trade", "limits", "sensitivity", "trigger", "rule"])
+@pytest.mark.parametrize("name", ["scene", "study", "cost-accuracy", "assumptions", "sensitivity", "trigger", "rule"])
 def test_every_documented_key_is_fuzzed(name: str) -> None:
     model: type[BaseModel] = MODELS[name]
     documented = {re.sub(r" \(\w+\)|\[\]", "", row[0]) for row in key_rows(model)}

@@ -14,10 +14,8 @@ import yaml
 from small_scenes import study_plan
 
 from sph.experiments.base import file_name
-from sph.experiments.limits.design import load_limits
 from sph.experiments.paper.design import AnyStudy
-from sph.experiments.registry import load_study
-from sph.experiments.trade.design import load_trade
+from sph.experiments.registry import EXPERIMENTS, load_study
 from sph.scene.configuration import found_file, merge, validated
 from sph.study.sampling import MOST_RUNS
 
@@ -89,21 +87,30 @@ def parameters(*variants: str) -> dict[str, Any]:
     }
 
 
+def load(name: str, file: str, folder: Path) -> Any:
+    return EXPERIMENTS[name].load(file, study_plan(), [folder, ROOT], True)
+
+
+def changes(variants: dict[str, Any]) -> dict[str, Any]:
+    """Keys of assumptions."""
+    return {"reference": {"parameter": "change", "variant": "as it is"}, "parameters": {"change": {"variants": variants}}}
+
+
 def paths_of(tmp_path: Path, kind: str, *labels: str) -> Iterator[str]:
     """Paths of the runs of a configuration with these labels."""
     each = {label: {"numerics": {"spacing": 2.0 + at}} for at, label in enumerate(labels)}
     if kind == "variants":
-        yield from load_trade(written(tmp_path / "c.yaml", parameters(*labels)), study_plan(), [tmp_path, ROOT]).runs
+        yield from load("cost-accuracy", written(tmp_path / "c.yaml", parameters(*labels)), tmp_path).runs
     elif kind == "cases":
-        yield from load_trade(
-            written(tmp_path / "c.yaml", parameters("r") | {"cases": each, "timed_case": labels[0]}), study_plan(), [tmp_path, ROOT]
+        yield from load(
+            "cost-accuracy", written(tmp_path / "c.yaml", parameters("r") | {"cases": each, "timed_case": labels[0]}), tmp_path
         ).runs
     elif kind == "changes":
-        data = {"scene": PAPER, "cases": {"one": {}}, "changes": {"as it is": {}} | each}
-        yield from load_limits(written(tmp_path / "c.yaml", data), study_plan(), [tmp_path, ROOT]).runs
+        data = {"scene": PAPER, "cases": {"one": {}}} | changes({"as it is": {}} | each)
+        yield from load("assumptions", written(tmp_path / "c.yaml", data), tmp_path).runs
     else:
-        data = {"scene": PAPER, "cases": each, "changes": {"as it is": {}, "other": {"numerics": {"spacing": 5.0}}}}
-        yield from load_limits(written(tmp_path / "c.yaml", data), study_plan(), [tmp_path, ROOT]).runs
+        data = {"scene": PAPER, "cases": each} | changes({"as it is": {}, "other": {"numerics": {"spacing": 5.0}}})
+        yield from load("assumptions", written(tmp_path / "c.yaml", data), tmp_path).runs
 
 
 KINDS = ("variants", "cases", "changes", "points")

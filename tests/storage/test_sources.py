@@ -89,7 +89,7 @@ EXECUTED = (
     ("storage/trajectory.py", '"y", FRAME, "f4", "m"', '"y", FRAME, "f8", "m"', {"solver", "search"}),
     ("measures/metrics.py", "0.5 *", "0.6 *", {"analysis"}),
     ("stability/record.py", "!= digest", "== digest", {"search"}),
-    ("experiments/measured/trade.csv", "spacing", "spacings", {"analysis"}),
+    ("experiments/measured/cost-accuracy.csv", "spacing", "spacings", {"analysis"}),
     ("page/page.css", "margin: ", "margin:  ", {"page"}),
     ("storage/files.py", "LONGEST_HIDDEN = 140", "LONGEST_HIDDEN = 139", set()),
     ("scene/scheme.py", '"no_slip"', '"fixed"', set()),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from small_scenes import SceneBuilder
 
-from sph.experiments.trade.advice import shipped_table
+from sph.experiments.variants.advice import shipped_table
 from sph.scene.schema import Scene, load_scene
 from sph.solver.checkpoint import run_to_file
 from sph.solver.particles import place_particles

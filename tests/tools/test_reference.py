@@ -10,9 +10,9 @@ import pytest
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.extremes.design import REFUSED, TIME_STEP
 from sph.experiments.paper.design import AnyStudy
-from sph.experiments.trade.design import Trade
+from sph.experiments.variants.figures_robustness import REFUSED
+from sph.experiments.variants.schema import TIME_STEP, CostAccuracy
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
 from tools.reference import MARKED, TABLES, Reference, Strong, commands_text, filled, key_rows, markdown, outcome_lines, step_lines
@@ -58,7 +58,7 @@ def test_commands_are_those_of_the_command_line() -> None:
     assert {"--set", "--checkpoint", "--overwrite"} <= set(options) and all(option in told for option in options)
 
 
-@pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (AnyStudy, 25), (Trade, 15)])
+@pytest.mark.parametrize(("model", "keys"), [(Scene, 25), (AnyStudy, 25), (CostAccuracy, 15)])
 def test_every_key_says_what_it_is(model: type[Section], keys: int) -> None:
     rows = list(key_rows(model))
     assert len(rows) > keys
@@ -77,4 +77,4 @@ def test_a_step_at_which_the_slope_fails_under_gravity_alone_is_too_long() -> No
     rows += [("cohesion (kPa)", "0", "weak", "failed_unshaken"), ("sides", "none", "weak", "diverged"), ("K0", "9", "weak", REFUSED)]
     table = pd.DataFrame(rows, columns=["sweep", "value", "case", "status"])
     assert list(step_lines(table)) == [("h 1.3", "0.5", "0.8")]
-    assert list(outcome_lines(table)) == [("sweeps", "3", "1", "1", "0", "1"), ("time_steps", "4", "2", "1", "1", "0")]
+    assert list(outcome_lines(table)) == [("parameters", "3", "1", "1", "0", "1"), ("time_steps", "4", "2", "1", "1", "0")]

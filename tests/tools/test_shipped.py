@@ -230,4 +230,4 @@ def test_the_command_names_every_table_and_fails_for_none(capsys: pytest.Capture
     main([])
     told = capsys.readouterr().out
     for name, (state, _) in states().items():
-        assert f"{name:<11} {state}: " in told and (state == CURRENT or SHIPPED[name].renewal in told)
+        assert f"{name:<15} {state}: " in told and (state == CURRENT or SHIPPED[name].renewal in told)

@@ -73,10 +73,24 @@ def test_numbers_in_a_list_on_snakemakes_command_line_are_text(folder: Path) -> 
 
 
 def test_an_experiment_that_there_is_not_is_refused_by_name(folder: Path) -> None:
-    (folder / "bad.yaml").write_text(yaml.safe_dump(STUDY | {"experiments": {"limts": "mine.yaml"}}))
+    (folder / "bad.yaml").write_text(yaml.safe_dump(STUDY | {"experiments": {"asumptions": "mine.yaml"}}))
     result = snakemake(folder, "--dry-run", "--configfile", "bad.yaml")
     assert result.returncode != 0
     assert (
-        "config: experiments: 'limts' is not one of trade, resolution, limits, extremes, sensitivity, trigger"
-        in result.stdout + result.stderr
+        "config: experiments: 'asumptions' is not one of cost-accuracy, resolution, assumptions, robustness, sensitivity, trigger; "
+        "did you mean assumptions?" in result.stdout + result.stderr
     )
+
+
+def test_an_earlier_name_of_an_experiment_is_refused_with_the_new_one(folder: Path) -> None:
+    (folder / "bad.yaml").write_text(yaml.safe_dump(STUDY | {"experiments": {"limits": "mine.yaml"}}))
+    result = snakemake(folder, "--dry-run", "--configfile", "bad.yaml")
+    assert result.returncode != 0
+    assert "config: experiments.limits: is called assumptions now" in result.stdout + result.stderr
+
+
+def test_an_earlier_name_of_a_target_makes_the_target(folder: Path) -> None:
+    (folder / "study.yaml").write_text(yaml.safe_dump(STUDY))
+    result = snakemake(folder, "--dry-run", "--configfile", "study.yaml", "--", "limits")
+    assert result.returncode == 0 and "assumptions_table" in result.stdout
+    assert "limits is called assumptions now: snakemake --cores 2 assumptions" in result.stdout + result.stderr

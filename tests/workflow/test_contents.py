@@ -184,14 +184,16 @@ def test_a_search_is_traced_with_what_it_found_and_one_of_an_earlier_version_is_
 
 
 def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    limits = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "changes": {"as it is": {}, "weak": {"coupling": {"S_R": 0.1}}}}
-    (copied / "limits.yaml").write_text(yaml.safe_dump(limits, sort_keys=False))
+    changes = {"S_R": {"variants": {"as it is": {}, "weak": {"coupling": {"S_R": 0.1}}}}}
+    scene = {"scene": "scenes/slope.yaml", "cases": {"one": {}}}
+    assumptions = scene | {"reference": {"parameter": "S_R", "variant": "as it is"}, "parameters": changes}
+    (copied / "assumptions.yaml").write_text(yaml.safe_dump(assumptions, sort_keys=False))
     sweep = {"scene_key": "coupling.S_R", "values": [0.1, 2.0]}
     steps = {"factors": [0.5], "schemes": {"plain": {}}}
-    extremes = {"scene": "scenes/slope.yaml", "cases": {"one": {}}, "repeats": 1, "sweeps": {"S_R": sweep}, "time_steps": steps}
-    (copied / "extremes.yaml").write_text(yaml.safe_dump(extremes, sort_keys=False))
-    config = write(copied, "0.10", "0.50", experiments={"limits": "limits.yaml", "extremes": "extremes.yaml"})
-    tables = {"results/limits/limits.csv": 2, "results/extremes/extremes.csv": 3}
+    robustness = scene | {"parameters": {"S_R": sweep}, "time_steps": steps}
+    (copied / "robustness.yaml").write_text(yaml.safe_dump(robustness, sort_keys=False))
+    config = write(copied, "0.10", "0.50", experiments={name: f"{name}.yaml" for name in ("assumptions", "robustness")})
+    tables = {"results/assumptions/assumptions.csv": 2, "results/robustness/robustness.csv": 3}
     result = snakemake(copied, "--cores", "1", *config, "--", *tables)
     assert result.returncode == 0, result.stderr
     for table, count in tables.items():
@@ -204,7 +206,7 @@ def test_single_runs_of_other_targets_are_traced_and_checked(copied: Path, monke
     assert text.count("was made from another scene than the one planned") >= 2
     replace(copied, "strong.csv")
     jobs = planned_jobs(copied, *config, "--", *tables)
-    assert jobs == {"simulate": 4, "limits_table": 1, "extremes_table": 1}
+    assert jobs == {"simulate": 4, "assumptions_table": 1, "robustness_table": 1}
 
 
 FAULTS: dict[str, tuple[Callable[[Path], None], str]] = {}

@@ -70,8 +70,8 @@ def test_the_shipped_studies_of_other_slopes_stand(path: Path) -> None:
 
 
 def test_a_file_of_an_experiment_is_named_below_one_key_or_found_by_the_experiments_name() -> None:
-    study = plan({"experiments": {"limits": "mine.yaml"}}).study
-    assert study.file_of("limits") == "mine.yaml" and study.file_of("trade") == "config/trade.yaml"
+    study = plan({"experiments": {"assumptions": "mine.yaml"}}).study
+    assert study.file_of("assumptions") == "mine.yaml" and study.file_of("resolution") == "config/resolution.yaml"
 
 
 def test_labels_stay_as_written_and_become_numbers_in_the_scene() -> None:

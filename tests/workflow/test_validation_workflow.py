@@ -1,4 +1,4 @@
-"""The reference cases and the limits from end to end, as a user runs them, on a few small cases."""
+"""The reference cases and the assumptions from end to end, as a user runs them, on a few small cases."""
 
 from __future__ import annotations
 
@@ -17,14 +17,15 @@ from test_workflow import ROOT, planned_jobs, snakemake, write_config
 
 from cases import CASES
 from cases.suite import read_validation, write_suite
-from sph.experiments.limits.measure import read_limits
+from sph.experiments.variants.assumptions import read_assumptions
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 
-LIMITS: dict[str, Any] = {
+ASSUMPTIONS: dict[str, Any] = {
     "scene": "slope.yaml",
     "cases": {"S_R 0.10": {"coupling": {"S_R": 0.1}}},
-    "changes": {"as it is": {}, "longer": {"geometry": {"apron_length": 80.0}}},
+    "reference": {"parameter": "box", "variant": "as it is"},
+    "parameters": {"box": {"variants": {"as it is": {}, "longer": {"geometry": {"apron_length": 80.0}}}}},
 }
 TRIED = ("V11", "V13", "V14")
 """Cases that take seconds."""
@@ -32,22 +33,22 @@ TRIED = ("V11", "V13", "V14")
 
 @pytest.fixture(scope="module")
 def validated(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
-    """Folder in which three cases, a search of a fourth, and a limit have been run."""
+    """Folder in which three cases, a search of a fourth, and a change have been run."""
     folder = tmp_path_factory.mktemp("validation")
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
-    (folder / "limits.yaml").write_text(yaml.safe_dump(LIMITS, sort_keys=False))
-    config = write_config(folder, experiments={"limits": "limits.yaml"})
+    (folder / "mine.yaml").write_text(yaml.safe_dump(ASSUMPTIONS, sort_keys=False))
+    config = write_config(folder, experiments={"assumptions": "mine.yaml"})
     files = [f"results/validation/cases/{case}.csv" for case in TRIED] + ["results/validation/runs/V9/run/1-m.nc"]
     assert planned_jobs(folder, *config, "--", *files) == {"validation_run": 10, "validation_case": 3}
-    assert planned_jobs(folder, *config, "--", "limits") == {"limits": 1, "simulate": 2, "limits_table": 1}
-    result = snakemake(folder, "--cores", "2", *config, "--", *files, "limits")
+    assert planned_jobs(folder, *config, "--", "assumptions") == {"assumptions": 1, "simulate": 2, "assumptions_table": 1}
+    result = snakemake(folder, "--cores", "2", *config, "--", *files, "assumptions")
     assert result.returncode == 0, result.stderr
     return folder / "results"
 
 
 def test_all_cases_are_planned() -> None:
-    jobs = planned_jobs(ROOT, "--forceall", "--", "validation", "limits")
+    jobs = planned_jobs(ROOT, "--forceall", "--", "validation", "assumptions")
     assert jobs["validation_case"] == len(CASES) and jobs["validation_run"] > 200 and "stage" not in jobs
 
 
@@ -107,8 +108,8 @@ def test_a_figure_a_case(validated: Path) -> None:
 
 
 @pytest.mark.long
-def test_limits_compare_with_the_first_change(validated: Path) -> None:
-    table = read_limits(validated / "limits" / "limits.csv")
+def test_assumptions_compare_with_the_reference(validated: Path) -> None:
+    table = read_assumptions(validated / "assumptions" / "assumptions.csv")
     assert list(table["change"]) == ["as it is", "longer"] and table["displacement_magnitude_change"].iloc[0] == 0.0
     first, second = table["displacement_magnitude"]
     assert table["displacement_magnitude_change"].iloc[1] == pytest.approx(second / first - 1.0)
@@ -117,7 +118,7 @@ def test_limits_compare_with_the_first_change(validated: Path) -> None:
 @pytest.mark.long
 def test_bad_suites_are_refused_before_any_job(validated: Path, tmp_path: Path) -> None:
     (tmp_path / "slope.yaml").write_text((validated.parent / "slope.yaml").read_text())
-    bad = LIMITS | {"changes": {"as it is": {}, "odd": {"soil": {"cohesin": 1.0}}}}
-    (tmp_path / "limits.yaml").write_text(yaml.safe_dump(bad))
-    result = snakemake(tmp_path, "--cores", "1", *write_config(tmp_path, experiments={"limits": "limits.yaml"}), "--", "limits")
-    assert result.returncode != 0 and "change 'odd', case 'S_R 0.10': soil.cohesin" in result.stdout + result.stderr
+    bad = ASSUMPTIONS | {"parameters": {"box": {"variants": {"as it is": {}, "odd": {"soil": {"cohesin": 1.0}}}}}}
+    (tmp_path / "mine.yaml").write_text(yaml.safe_dump(bad))
+    result = snakemake(tmp_path, "--cores", "1", *write_config(tmp_path, experiments={"assumptions": "mine.yaml"}), "--", "assumptions")
+    assert result.returncode != 0 and "variant 'odd', case 'S_R 0.10': soil.cohesin" in result.stdout + result.stderr

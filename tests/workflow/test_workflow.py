@@ -63,7 +63,7 @@ def planned_jobs(folder: Path, *arguments: str) -> dict[str, int]:
     if "Nothing to be done" in text:
         return {}
     table = text[text.index("Job stats:") :]
-    return {name: int(count) for name, count in re.findall(r"^(\w+) +(\d+)$", table, re.MULTILINE) if name != "total"}
+    return {name: int(count) for name, count in re.findall(r"^([\w-]+) +(\d+)$", table, re.MULTILINE) if name != "total"}
 
 
 def write_config(folder: Path, **changes: Any) -> tuple[str, str]:

@@ -1,8 +1,9 @@
 # Purpose: the experiments of the registry (sph/experiments): a rule for each of their steps and of their targets, such as what a saving of
-#          time costs in accuracy (`snakemake --cores 2 trade`) or the shaking at which a slope fails (`snakemake --cores 2 trigger`).
+#          time costs in accuracy (`snakemake --cores 2 cost-accuracy`) or the shaking at which a slope fails (`snakemake --cores 2 trigger`).
 # Inputs:  config/<name>.yaml (config: experiments); runs of the catalogue; tables of earlier steps; the sources of analysis and drawing.
-# Outputs: results/<name>, or a folder below that of the study: the files that the steps list (sph/experiments/<name>/measure.py)
+# Outputs: results/<name>, or a folder below that of the study: the files that the steps list (STEPS in sph/experiments)
 from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.variants.design import EARLIER
 from sph.experiments.steps import steps
 
 TARGETS = {}  # the experiments that have one, by target
@@ -49,10 +50,9 @@ def params_of(experiment, step):
         scenes = [planned(run.scene) for run in runs_of(experiment, step, wildcards)]
         return thresholds | dict(given), scenes
 
-    own = [f"experiments/{name}/*.py" for name in (experiment.name, *experiment.uses)]
     return {
         "sources": (DRAWING if step.draws else ANALYSIS)
-        + sources(*own, without="" if step.draws else FIGURES)
+        + sources(*experiment.sources, without="" if step.draws else FIGURES)
         + SEARCHING * step.searches,
         "step": (experiment.name, step.name),
         "about": step.about,
@@ -131,3 +131,15 @@ for target in TARGETS:
             target
         input:
             lambda wildcards, target=target: list(made_by(target)),
+
+
+for earlier, target in EARLIER.items():  # until the release after 0.3
+
+    rule:
+        """An earlier name of a target."""
+        name:
+            earlier
+        input:
+            lambda wildcards, target=target: list(made_by(target)),
+        message:
+            f"{earlier} is called {target} now: snakemake --cores 2 {target}"

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 
-from sph.experiments.trade.advice import expected_sentence
+from sph.experiments.variants.advice import expected_sentence
 from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
 from sph.study.tables import Layout, join_study

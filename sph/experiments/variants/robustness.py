@@ -1,9 +1,9 @@
-"""The table of the extremes: a row holds the status of a run, which ends sound, diverged or refused, and the results of its checks."""
+"""The table of the robustness: a row holds the status of a run, which ends sound, diverged or refused, and the results of its checks."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,21 +12,21 @@ import pandas as pd
 import scipy  # type: ignore[import-untyped]
 
 from sph.experiments.base import Trace
-from sph.experiments.extremes.design import REFUSED, Row
-from sph.experiments.extremes.figures import figure_extremes
 from sph.experiments.steps import Step, table_step
+from sph.experiments.variants.design import Measured
+from sph.experiments.variants.figures_robustness import REFUSED, figure_robustness
 from sph.measures.linked import largest_mass
 from sph.measures.metrics import MetricSettings, energy_gap, outline_area
 from sph.output.run import Run
 from sph.storage.trajectory import Variable
 from sph.study.tables import ROW, number_column, read_csv
 
-SHIPPED = Path(__file__).parents[1] / "measured" / "extremes.csv"
+SHIPPED = Path(__file__).parents[1] / "measured" / "robustness.csv"
 """Table measured for this release."""
 LINK = 2.0
 """Particles nearer than this many spacings are connected."""
 
-EXTREMES: tuple[Variable, ...] = (
+ROBUSTNESS: tuple[Variable, ...] = (
     Variable("sweep", ROW, "str", "1", "name of the key that is varied"),
     Variable("value", ROW, "str", "1", "its value"),
     Variable("case", ROW, "str", "1", "the slope, or the scheme of a sweep over time steps"),
@@ -77,7 +77,7 @@ def asymmetry(run: Run) -> float:
     return float(np.hypot(scene.geometry.width - x[twin] - x, y[twin] - y).max()) / scene.numerics.spacing
 
 
-def measure_extreme(run: Run, symmetric: bool) -> dict[str, Any]:
+def checks(run: Run, symmetric: bool) -> dict[str, Any]:
     """The columns of a run."""
     spacing = run.scene.numerics.spacing
     first, last = (np.column_stack(run.soil_at(frame, "x", "y")) for frame in (0, -1))
@@ -107,40 +107,36 @@ def _area(places: np.ndarray, spacing: float) -> float:
     return outline_area(places[:, 0], places[:, 1], spacing)
 
 
-def extremes_table(rows: Sequence[Row], read: Callable[[str], Run]) -> pd.DataFrame:
-    """One row per value and case; ``read`` gives a run by its file name."""
-    table = []
-    for row in rows:
-        values: dict[str, Any] = {"status": REFUSED, "reason": row.refused}
-        if row.runs:
-            repeats = [read(name) for name in row.runs]
-            values = measure_extreme(repeats[0], row.symmetric)
-            if len(repeats) > 1:
-                values["reproducible"] = float(all(repeat.trajectory.equals(repeats[0].trajectory) for repeat in repeats[1:]))
-        table.append({"sweep": row.sweep, "value": row.value, "case": row.case, **values})
-    return pd.DataFrame(table, columns=[column.name for column in EXTREMES])
-
-
-def read_extremes(path: Path | str = SHIPPED) -> pd.DataFrame:
+def read_robustness(path: Path | str = SHIPPED) -> pd.DataFrame:
     """Table from its CSV; ValueError names a file that is not one."""
-    return read_csv(path, EXTREMES, "the extremes")
+    return read_csv(path, ROBUSTNESS, "the robustness")
 
 
-def measure_extremes(rows: Sequence[Row], read: Callable[[str], Run], settings: MetricSettings) -> pd.DataFrame:
+def measure_robustness(plan: Measured, read: Callable[[str], Run], settings: MetricSettings) -> pd.DataFrame:
     """How far the solver can be pushed: one key at a time to the ends of its range. Every run ends valid, or diverged or refused with a
     reason.
     """
-    return extremes_table(rows, read)
+    places = [*dict.fromkeys((row.parameter, row.case) for row in plan.rows)]
+    table = []
+    for row in sorted(plan.rows, key=lambda row: places.index((row.parameter, row.case))):
+        values: dict[str, Any] = {"status": REFUSED, "reason": row.refused}
+        if row.runs:
+            repeats = [read(name) for name in row.runs[: row.repeats]]
+            values = checks(repeats[0], row.symmetric)
+            if len(repeats) > 1:
+                values["reproducible"] = float(all(repeat.trajectory.equals(repeats[0].trajectory) for repeat in repeats[1:]))
+        table.append({"sweep": row.parameter, "value": row.variant, "case": row.case, **values})
+    return pd.DataFrame(table, columns=[column.name for column in ROBUSTNESS])
 
 
 TRACE = Trace(
-    EXTREMES,
+    ROBUSTNESS,
     ("sweep", "value", "case"),
-    lambda design: {(row.sweep, row.value, row.case): row.runs for row in design.rows},
-    lambda run, settings: {name: value for name, value in measure_extreme(run, False).items() if name != "asymmetry"},
+    lambda design: {(row.parameter, row.variant, row.case): row.runs for row in design.rows},
+    lambda run, settings: {name: value for name, value in checks(run, False).items() if name != "asymmetry"},
 )
-READERS = {"table": lambda path, given: read_extremes(path)}
+READERS = {"table": lambda path, given: read_robustness(path)}
 STEPS = (
-    table_step("extremes", measure_extremes, {"extremes.csv": "every run"}),
-    Step("extremes_figure_extremes", figure_extremes, {"table": "extremes.csv"}, {"figures/extremes": "figure extremes"}),
+    table_step("robustness", measure_robustness, {"robustness.csv": "every run"}),
+    Step("robustness_figure", figure_robustness, {"table": "robustness.csv"}, {"figures/robustness": "figure robustness"}),
 )

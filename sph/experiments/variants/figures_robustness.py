@@ -12,7 +12,6 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from sph.experiments.extremes.design import REFUSED
 from sph.figures.style import GREY, WIDTH, colour_map, label_panels, styled
 from sph.storage.trajectory import Status
 
@@ -39,6 +38,8 @@ CHECKS = (
     Check("depth in walls, 0 to 1 spacing", _linear("penetration", 0.0, 1.0)),
 )
 """What is shown, from good (light) to bad (dark)."""
+REFUSED = "refused"
+"""Status of a variant whose scene is refused before any work."""
 MARKS: dict[str, str] = {Status.DIVERGED: "D", REFUSED: "R"}
 """What stands in the cell of a run without a result, by its status."""
 DARKEST = 0.9
@@ -46,11 +47,11 @@ DARKEST = 0.9
 
 
 @styled
-def figure_extremes(table: pd.DataFrame) -> Figure:
+def figure_robustness(table: pd.DataFrame) -> Figure:
     """Every run of the sweeps: a row per sweep and case, a cell per value, a panel per check, coloured from good (light) to bad (dark);
     D diverged, R refused.
 
-    ``table`` as from ``read_extremes``.  Raises ValueError for an empty one.
+    ``table`` as from ``read_robustness``.  Raises ValueError for an empty one.
     """
     if table.empty:
         raise ValueError("table: no row to draw")

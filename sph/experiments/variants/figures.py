@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from sph.experiments.trade.design import FIDELITY
-from sph.experiments.trade.table import QUANTITIES, WORDS, Summary, non_dominated, summary
+from sph.experiments.variants.schema import FIDELITY
+from sph.experiments.variants.table import QUANTITIES, WORDS, Summary, non_dominated, summary
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, curve_colours, label_panels, styled, write_note, written
 
 MARKERS = "osD^v<>ph8PXdH*"
@@ -27,7 +27,7 @@ LABELS = {"displacement_magnitude": "displacement of A (m)", "runout": "run-out 
 def figure_tradeoff(table: pd.DataFrame) -> Figure:
     """Error of A's displacement and of the run-out against computing time, a point per variant; hollow where the class differs in a case.
 
-    ``table`` as from ``read_trade``.  The error is the largest deviation from the reference over the cases, the time that of the
+    ``table`` as from ``read_cost_accuracy``.  The error is the largest deviation from the reference over the cases, the time that of the
     timed case; the line joins the variants that no other of the reference's class beats in both.  The reference, variants that were not
     run in every case and diverged ones have no point.  Raises ValueError where nothing is left to draw.
     """
@@ -83,7 +83,7 @@ def _draw_errors(ax: Axes, variants: Sequence[Summary], name: str, looks: Mappin
 def figure_convergence(convergence: pd.DataFrame, table: pd.DataFrame) -> Figure:
     """A's displacement, run-out and onset against particle spacing, a curve per case; stars are values extrapolated to spacing 0.
 
-    ``convergence`` as the file convergence.csv, ``table`` as from ``read_trade``.  Raises ValueError for an empty one.
+    ``convergence`` as the file convergence.csv, ``table`` as from ``read_cost_accuracy``.  Raises ValueError for an empty one.
     """
     if convergence.empty:
         raise ValueError("convergence: no row to draw")

@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from sph.experiments.trade.design import Trade, TradeRuns
-from sph.experiments.trade.table import trade_table
+from sph.experiments.variants.design import VariantRuns
+from sph.experiments.variants.schema import CostAccuracy
+from sph.experiments.variants.table import cost_accuracy_table
 from sph.measures.metrics import METRICS
 from sph.scene.configuration import merge, validated
 
@@ -19,7 +20,7 @@ SCENE: dict[str, Any] = {
     "motion": {"kind": "tapered_sine"},
     "numerics": {"spacing": 5.0, "time_step": 1e-3},
 }
-TRADE: dict[str, Any] = {
+CONFIG: dict[str, Any] = {
     "scene": "slope.yaml",
     "cases": {"weak": {"coupling": {"S_R": 0.1}}, "strong": {"coupling": {"S_R": 0.5}}},
     "timed_case": "weak",
@@ -59,11 +60,12 @@ COSTS = {"spacing/5-m": 1.0, "spacing/3-m": 4.0, "spacing/2-m": 20.0, "spacing/1
 """Of the weak case, s."""
 
 
-def trade_runs(overrides: Mapping[str, Any] | None = None, fidelities: Mapping[str, Any] = FIDELITIES) -> TradeRuns:
-    return TradeRuns(validated(Trade, merge(TRADE, overrides or {}), "trade.yaml"), SCENE, fidelities, "trade.yaml")
+def made_runs(overrides: Mapping[str, Any] | None = None, fidelities: Mapping[str, Any] = FIDELITIES) -> VariantRuns:
+    config = validated(CostAccuracy, merge(CONFIG, overrides or {}), "study.yaml")
+    return VariantRuns(config, {config.scene: SCENE}, fidelities, "study.yaml")
 
 
-def runs_of(made: TradeRuns, **changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+def runs_of(made: VariantRuns, **changes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """What was measured of every run; ``changes`` by the variant's file name with '/' and '-' as '_'."""
     by_name = {"fidelity/draft": "spacing/5-m"}
     runs = {}
@@ -92,7 +94,7 @@ def runs_of(made: TradeRuns, **changes: Mapping[str, Any]) -> dict[str, dict[str
     return runs
 
 
-def trade_frame(made: TradeRuns | None = None, **changes: Mapping[str, Any]) -> pd.DataFrame:
+def made_frame(made: VariantRuns | None = None, **changes: Mapping[str, Any]) -> pd.DataFrame:
     """Table of the hand-made study."""
-    made = made or trade_runs()
-    return trade_table(made.rows, runs_of(made, **changes), made.trade.baseline, "test machine, 2 cores")
+    made = made or made_runs()
+    return cost_accuracy_table(made.rows, runs_of(made, **changes), made.parameters.baseline, "test machine, 2 cores")

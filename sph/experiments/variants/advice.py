@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.experiments.trade.design import is_mean, scheme, settings_text
-from sph.experiments.trade.likeness import unlike
-from sph.experiments.trade.table import QUANTITIES, Summary, read_trade, summary
+from sph.experiments.variants.design import is_mean, scheme, settings_text
+from sph.experiments.variants.likeness import unlike
+from sph.experiments.variants.table import QUANTITIES, Summary, read_cost_accuracy, summary
 from sph.scene.geometry import SLOPES
 from sph.scene.names import check_known
 from sph.scene.schema import Scene
@@ -22,11 +22,11 @@ from sph.scene.scheme import RESOLVED
 from sph.scene.strict_json import parse_json
 from sph.study.tables import EXPECTED
 
-SHIPPED = Path(__file__).parents[1] / "measured" / "trade.csv"
-"""Table measured for this release, by ``snakemake trade``."""
+SHIPPED = Path(__file__).parents[1] / "measured" / "cost-accuracy.csv"
+"""Table measured for this release, by ``snakemake cost-accuracy``."""
 SHIPPED_RESOLUTION = SHIPPED.with_name("resolution.csv")
 """Table of the scheme for your own slopes, by ``snakemake resolution``."""
-NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 trade' makes one"
+NOT_MEASURED_YET = "not measured yet: this release holds no table of the cost-accuracy study; 'snakemake --cores 2 cost-accuracy' makes one"
 
 
 REMEDY = "run it at a second spacing (second_fidelity of the study, docs/tutorials/own-slope.md)"
@@ -62,14 +62,14 @@ class Advice(NamedTuple):
 def shipped_table(scheme: str = "paper") -> pd.DataFrame | None:
     """The table measured for this release with a scene's scheme; None while there is none."""
     path = SHIPPED if scheme == "paper" else SHIPPED_RESOLUTION
-    return read_trade(path) if path.is_file() else None
+    return read_cost_accuracy(path) if path.is_file() else None
 
 
 def expected_error(scene: Scene, table: pd.DataFrame | None = None) -> Expected | None:
     """Errors of the variant with the scheme of a scene; None for a scene unlike the measured slope (``likeness.unlike``), where no
     variant has its scheme, one of its runs diverged, or there is no table.
 
-    ``table`` as from ``read_trade``; the shipped one of its scheme by default.
+    ``table`` as from ``read_cost_accuracy``; the shipped one of its scheme by default.
     """
     table = shipped_table(scene.scheme) if table is None else table
     if table is None or unlike(scene):
@@ -102,7 +102,7 @@ class Resolution(NamedTuple):
 def resolutions(scene: Scene, table: pd.DataFrame | None = None) -> list[Resolution]:
     """The measured spacings from coarse to fine, at the scale of a scene's slope; ValueError says why none was measured on one like it.
 
-    ``table`` as from ``read_trade``; the shipped one of its scheme by default.
+    ``table`` as from ``read_cost_accuracy``; the shipped one of its scheme by default.
     """
     if others := unlike(scene):
         raise ValueError(f"no error is known for this slope, since {', '.join(others)}; {REMEDY}")

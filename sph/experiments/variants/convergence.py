@@ -35,7 +35,7 @@ LARGEST_ORDER = 20.0
 QUANTITIES = ("displacement_magnitude", "runout", "onset_after_start")
 
 CONVERGENCE: tuple[Variable, ...] = (
-    Variable("quantity", ROW, "str", "1", "column of trade.csv"),
+    Variable("quantity", ROW, "str", "1", "column of the table"),
     Variable("case", ROW, "str", "1", "point of the study"),
     Variable("spacings", ROW, "str", "m", "spacings of the variants, finest first"),
     Variable("values", ROW, "str", "1", "values of the quantity at these spacings, in its own unit"),
@@ -106,7 +106,7 @@ def _order(ratio: float, r21: float, r32: float) -> float:
 def convergence_table(frame: pd.DataFrame, parameter: str) -> pd.DataFrame:
     """Frame with the columns of ``CONVERGENCE``: every quantity and case on the variants of a parameter that differ in spacing.
 
-    ``frame`` as from ``trade_table``.  Runs without the value (diverged, or motion that never began) are left out.
+    ``frame`` as from ``cost_accuracy_table``.  Runs without the value (diverged, or motion that never began) are left out.
     """
     rows: list[dict[str, Any]] = []
     for quantity in QUANTITIES:

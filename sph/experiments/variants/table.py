@@ -1,6 +1,7 @@
-"""The table of the cost-accuracy study: what each variant costs and how far its results lie from the reference.
+"""The table of a cost-accuracy study: what each variant costs and how far its results lie from the reference.
 
-``TRADE`` defines every column; ``trade_table`` makes the table from measured runs, ``summary`` puts the cases of a variant together.
+``COST_ACCURACY`` defines every column; ``cost_accuracy_table`` makes the table from measured runs, ``summary`` puts the cases of a variant
+together.
 """
 
 from __future__ import annotations
@@ -14,7 +15,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
-from sph.experiments.trade.design import FIDELITY, VariantRow, settings_text
+from sph.experiments.variants.design import Row, settings_text
+from sph.experiments.variants.schema import FIDELITY
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.output.run import Run
 from sph.storage.trajectory import Status, Variable
@@ -30,7 +32,7 @@ def _metric(name: str) -> Variable:
     return METRIC_BY_NAME[name]
 
 
-TRADE: tuple[Variable, ...] = (
+COST_ACCURACY: tuple[Variable, ...] = (
     text_column("parameter", f"what is varied; '{FIDELITY}' for the fidelities of the study"),
     text_column("variant", "its value"),
     text_column("case", "point of the study"),
@@ -69,7 +71,7 @@ TRADE: tuple[Variable, ...] = (
         "reproducible", "1", "1 if all repeats gave the same bits of displacement and run-out, 0 if not; NaN for a run made once"
     ),
 )
-COLUMNS = [row.name for row in TRADE]
+COLUMNS = [row.name for row in COST_ACCURACY]
 
 
 def measured_run(run: Run, settings: MetricSettings) -> dict[str, Any]:
@@ -82,7 +84,7 @@ def measured_run(run: Run, settings: MetricSettings) -> dict[str, Any]:
     }
 
 
-def trade_table(rows: Sequence[VariantRow], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
+def cost_accuracy_table(rows: Sequence[Row], runs: Mapping[str, Mapping[str, Any]], baseline: str, machine: str) -> pd.DataFrame:
     """Frame with the columns ``COLUMNS`` from the rows of a cost-accuracy study and what was measured of its runs, by name."""
     found = [_row(row, [[runs[name] for name in repeats] for repeats in row.lattices], machine) for row in rows]
     references = {row["case"]: row for row in found if row["reference"]}
@@ -95,7 +97,7 @@ def trade_table(rows: Sequence[VariantRow], runs: Mapping[str, Mapping[str, Any]
     return pd.DataFrame(found, columns=COLUMNS)
 
 
-def _row(row: VariantRow, lattices: Sequence[Sequence[Mapping[str, Any]]], machine: str) -> dict[str, Any]:
+def _row(row: Row, lattices: Sequence[Sequence[Mapping[str, Any]]], machine: str) -> dict[str, Any]:
     """Row of a variant from the repeats of its run, or of its run on every lattice."""
     first = _mean([runs[0] for runs in lattices])
     times = [[float(run["wall_time"]) for run in runs] for runs in lattices]
@@ -143,9 +145,9 @@ def _deviation(value: float, reference: float) -> float:
     return value / reference - 1.0
 
 
-def read_trade(path: Path | str) -> pd.DataFrame:
+def read_cost_accuracy(path: Path | str) -> pd.DataFrame:
     """Table of a cost-accuracy study from its CSV; ValueError names a file that is not one, or that holds no row."""
-    frame = read_csv(path, TRADE, "a cost-accuracy study")
+    frame = read_csv(path, COST_ACCURACY, "a cost-accuracy study")
     if frame.empty:
         raise ValueError(f"{path}: the table of a cost-accuracy study without a row")
     return frame

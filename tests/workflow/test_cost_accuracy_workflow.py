@@ -15,13 +15,13 @@ from test_workflow import ROOT, planned_jobs, snakemake, write_config
 from typer.testing import CliRunner
 
 from sph.command.cli import app
-from sph.experiments.trade.table import COLUMNS, read_trade
+from sph.experiments.variants.table import COLUMNS, read_cost_accuracy
 from sph.scene.schema import Scene
 from sph.storage import trajectory
 
 pytestmark = pytest.mark.long
 
-TRADE: dict[str, Any] = {
+CONFIG: dict[str, Any] = {
     "scene": "slope.yaml",
     "cases": {"S_R 0.10": {"coupling": {"S_R": 0.1}}, "S_R 0.50": {"coupling": {"S_R": 0.5}}},
     "timed_case": "S_R 0.10",
@@ -42,31 +42,36 @@ TRADE: dict[str, Any] = {
 }
 """Three spacings; the fidelity 'draft' is the coarsest."""
 
-MADE = {"trade": 1, "trade_table": 1, "trade_figure_tradeoff": 1, "trade_figure_convergence": 1}
+MADE = {
+    "cost-accuracy": 1,
+    "cost_accuracy_table": 1,
+    "cost_accuracy_figure_tradeoff": 1,
+    "cost_accuracy_figure_convergence": 1,
+}
 """Jobs beside the runs."""
 
 
 @pytest.fixture(scope="module")
 def climbed(tmp_path_factory: pytest.TempPathFactory, small_slope: Callable[[dict[str, Any]], Scene]) -> Path:
     """Folder of a finished small cost-accuracy study."""
-    folder = tmp_path_factory.mktemp("trade")
+    folder = tmp_path_factory.mktemp("study")
     scene = small_slope({"walls.sides": "free_slip", "walls.layers": 4})
     (folder / "slope.yaml").write_text(yaml.safe_dump(scene.model_dump(mode="json")))
-    (folder / "trade.yaml").write_text(yaml.safe_dump(TRADE, sort_keys=False))
-    config = write_config(folder, experiments={"trade": "trade.yaml"})
-    assert planned_jobs(folder, *config, "--", "trade") == MADE | {"simulate": 7}
-    result = snakemake(folder, "--cores", "2", *config, "--", "trade")
+    (folder / "mine.yaml").write_text(yaml.safe_dump(CONFIG, sort_keys=False))
+    config = write_config(folder, experiments={"cost-accuracy": "mine.yaml"})
+    assert planned_jobs(folder, *config, "--", "cost-accuracy") == MADE | {"simulate": 7}
+    result = snakemake(folder, "--cores", "2", *config, "--", "cost-accuracy")
     assert result.returncode == 0, result.stderr
     return folder
 
 
 def test_the_shipped_study_is_planned() -> None:
-    jobs = planned_jobs(ROOT, "--forceall", "--", "trade")
+    jobs = planned_jobs(ROOT, "--forceall", "--", "cost-accuracy")
     assert jobs.pop("simulate") > 100 and jobs == MADE
 
 
 def test_the_tables_hold_every_variant_and_case(climbed: Path) -> None:
-    table = read_trade(climbed / "results" / "trade" / "trade.csv")
+    table = read_cost_accuracy(climbed / "results" / "cost-accuracy" / "cost-accuracy.csv")
     assert len(table) == 8 and set(table["status"]) <= {"complete", "unfailed"}
     twice = table[(table["variant"].isin(["draft", "5 m"])) & (table["case"] == "S_R 0.10")]
     assert twice["repeats"].tolist() == [2, 2] and twice["reproducible"].tolist() == [1.0, 1.0]
@@ -74,55 +79,55 @@ def test_the_tables_hold_every_variant_and_case(climbed: Path) -> None:
     reference = table[table["reference"] == 1]
     assert (reference["displacement_deviation"] == 0).all() and len(reference) == 2
     assert (table["steps"] == 3000).all() and (table["wall_time"] > 0).all()
-    with xr.open_dataset(climbed / "results" / "trade" / "trade.nc") as ds:
+    with xr.open_dataset(climbed / "results" / "cost-accuracy" / "cost-accuracy.nc") as ds:
         assert list(ds.data_vars) == COLUMNS
         assert {"machine", "timing", "versions", "scene", "baseline"} <= set(ds.attrs)
         np.testing.assert_array_equal(ds["runout"].values, table["runout"].to_numpy())
 
 
 def test_runs_are_whole_and_share_no_stage(climbed: Path) -> None:
-    folder = climbed / "results" / "trade"
+    folder = climbed / "results" / "cost-accuracy"
     run = trajectory.read(folder / "runs" / "fidelity" / "draft" / "S_R-0.10_2.nc")
     assert run.attrs["particle_steps"] == 3000 * run.sizes["particle"]
     assert not (folder / "stages").exists()
 
 
 def test_convergence_has_a_verdict_a_quantity_and_case(climbed: Path) -> None:
-    found = pd.read_csv(climbed / "results" / "trade" / "convergence.csv")
+    found = pd.read_csv(climbed / "results" / "cost-accuracy" / "convergence.csv")
     assert len(found) == 6 and found["verdict"].str.len().min() > 10
 
 
 def test_figures_are_drawn(climbed: Path) -> None:
     for name in ("tradeoff", "convergence"):
-        picture = climbed / "results" / "trade" / "figures" / f"{name}.png"
+        picture = climbed / "results" / "cost-accuracy" / "figures" / f"{name}.png"
         assert picture.read_bytes().startswith(b"\x89PNG") and picture.with_suffix(".pdf").read_bytes().startswith(b"%PDF")
 
 
 def test_the_table_answers_the_command(climbed: Path) -> None:
-    asked = ["advise", "--error", "1000%", "--table", str(climbed / "results" / "trade" / "trade.csv")]
+    asked = ["advise", "--error", "1000%", "--table", str(climbed / "results" / "cost-accuracy" / "cost-accuracy.csv")]
     result = CliRunner().invoke(app, asked)
     assert result.exit_code in (0, 2) and "s per run on one core" in result.stdout
 
 
 def test_every_row_is_traced(climbed: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(climbed)
-    write_config(climbed, experiments={"trade": "trade.yaml"})
-    result = CliRunner().invoke(app, ["explain", "results/trade/trade.csv", "--configfile", "study.yaml"])
+    write_config(climbed, experiments={"cost-accuracy": "mine.yaml"})
+    result = CliRunner().invoke(app, ["explain", "results/cost-accuracy/cost-accuracy.csv", "--configfile", "study.yaml"])
     assert result.exit_code == 0 and "8 of 8 rows agree" in result.stdout, result.output
 
 
 def test_a_finished_study_has_nothing_to_do_and_a_new_variant_runs_alone(climbed: Path) -> None:
-    config = write_config(climbed, experiments={"trade": "trade.yaml"})
-    assert planned_jobs(climbed, *config, "--", "trade") == {}
+    config = write_config(climbed, experiments={"cost-accuracy": "mine.yaml"})
+    assert planned_jobs(climbed, *config, "--", "cost-accuracy") == {}
     skin = {"about": "Skin.", "repeats": 1, "variants": {"0.6": {"numerics": {"neighbour_skin": 0.6}}}}
-    more = TRADE | {"parameters": TRADE["parameters"] | {"skin": skin}}
+    more = CONFIG | {"parameters": CONFIG["parameters"] | {"skin": skin}}
     (climbed / "more.yaml").write_text(yaml.safe_dump(more, sort_keys=False))
-    jobs = planned_jobs(climbed, *write_config(climbed, experiments={"trade": "more.yaml"}), "--", "trade")
+    jobs = planned_jobs(climbed, *write_config(climbed, experiments={"cost-accuracy": "more.yaml"}), "--", "cost-accuracy")
     assert jobs == MADE | {"simulate": 2}
 
 
 def test_a_bad_study_is_refused_before_any_job(climbed: Path) -> None:
-    bad = TRADE | {"reference": {"parameter": "spacing", "variant": "1 m"}}
+    bad = CONFIG | {"reference": {"parameter": "spacing", "variant": "1 m"}}
     (climbed / "bad.yaml").write_text(yaml.safe_dump(bad, sort_keys=False))
-    result = snakemake(climbed, "--cores", "1", *write_config(climbed, experiments={"trade": "bad.yaml"}), "--", "trade")
+    result = snakemake(climbed, "--cores", "1", *write_config(climbed, experiments={"cost-accuracy": "bad.yaml"}), "--", "cost-accuracy")
     assert result.returncode != 0 and "bad.yaml: reference: parameter 'spacing', variant '1 m'" in result.stdout + result.stderr

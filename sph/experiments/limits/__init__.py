@@ -1,1 +1,0 @@
-"""Effect of the assumptions behind a scene, changed one at a time."""

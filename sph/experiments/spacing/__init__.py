@@ -1,1 +1,0 @@
-"""What a second spacing changes in the runs of a study."""
