@@ -23,7 +23,8 @@ from pydantic.fields import FieldInfo
 
 from cases.slow_sine import LIMIT
 from cases.suite import SHIPPED_VALIDATION, VALIDATION, read_validation
-from sph.checks.finding import CODES
+from sph.checks.finding import SEVERITIES, Severity
+from sph.checks.messages import meaning
 from sph.command.new import ROWS
 from sph.command.schema import MODELS, schema_file, schema_text
 from sph.experiments.paper.design import AnyStudy
@@ -298,6 +299,12 @@ def slow_sine_lines() -> Iterator[tuple[str, ...]]:
         )
 
 
+def finding_lines() -> Iterator[tuple[str, ...]]:
+    """Rows (code, severity, meaning) of all that can be found."""
+    for code, severity in SEVERITIES.items():
+        yield code, str(severity) if isinstance(severity, Severity) else "note or warning", meaning(code)
+
+
 def solid_state_lines() -> Iterator[tuple[str, ...]]:
     """Rows (solid state, gamma, S_R, A's displacement at each time) of either solid state of failed soil."""
     for row in read_measured("solid_states").to_dict("records"):
@@ -553,7 +560,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "robustness": lambda: Reference(SWEEP_HEAD, list(sweep_lines(read_robustness()))),
     "outcomes": lambda: Reference(OUTCOME_HEAD, list(outcome_lines(read_robustness()))),
     "time_steps": lambda: Reference(STEP_HEAD, list(step_lines(read_robustness()))),
-    "findings": lambda: Reference(("code", "severity", "meaning"), [(name, code.severity, code.text) for name, code in CODES.items()]),
+    "findings": lambda: Reference(("code", "severity", "meaning"), list(finding_lines())),
     "preflight_variables": lambda: _variables(PREFLIGHT),
     "trajectory": lambda: _variables(VARIABLES),
     "metrics": lambda: _variables(VALUES),

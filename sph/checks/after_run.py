@@ -19,7 +19,6 @@ THICK = 4
 (``tests/physics/test_thin_debris.py``)."""
 FAR = 10
 """Spacings of run-out beyond which that matters: nearer, a thin deposit is the foot of the slope."""
-WORDS = {FRONT: "the end of the box in front of the toe", BACK: "the end of the box behind the crest", OVER: "the top of a side"}
 
 
 def is_bounded(reached_side: str) -> bool:
@@ -32,13 +31,9 @@ def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding
     sides = reached_side.split()
     if not sides:
         return []
-    what = "failed soil has reached " + " and ".join(WORDS[side] for side in sides)
-    if is_bounded(reached_side):
-        what += ", so displacement and run-out are lower bounds"
-    line = isinstance(scene.geometry, GroundLine)
     keys = {FRONT: "geometry.apron_length", BACK: "geometry.crest_length", OVER: "geometry.apron_length"}
-    key = "geometry.window or the line" if line else " and ".join(dict.fromkeys(keys[side] for side in sides))
-    return [finding("debris-at-wall", what, f"at {time:.3g} s", "to stay inside a longer box", key)]
+    ends = ("geometry.window", "geometry.points") if isinstance(scene.geometry, GroundLine) else dict.fromkeys(keys[side] for side in sides)
+    return [finding("debris-at-wall", *ends, sides=reached_side, time=time)]
 
 
 def is_open(error: float) -> bool:
@@ -48,11 +43,7 @@ def is_open(error: float) -> bool:
 
 def energy_open(error: float) -> list[Finding]:
     """The finding of a run that made or lost energy, by its metric ``energy_error``."""
-    if not is_open(error):
-        return []
-    what = "the energy budget of the run does not close, so its results are not reliable"
-    measured, wanted = f"an error of {100.0 * error:.2g} % of the sum of its parts", f"at most {100.0 * ENERGY_LIMIT:g} %"
-    return [finding("energy-open", what, measured, wanted, "numerics.time_step or numerics.spacing, to a smaller value")]
+    return [finding("energy-open", "numerics.time_step", "numerics.spacing", value=error, bound=ENERGY_LIMIT)] if is_open(error) else []
 
 
 def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:
@@ -60,9 +51,7 @@ def thin_debris(scene: Scene, runout: float, thickness: float) -> list[Finding]:
     spacing = scene.numerics.spacing
     if not (runout > FAR * spacing and thickness < THICK * spacing):
         return []
-    what = f"debris that ran {runout:.3g} m is thin, so its run-out is not reliable"
-    measured = f"on average {thickness / spacing:.2g} particles thick in front of the toe"
-    return [finding("thin-debris", what, measured, f"at least {THICK}, better {2 * THICK}", "numerics.spacing")]
+    return [finding("thin-debris", "numerics.spacing", value=thickness / spacing, bound=THICK, runout=runout)]
 
 
 def after_run(scene: Scene, values: Mapping[str, Value]) -> list[Finding]:

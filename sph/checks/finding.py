@@ -1,10 +1,12 @@
-"""What a finding of a scene is, and all that can be found (``CODES``)."""
+"""What a finding is, and all that can be found (``SEVERITIES``).  Only ``sph.checks.messages`` makes words of one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Any
 
 from sph.scene.strict_json import to_json
 
@@ -20,111 +22,95 @@ class Severity(StrEnum):
     """for information; nothing needs to be changed"""
 
 
-class Code(NamedTuple):
-    """A kind of finding."""
+Numbers = Mapping[str, Any]
+"""Numbers (``float``) by name, in SI units (angles in radians) or the unit that the name says; names (``str``) as of a status or a layer.
 
-    severity: Severity
-    text: str
-
-
+``value`` is what is measured and ``bound`` what it is compared with, 0 or more both.
+"""
 ERROR, WARNING, NOTE = Severity
-CODES: dict[str, Code] = {
-    "fails-unshaken": Code(ERROR, "the slope fails at its peak strength without shaking"),
-    "softens-unshaken": Code(ERROR, "soil is at its strength under gravity alone, and softens before the shaking"),
-    "fails-softened": Code(ERROR, "the slope stands at its peak strength without shaking, and fails as its soil softens"),
-    "stands-unshaken": Code(NOTE, "the slope stands at its peak strength without shaking"),
-    "fails-at-residual": Code(NOTE, "without shaking the slope fails at its residual strength: soil that fails keeps moving downslope"),
-    "stands-at-residual": Code(NOTE, "without shaking the slope stands at its residual strength: soil that fails comes to rest"),
-    "mobilised-strength": Code(
-        NOTE,
-        "share of its peak strength that a layer mobilises under gravity alone, near the slope or in level ground; a warning from 95 % on",
-    ),
-    "factor-of-safety": Code(NOTE, "static factor of safety"),
-    "yield-acceleration": Code(NOTE, "pseudo-static yield acceleration"),
-    "limit-equilibrium": Code(NOTE, "factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods"),
-    "limit-equilibrium-residual": Code(NOTE, "factor of safety by limit equilibrium at the strength that failed soil keeps"),
-    "limit-equilibrium-differs": Code(
-        NOTE, "the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons"
-    ),
-    "slip-at-base": Code(WARNING, "a slip surface reaches an absorbing base with the same soil below it"),
-    "stability-unknown": Code(NOTE, "the stability of the slope could not be found, with the reason"),
-    "record-offset": Code(WARNING, "the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts"),
-    "record-drift": Code(WARNING, "the ground still moves at the end of the record"),
-    "record-displacement": Code(WARNING, "the ground moves implausibly far"),
-    "record-sparse": Code(WARNING, "the samples of the record are more than 0.1 s apart: times in another unit, or only every n-th sample"),
-    "record-lasting": Code(NOTE, "the ground is left displaced at the end of the record"),
-    "record-polarity": Code(NOTE, "with its polarity reversed the record drives a sliding block further"),
-    "pga-implausible": Code(WARNING, "the peak acceleration of the ground is implausible: often a mistaken unit"),
-    "motion-cut-off": Code(WARNING, "the run ends before the motion does"),
-    "block-not-rigid": Code(NOTE, "the slope is too soft to move like the rigid sliding block that its runs are compared with"),
-    "damping-off-frequency": Code(WARNING, "the first mode of the ground is damped more than twice as much as the ratio that is given"),
-    "vertical-unused": Code(NOTE, "the vertical component does not act on the sliding block"),
-    "level-ground-fails": Code(NOTE, "the shaking is so strong that level ground fails in shear as well, up to the sides of the box"),
-    "short-waves": Code(WARNING, "the particles do not resolve the highest frequencies of the motion"),
-    "sparse-series": Code(WARNING, "the stored series have too few samples of the shaking"),
-    "few-particles": Code(WARNING, "few particles across the slope's height"),
-    "rows-misfit": Code(WARNING, "the rows of particles make the slope higher or lower than it is"),
-    "layer-broken": Code(ERROR, "a layer that is continuous in the scene becomes separate particles, or none at all"),
-    "thin-layer": Code(WARNING, "few particles across a layer"),
-    "weak-on-strong": Code(WARNING, "weak soil that has failed is braked by stronger soil, so that its run-out is a lower bound"),
-    "layer-held": Code(ERROR, "a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide"),
-    "cover-rows": Code(NOTE, "weak soil on stronger ground has enough rows of particles for its run-out"),
-    "thin-box": Code(WARNING, "the boundary particles do not fill the kernel's support"),
-    "short-correlation": Code(WARNING, "strength varies over lengths that the particles do not resolve"),
-    "no-process-zone": Code(WARNING, "failure has no length scale, so results depend on the spacing; a note in the paper's scheme"),
-    "density-implausible": Code(WARNING, "a density of soil outside 1,000 to 3,000 kg/m3: often a mistaken unit"),
-    "stiffness-implausible": Code(WARNING, "a shear-wave velocity outside 30 to 3,500 m/s: often Young's modulus in another unit than kPa"),
-    "cohesion-implausible": Code(WARNING, "a cohesion above 1 MPa, or above 0 and below 0.1 kPa: often in Pa or MPa instead of kPa"),
-    "angle-implausible": Code(
-        WARNING,
-        "an angle of friction or dilation above 0 and below 1.2 degrees, or of a slope below 1.6: often in radians, or a tangent; "
-        "or a coefficient of wall friction above 1.2: often an angle",
-    ),
-    "strength-implausible": Code(WARNING, "a friction angle below 5 degrees together with a cohesion below 5 kPa"),
-    "soil-not-replaced": Code(WARNING, "the soil is still the placeholder of `sph new`"),
-    "rigid-box": Code(WARNING, "a rigid box reflects waves: the slope is shaken harder than on a site where they radiate away"),
-    "no-dilation": Code(NOTE, "frictional soil does not dilate: its dilation angle is 0"),
-    "own-strength-ratio": Code(
-        WARNING, "the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that affects no soil"
-    ),
-    "short-process-zone": Code(WARNING, "the width over which slip is averaged is narrower than three spacings"),
-    "lost-by-time": Code(NOTE, "strength falls with time after failure, however little the soil moves; a warning beside a loss by slip"),
-    "progressive-failure": Code(
-        WARNING, "slip develops over less than three slope heights, so the shaking at failure may depend on the spacing"
-    ),
-    "back-wall": Code(WARNING, "the side of the model behind the crest is near"),
-    "little-room": Code(WARNING, "little room for the debris between the toe and the side of the model"),
-    "debris-at-wall": Code(WARNING, "after the run: failed soil has reached an end of the box, so the box decides how far it goes"),
-    "thin-debris": Code(WARNING, "after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable"),
-    "energy-open": Code(WARNING, "after the run: its energy budget does not close within the limit, so its results are not reliable"),
-    "other-slope": Code(WARNING, "the ground falls further to the other side"),
-    "slope-to-side": Code(WARNING, "the slope goes on to a side of the model, whose end is taken for its crest or its toe"),
-    "time-step": Code(WARNING, "the time step is near or above its limit"),
+
+
+def _where_bounded(numbers: Numbers) -> Severity:
+    return WARNING if "bound" in numbers else NOTE
+
+
+SEVERITIES: dict[str, Severity | Callable[[Numbers], Severity]] = {
+    "fails-unshaken": ERROR,
+    "softens-unshaken": ERROR,
+    "fails-softened": ERROR,
+    "stands-unshaken": NOTE,
+    "fails-at-residual": NOTE,
+    "stands-at-residual": NOTE,
+    "mobilised-strength": _where_bounded,
+    "factor-of-safety": lambda of: WARNING if of["value"] - of["error"] < 1.0 else NOTE,
+    "yield-acceleration": NOTE,
+    "limit-equilibrium": NOTE,
+    "limit-equilibrium-residual": NOTE,
+    "limit-equilibrium-differs": NOTE,
+    "slip-at-base": WARNING,
+    "stability-unknown": NOTE,
+    "record-offset": WARNING,
+    "record-drift": WARNING,
+    "record-displacement": WARNING,
+    "record-sparse": WARNING,
+    "record-lasting": NOTE,
+    "record-polarity": lambda of: NOTE if "yield_ratio" in of else WARNING,  # of a block chosen here, or of the one that was asked for
+    "pga-implausible": WARNING,
+    "motion-cut-off": WARNING,
+    "block-not-rigid": NOTE,
+    "damping-off-frequency": WARNING,
+    "vertical-unused": NOTE,
+    "level-ground-fails": NOTE,
+    "short-waves": WARNING,
+    "sparse-series": WARNING,
+    "few-particles": WARNING,
+    "rows-misfit": WARNING,
+    "layer-broken": ERROR,
+    "thin-layer": WARNING,
+    "weak-on-strong": WARNING,
+    "layer-held": ERROR,
+    "cover-rows": NOTE,
+    "thin-box": WARNING,
+    "short-correlation": WARNING,
+    "no-process-zone": lambda of: NOTE if of["paper"] else WARNING,
+    "density-implausible": WARNING,
+    "stiffness-implausible": WARNING,
+    "cohesion-implausible": WARNING,
+    "angle-implausible": WARNING,
+    "strength-implausible": WARNING,
+    "soil-not-replaced": WARNING,
+    "rigid-box": WARNING,
+    "no-dilation": NOTE,
+    "own-strength-ratio": WARNING,
+    "short-process-zone": WARNING,
+    "lost-by-time": _where_bounded,
+    "progressive-failure": WARNING,
+    "back-wall": WARNING,
+    "little-room": WARNING,
+    "debris-at-wall": WARNING,
+    "thin-debris": WARNING,
+    "energy-open": WARNING,
+    "other-slope": WARNING,
+    "slope-to-side": WARNING,
+    "time-step": WARNING,
 }
-"""All that can be found, by its code, which stays."""
+"""The severity of all that can be found, or the rule for it, by code; codes stay."""
 
 
-class Finding(NamedTuple):
-    """Something that the user of a scene should know before using its results; the names are those of ``sph check --json``."""
+@dataclass(frozen=True)
+class Finding:
+    """Something that the user of a scene should know before using its results."""
 
-    code: str  # of ``CODES``
-    severity: str  # of ``Severity``
-    what: str
-    measured: str
-    wanted: str = ""  # what ``measured`` should be; one that begins with "to", what it should do
-    key: str = ""  # to change
+    code: str  # of ``SEVERITIES``
+    keys: tuple[str, ...] = ()  # of which one is to change, with its value where that is known: ``walls.layers=3``
     subject: str = ""  # the layer, variable or component that it is of, where a scene may have several
-    off_by: float = 1.0  # see ``off_by``; 1 also where it is not a matter of degree
+    numbers: Numbers = field(default_factory=dict, hash=False)
 
-    def sentence(self) -> str:
-        """The finding in one sentence."""
-        should = self.wanted.removeprefix("to ") if self.wanted.startswith("to ") else f"be {self.wanted}"
-        wanted = f", should {should}" if self.wanted else ""
-        return f"{self.what}: {self.measured}{wanted}" + (f"; change {self.key}" if self.key else "")
-
-    def line(self) -> str:
-        """The sentence with severity and code."""
-        return f"{self.severity}: {self.sentence()} [{self.code}]"
+    @property
+    def severity(self) -> Severity:
+        """By the numbers, where those of a code differ in it."""
+        rule = SEVERITIES[self.code]
+        return rule if isinstance(rule, Severity) else rule(self.numbers)
 
     @property
     def counts(self) -> bool:
@@ -132,31 +118,28 @@ class Finding(NamedTuple):
         return self.severity != NOTE
 
     @property
+    def off_by(self) -> float:
+        """Distance of the value from its bound over the larger of the two; 1 where it is not a matter of degree."""
+        value, bound = (self.numbers.get(name, math.nan) for name in ("value", "bound"))
+        if math.isnan(value - bound):
+            return 1.0
+        return abs(value - bound) / max(value, bound) if value != bound else 0.0
+
+    @property
     def rank(self) -> tuple[int, float, int]:
-        """By which findings are sorted, the most harmful first: severity, distance from what is wanted, place in ``CODES``."""
-        return list(Severity).index(Severity(self.severity)), -self.off_by, list(CODES).index(self.code)
+        """By which findings are sorted, the most harmful first: severity, distance from what is wanted, place in ``SEVERITIES``."""
+        return list(Severity).index(self.severity), -self.off_by, list(SEVERITIES).index(self.code)
 
 
-def finding(
-    code: str,
-    what: str,
-    measured: str,
-    wanted: str = "",
-    key: str = "",
-    severity: Severity | None = None,
-    subject: str = "",
-    off_by: float = 1.0,
-) -> Finding:
-    """A finding, by default of the severity of its code; KeyError for an unknown code."""
-    return Finding(code, str(severity or CODES[code].severity), what, measured, wanted, key, subject, off_by)
-
-
-def off_by(measured: float, wanted: float) -> float:
-    """Distance of a measured value from the wanted one over the larger of the two, both 0 or more: 0 where it is as wanted, 1 at most."""
-    return abs(measured - wanted) / max(measured, wanted) if measured != wanted else 0.0
+def finding(code: str, *keys: str, subject: str = "", **numbers: Any) -> Finding:
+    """A finding with its keys and numbers, those that are None left out; KeyError for an unknown code."""
+    if code not in SEVERITIES:
+        raise KeyError(code)
+    given = {name: value if isinstance(value, str) else float(value) for name, value in numbers.items() if value is not None}
+    return Finding(code, keys, subject, given)
 
 
 def codes(found: Iterable[Finding]) -> str:
-    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``CODES``."""
+    """Codes of findings for the attribute ``findings`` of a trajectory: a JSON list, each once, in the order of ``SEVERITIES``."""
     there = {each.code for each in found}
-    return to_json([code for code in CODES if code in there])
+    return to_json([code for code in SEVERITIES if code in there])

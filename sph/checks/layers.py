@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from sph.checks.cover_rows import HELD_BELOW, RUN_OUT_BY_ROWS, Cover, covers, enough_rows, strata
-from sph.checks.finding import Finding, finding, off_by
+from sph.checks.finding import Finding, finding
 from sph.scene.geometry import Bodies
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
@@ -57,57 +57,29 @@ def of_layers(scene: Scene, particles: Particles) -> list[Finding]:
     left_out |= {cover.name for cover in weak}
     if scene.numerics.interfaces == "both" and not weak and len(set(soil_numbers(scene))) > 1:
         rows = min(layer.thickness for layer in layers_of(scene, particles))
-        found.append(
-            finding(
-                "weak-on-strong",
-                "weak soil that has failed is braked by the stronger soil beside it, so its run-out is too short",
-                f"numerics.interfaces: both, with {rows:g} particles across the thinnest soil",
-                "weaker (with 2, 4 and 12 particles a layer accelerated at 0.3, 0.6 and 0.8 of what its strength allows)",
-                "numerics.interfaces",
-            )
-        )
+        found.append(finding("weak-on-strong", "numerics.interfaces", rows=rows, both=True))
     for layer in layers_of(scene, particles):
         if layer.thickness < FEWEST_IN_LAYER and layer.name not in left_out:
-            found.append(
-                finding(
-                    "thin-layer",
-                    f"{layer.name} is thin",
-                    f"{layer.thickness:g} particles across",
-                    f"at least {FEWEST_IN_LAYER}",
-                    "numerics.spacing, or the layer",
-                    subject=layer.name,
-                    off_by=off_by(layer.thickness, FEWEST_IN_LAYER),
-                )
-            )
+            keys = ("numerics.spacing", *([f"layers.{layer.name}.region"] if layer.name in scene.layers else []))
+            found.append(finding("thin-layer", *keys, subject=layer.name, value=layer.thickness, bound=FEWEST_IN_LAYER))
     return cut + [of_cover(cover, scene) for cover in weak] + found
 
 
 def of_cover(cover: Cover, scene: Scene) -> Finding:
     """What the rows of particles in weak soil on stronger ground do to its run-out: a note where they suffice."""
-    name, thickness = cover.name, cover.thickness
-    rows = f"{cover.rows:.2g} rows of particles in {thickness:.3g} m"
+    name, numbers = cover.name, dict[str, Any]()
     if cover.held:
-        return finding(
-            "layer-held",
-            f"{name}, weak soil between stronger ones, is held, since the kernel reaches across it",
-            rows,
-            f"at least {HELD_BELOW}, with a spacing of at most {thickness / HELD_BELOW:.3g} m",
-            f"numerics.spacing, or describe it as a seam (seams.{name})",
-            subject=name,
-            off_by=off_by(cover.rows, HELD_BELOW),
-        )
-    fewer = "at most" if cover.rows < min(RUN_OUT_BY_ROWS[cover.law]) and not cover.between else "about"
-    measured = f"{rows}, with which debris runs {fewer} {cover.run_out:.0%} as far as with fine particles"
+        numbers = {"value": cover.rows, "bound": HELD_BELOW, "thickness": cover.thickness}
+        return finding("layer-held", "numerics.spacing", f"seams.{name}", subject=name, **numbers)
+    fewer = cover.rows < min(RUN_OUT_BY_ROWS[cover.law]) and not cover.between
+    numbers = {"value": cover.run_out, "at_most": fewer, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness}
     if not cover.short:
-        return finding("cover-rows", f"{name}, weak soil on stronger {cover.ground}, has enough rows", measured, subject=name)
-    what = f"{name}, weak soil that slides on stronger {cover.ground}, is braked, so its run-out is too short"
+        return finding("cover-rows", subject=name, **numbers)
     if (enough := enough_rows(cover.law)) is not None:
-        wanted, key = f"at least {enough}, with a spacing of at most {thickness / enough:.3g} m", "numerics.spacing"
-    elif scene.numerics.interfaces == "both":
-        wanted, key = "computed with numerics.interfaces: weaker", "numerics.interfaces"
-    else:
-        wanted, key = "free to lose its solid state after failure", "coupling.gamma, or coupling.softening.slip_at_residual"
-    return finding("weak-on-strong", what, measured, wanted, key, subject=name, off_by=1.0 - cover.run_out)
+        return finding("weak-on-strong", "numerics.spacing", subject=name, bound=1.0, enough=enough, **numbers)
+    both = scene.numerics.interfaces == "both"
+    keys = ("numerics.interfaces",) if both else ("coupling.gamma", "coupling.softening.slip_at_residual")
+    return finding("weak-on-strong", *keys, subject=name, bound=1.0, both=both, **numbers)
 
 
 def broken(scene: Scene, particles: Particles) -> list[Finding]:
@@ -120,18 +92,10 @@ def broken(scene: Scene, particles: Particles) -> list[Finding]:
             continue
         thickness = float(np.median(section.thickness[there])) if there.any() else 0.0
         columns, crossed = int(np.count_nonzero(there & filled)), int(np.count_nonzero(there))
-        measured = f"particles in {columns} of the {crossed} columns that it crosses, {thickness:.3g} m thick at a spacing"
-        found.append(
-            finding(
-                "layer-broken",
-                f"the particles do not resolve {name} as a continuous layer" if filled.any() else f"no particle lies in {name}",
-                f"{measured} of {dx:.3g} m" if there.any() else "it lies outside the ground, or under later layers",
-                f"in every column, which needs a thickness of at least {dx:.3g} m",
-                f"numerics.spacing (smaller) or layers.{name}.region (thicker), or describe it as a seam (seams.{name})",
-                subject=name,
-                off_by=off_by(min(columns, thickness / dx * crossed), crossed) if crossed else 1.0,
-            )
-        )
+        share = {"value": min(columns / crossed, thickness / dx), "bound": 1.0} if crossed else {}
+        numbers = {"particles": int(section.particles.sum()), "columns": columns, "crossed": crossed, "thickness": thickness, "spacing": dx}
+        keys = ("numerics.spacing", f"layers.{name}.region", f"seams.{name}")
+        found.append(finding("layer-broken", *keys, subject=name, **share, **numbers))
     return found
 
 

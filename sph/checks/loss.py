@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from sph.checks.finding import NOTE, WARNING, Finding, finding, off_by
+from sph.checks.finding import Finding, finding
 from sph.scene.layers import LayerMaterial
 from sph.scene.schema import Scene
 from sph.stability.standing import slope_height
@@ -34,22 +34,14 @@ def of_loss(scene: Scene) -> list[Finding]:
     rates = {"coupling.gamma": scene.coupling.gamma, **{f"layers.{name}.gamma": its.gamma or 0.0 for name, its in scene.layers.items()}}
     key, rate = max(rates.items(), key=lambda pair: pair[1])
     if not scene.coupling.softens_by_slip:
-        what = "strength falls with time after failure, however little the soil moves; real soil loses it with slip"
-        wanted = "a loss with slip, with the slip at the residual strength from a shear test"
-        told = finding("lost-by-time", what, f"gamma = {rate:g} 1/s", wanted, "coupling.softening.slip_at_residual")
+        told = finding("lost-by-time", "coupling.softening.slip_at_residual", value=rate)
         return [told] if scene.scheme != "paper" and rate > 0 else []
-    found = []
-    if rate > 0:
-        what = "strength falls with time as well as with slip"
-        found.append(finding("lost-by-time", what, f"gamma = {rate:g} 1/s, {3.0 / rate:.2g} s to lose 95 %", "0", key, WARNING))
+    found = [finding("lost-by-time", key, value=rate, bound=0.0)] if rate > 0 else []
     length, name = min((slip_zone(scene, material), material.name) for material in scene.materials)
-    height = slope_height(scene)
-    if length < SHORTEST_ZONE * height:
-        what = f"slip in {name} develops over a short zone, so the shaking at which the slope fails may depend on the spacing"
-        wanted = f"at least {SHORTEST_ZONE:g} slope heights, {SHORTEST_ZONE * height:.3g} m; otherwise compare two spacings"
-        off = off_by(length, SHORTEST_ZONE * height)
+    bound = SHORTEST_ZONE * slope_height(scene)
+    if length < bound:
         key = "coupling.softening.slip_at_residual"
-        found.append(finding("progressive-failure", what, f"{length:.3g} m", wanted, key, subject=name, off_by=off))
+        found.append(finding("progressive-failure", key, subject=name, value=length, bound=bound, heights=SHORTEST_ZONE))
     return found
 
 
@@ -57,25 +49,8 @@ def of_softening(scene: Scene) -> list[Finding]:
     """A finding if strength falls over no width, as in the paper's scheme, or over one that is narrower than particles can average."""
     softening, dx = scene.coupling.softening, scene.numerics.spacing
     if softening is None:
-        return [
-            finding(
-                "no-process-zone",
-                "soil fails as soon as its stress reaches its strength, so the shaking at which the slope fails depends on the spacing",
-                "no softening width",
-                "a width, with the slips from a shear test",
-                "coupling.softening",
-                NOTE if scene.scheme == "paper" else None,
-            )
-        ]
+        return [finding("no-process-zone", "coupling.softening", paper=scene.scheme == "paper")]
     if softening.width >= FEWEST_IN_LENGTH * dx * (1 - 1e-9):
         return []
-    return [
-        finding(
-            "short-process-zone",
-            "the width over which slip is averaged is narrow, so failure depends on the spacing",
-            f"{softening.width / dx:.2g} spacings ({softening.width:g} m)",
-            f"at least {FEWEST_IN_LENGTH}",
-            "numerics.spacing, or coupling.softening.width",
-            off_by=off_by(softening.width / dx, FEWEST_IN_LENGTH),
-        )
-    ]
+    keys, width = ("numerics.spacing", "coupling.softening.width"), softening.width
+    return [finding("short-process-zone", *keys, value=width / dx, bound=FEWEST_IN_LENGTH, width=width)]

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 import scipy  # type: ignore[import-untyped]
 
-from sph.checks.finding import Finding, finding, off_by
+from sph.checks.finding import Finding, finding
 from sph.scene.geometry import SLOPES, Bodies
 from sph.scene.gravity import GRAVITY
 from sph.scene.ground_motion import GroundMotion
@@ -52,24 +52,15 @@ def cut_off(scene: Scene) -> list[Finding]:
     """A warning if the run ends before the motion does."""
     if isinstance(scene.motion, NoMotion) or scene.motion.end <= scene.duration:
         return []
-    end = f"{scene.motion.end:.4g} s"
-    return [
-        finding(
-            "motion-cut-off",
-            "the run ends before the motion does",
-            f"{scene.duration:g} s",
-            f"more than {end}",
-            f"duration, above {end}",
-            off_by=off_by(scene.duration, scene.motion.end),
-        )
-    ]
+    return [finding("motion-cut-off", "duration", value=scene.duration, bound=scene.motion.end)]
 
 
 def of_motion(scene: Scene) -> list[Finding]:
     """All findings of the shaking of a scene."""
     loading = loading_of(scene)
     components = {"horizontal": loading.ground, "vertical": loading.vertical}
-    return cut_off(scene) + sampled(scene) + of_record(scene) + implausible(components, "motion.amplitude, or the unit of the record")
+    scaling = ("motion.factor", "motion.unit") if isinstance(scene.motion, Record) else ("motion.amplitude",)
+    return cut_off(scene) + sampled(scene) + of_record(scene) + implausible(components, *scaling)
 
 
 def mean_period(motion: GroundMotion) -> float:
@@ -116,11 +107,9 @@ def of_damping(scene: Scene) -> list[Finding]:
     ratio = scene.damping.at(frequency)
     if ratio <= OTHER_DAMPING * given:
         return []
-    what = f"the first mode of the ground, {frequency:.3g} Hz below the crest edge, is damped more than the ratio that is given"
     low, high = (float(f"{each:.3g}") for each in (frequency, max(frequency * 5.0, scene.damping.frequencies[1])))
-    measured, wanted = f"{100 * ratio:.3g} % instead of {100 * given:.3g} %", f"at most {100 * OTHER_DAMPING * given:.3g} %"
-    key = f"damping.frequencies to [{low:g}, {high:g}]"
-    return [finding("damping-off-frequency", what, measured, wanted, key, off_by=off_by(ratio, given))]
+    key = f"damping.frequencies=[{low:g}, {high:g}]"
+    return [finding("damping-off-frequency", key, value=ratio, bound=OTHER_DAMPING * given, given=given, frequency=frequency)]
 
 
 def not_rigid(scene: Scene) -> list[Finding]:
@@ -130,10 +119,7 @@ def not_rigid(scene: Scene) -> list[Finding]:
     mean, period = mean_period(motion_of(scene)), 1.0 / natural_frequency(scene, scene.geometry.crest)
     if not mean or period <= MOST_RIGID * mean:
         return []
-    tells = "underestimates" if period <= mean else "does not represent"
-    what = f"the slope is not rigid under this motion, so a rigid sliding block {tells} its displacement"
-    measured = f"a natural period of {period:.2g} s, {period / mean:.2g} times the mean period of the motion"
-    return [finding("block-not-rigid", what, measured, f"at most {MOST_RIGID:g} for a rigid block (Jibson 2011)")]
+    return [finding("block-not-rigid", value=period / mean, bound=MOST_RIGID, period=period)]
 
 
 def peak_accelerations(scene: Scene) -> str:
@@ -152,41 +138,30 @@ def of_record(scene: Scene) -> list[Finding]:
     return drifting(motion, "motion.baseline={}") + one_sided(motion, f"motion.factor={-scene.motion.factor:g}")
 
 
-def implausible(components: Mapping[str, np.ndarray], key: str) -> list[Finding]:
+def implausible(components: Mapping[str, np.ndarray], *keys: str) -> list[Finding]:
     """A warning for each peak of accelerations (n,) in m/s2, by direction, the horizontal first, that is not plausible; 0 is."""
-    wanted = f"{WEAKEST:g} to {STRONGEST:g} g"
+    least, most = WEAKEST * GRAVITY, STRONGEST * GRAVITY
     peaks = {name: float(np.abs(values).max()) for name, values in components.items()}
     return [
-        finding(
-            "pga-implausible",
-            f"the {name} peak acceleration of the ground is implausible",
-            in_both(peak),
-            wanted,
-            key,
-            subject=name,
-            off_by=off_by(peak, (STRONGEST if peak > STRONGEST * GRAVITY else WEAKEST) * GRAVITY),
-        )
+        finding("pga-implausible", *keys, subject=name, value=peak, bound=most if peak > most else least, least=least, most=most)
         for name, peak in peaks.items()
-        if peak > STRONGEST * GRAVITY or name == "horizontal" and 0.0 < peak < WEAKEST * GRAVITY
+        if peak > most or name == "horizontal" and 0.0 < peak < least
     ]
 
 
 def sampled(scene: Scene) -> list[Finding]:
     """A warning if the samples of a scene's record, as read, lie far apart."""
     data = scene.motion.data if isinstance(scene.motion, Record) else None
-    return [] if data is None else sparse(data.interval, "motion.file, or its time column")
+    return [] if data is None else sparse(data.interval, "motion.file")
 
 
-def sparse(interval: float, key: str) -> list[Finding]:
+def sparse(interval: float, *keys: str) -> list[Finding]:
     """A warning if the samples of a record are further apart (s) than those of recorders."""
-    if interval <= LONGEST_INTERVAL:
-        return []
-    what = "the samples of the record are so far apart that its times may be in another unit"
-    return [finding("record-sparse", what, f"a sample every {interval:g} s", f"at most {LONGEST_INTERVAL:g} s", key)]
+    return [finding("record-sparse", *keys, value=interval, bound=LONGEST_INTERVAL)] if interval > LONGEST_INTERVAL else []
 
 
-def drifting(motion: GroundMotion, key: str) -> list[Finding]:
-    """Findings of a record whose ground does not come to rest, moves too far or ends elsewhere; ``key`` removes the drift.
+def drifting(motion: GroundMotion, *keys: str) -> list[Finding]:
+    """Findings of a record whose ground does not come to rest, moves too far or ends elsewhere; a key removes the drift.
 
     An offset of the recorder moves a sliding block like shaking, whatever drift it leaves.
     """
@@ -195,28 +170,20 @@ def drifting(motion: GroundMotion, key: str) -> list[Finding]:
     displacement = scipy.integrate.cumulative_trapezoid(velocity, time, initial=0.0)
     largest, last = float(np.abs(velocity).max()), abs(float(velocity[-1]))
     furthest, lasting = float(np.abs(displacement).max()), abs(float(displacement[-1]))
-    found = []
-    if last > LARGEST_DRIFT * largest:
-        offset, bound = last / float(time[-1] - time[0]), LARGEST_OFFSET * motion.peak
-        at_end, wanted = f"{last:.2g} m/s at its end", f"at most {LARGEST_DRIFT * largest:.2g} m/s"
-        off = off_by(last, LARGEST_DRIFT * largest)
-        if offset > bound:
-            measured = f"a mean of {in_both(offset)}, {at_end}"
-            what = "the record drifts because of an offset of the recorder"
-            found.append(finding("record-offset", what, measured, wanted, key, off_by=off))
-        else:
-            found.append(finding("record-drift", "the record drifts", at_end, wanted, key, off_by=off))
+    found, bound = [], LARGEST_DRIFT * largest
+    if last > bound:
+        mean = last / float(time[-1] - time[0])
+        found.append(
+            finding("record-offset" if mean > LARGEST_OFFSET * motion.peak else "record-drift", *keys, value=last, bound=bound, mean=mean)
+        )
     if furthest > LARGEST_DISPLACEMENT:
-        wanted = f"at most {LARGEST_DISPLACEMENT:g} m, except beside a fault that broke the surface"
-        off, what = off_by(furthest, LARGEST_DISPLACEMENT), "the peak displacement of the ground is implausible"
-        found.append(finding("record-displacement", what, f"{furthest:.3g} m", wanted, key, off_by=off))
+        found.append(finding("record-displacement", *keys, value=furthest, bound=LARGEST_DISPLACEMENT))
     elif lasting > max(LASTING * furthest, SHORTEST_LASTING):
-        measured = f"{lasting:.2g} m, with a peak displacement of {furthest:.2g} m"
-        found.append(finding("record-lasting", "the ground is left displaced at the end of the record", measured, "near 0", key))
+        found.append(finding("record-lasting", *keys, value=lasting, peak=furthest))
     return found
 
 
-def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
+def one_sided(motion: GroundMotion, *keys: str) -> list[Finding]:
     """A note if the reversed record drives a sliding block further."""
     strength = POLARITY_RATIO * motion.peak
     if not strength > 0:
@@ -224,5 +191,4 @@ def one_sided(motion: GroundMotion, key: str) -> list[Finding]:
     as_it_is, turned = (sliding_block(motion.time, sign * motion.acceleration, strength).permanent for sign in (1.0, -1.0))
     if turned <= POLARITY * as_it_is:
         return []
-    measured = f"{turned:.2g} m instead of {as_it_is:.2g} m for a block with a yield acceleration of {POLARITY_RATIO:g} PGA"
-    return [finding("record-polarity", "the reversed record drives a sliding block further", measured, "computed in both directions", key)]
+    return [finding("record-polarity", *keys, reversed=turned, as_recorded=as_it_is, yield_ratio=POLARITY_RATIO)]

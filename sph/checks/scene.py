@@ -1,6 +1,6 @@
-"""Findings of a scene before it is run: what may spoil its results, with the measured and the wanted value and the key to change.
+"""Findings of a scene before it is run: what may spoil its results.
 
-``sph.checks.finding`` lists all that can be found.  What takes runs of the scene, its stability, is in ``sph.study.preflight``.
+What takes runs of the scene, its stability, is in ``sph.study.preflight``.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ import math
 
 import numpy as np
 
-from sph.checks.finding import Finding, finding, off_by
+from sph.checks.finding import Finding, finding
 from sph.checks.layers import of_layers
 from sph.checks.loss import of_loss, of_softening
 from sph.checks.motion import not_rigid, of_damping, of_motion
@@ -21,7 +21,6 @@ from sph.scene.loading import loading_of
 from sph.scene.motion import ConstantAcceleration, NoMotion
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
-from sph.scene.units import in_both
 from sph.scene.walls import wall_words
 from sph.scene.water import standing_water
 from sph.solver.initial_stress import check_at_rest
@@ -153,17 +152,11 @@ def of_choices(scene: Scene) -> list[Finding]:
     found = []
     same = all(math.isclose(getattr(scene.soil, name), value, rel_tol=1e-6) for name, value in PLACEHOLDER_SOIL.items())
     if same or scene.title.endswith(PLACEHOLDER):
-        wanted = "your soil and a title of your own"
-        values = ", ".join(f"{name} {value:g}" for name, value in PLACEHOLDER_SOIL.items())
-        measured = values if same else scene.title
-        found.append(finding("soil-not-replaced", "the soil is still the placeholder of sph new", measured, wanted, "soil, title"))
+        found.append(finding("soil-not-replaced", "soil", "title", values=same))
     if _is_rigid(scene) and highest_frequency(scene):
-        wanted = "absorbing, where waves radiate away"
-        what = "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away"
-        found.append(finding("rigid-box", what, _box(scene), wanted, "walls.base and walls.sides"))
+        found.append(finding("rigid-box", "walls.base", "walls.sides", base=scene.walls.base, sides=scene.walls.sides))
     if any(soil.friction_angle > 0 and soil.dilation_angle == 0 for soil in scene.soils):
-        wanted = "the angle from a shear test: 0 in loose soil, a fraction of the friction angle in dense soil"
-        found.append(finding("no-dilation", "frictional soil does not dilate", "0 degrees", wanted, "soil.dilation_angle"))
+        found.append(finding("no-dilation", "soil.dilation_angle"))
     return found
 
 
@@ -242,82 +235,37 @@ def findings(scene: Scene, particles: Particles | None = None) -> list[Finding]:
 
 
 def _waves(scene: Scene, name: str, soil: Soil) -> list[Finding]:
-    found = []
     frequency = highest_frequency(scene)
     lengths = in_wave(scene, soil, frequency)
-    if lengths < FEWEST_IN_WAVE:
-        ratio = wave_speed_ratio(scene, soil.s_wave_speed / frequency)
-        found.append(
-            finding(
-                "short-waves",
-                f"shear waves of {frequency:.3g} Hz are too short for the particles in {name}",
-                f"{lengths:.2g} smoothing lengths per wave ({soil.s_wave_speed / frequency:.3g} m), carried {1 - ratio:.0%} too slowly",
-                f"at least {FEWEST_IN_WAVE} (Kuhlemeyer and Lysmer 1973)",
-                "numerics.spacing or numerics.smoothing_ratio",
-                subject=name,
-                off_by=off_by(lengths, FEWEST_IN_WAVE),
-            )
-        )
-    return found
+    if lengths >= FEWEST_IN_WAVE:
+        return []
+    length = soil.s_wave_speed / frequency
+    numbers = {"frequency": frequency, "wavelength": length, "slower": 1.0 - wave_speed_ratio(scene, length)}
+    keys = ("numerics.spacing", "numerics.smoothing_ratio")
+    return [finding("short-waves", *keys, subject=name, value=lengths, bound=FEWEST_IN_WAVE, **numbers)]
 
 
 def _slope(scene: Scene, geometry: Slope | GroundLine) -> list[Finding]:
     found = []
     height, (toe_x, _), (crest_x, _) = geometry.slope_height, geometry.toe, geometry.crest
-    if height < FEWEST_IN_HEIGHT * scene.numerics.spacing * (1 - 1e-9):
-        across = f"{height / scene.numerics.spacing:.1f} particles in {height:g} m"
-        found.append(
-            finding(
-                "few-particles",
-                "few particles across the slope's height",
-                across,
-                f"at least {FEWEST_IN_HEIGHT}",
-                "numerics.spacing",
-                off_by=off_by(height / scene.numerics.spacing, FEWEST_IN_HEIGHT),
-            )
-        )
+    survey = ("geometry.window", "geometry.points") if isinstance(geometry, GroundLine) else ()
+    across = height / scene.numerics.spacing
+    if across < FEWEST_IN_HEIGHT * (1 - 1e-9):
+        found.append(finding("few-particles", "numerics.spacing", value=across, bound=FEWEST_IN_HEIGHT, height=height))
     behind = geometry.width - crest_x
     if behind < ROOM_BEHIND * height:
-        key = "geometry.crest_length" if isinstance(geometry, Slope) else "geometry.window or the line"
-        found.append(
-            finding(
-                "back-wall",
-                "the side of the model behind the crest is near",
-                f"{behind:.3g} m",
-                f"at least H = {ROOM_BEHIND * height:.3g} m",
-                key,
-                off_by=off_by(behind, ROOM_BEHIND * height),
-            )
-        )
+        found.append(finding("back-wall", *survey or ["geometry.crest_length"], value=behind, bound=ROOM_BEHIND * height))
     room = room_ahead(scene)
     if toe_x < room * (1 - 1e-9):
-        key = "geometry.apron_length" if isinstance(geometry, Slope) else "geometry.window or the line"
-        found.append(
-            finding(
-                "little-room",
-                "little room for the run-out between the toe and the side of the model",
-                f"{toe_x:.3g} m",
-                f"at least {room:.3g} m, {room / height:.2g} H, for the residual strength of the soil",
-                key,
-                off_by=off_by(toe_x, room),
-            )
-        )
+        found.append(finding("little-room", *survey or ["geometry.apron_length"], value=toe_x, bound=room, heights=room / height))
     if isinstance(geometry, GroundLine):
         found += to_side(geometry)
         x, y = (np.array(side) for side in geometry.surface)
         (_, low), (_, high) = largest_climb(np.column_stack([-x, y])[::-1], 0.0)
         if high - low > height:
             other = "right" if geometry.downhill == "left" else "left"
-            found.append(
-                finding(
-                    "other-slope",
-                    f"the ground falls further to the {other} than to the {geometry.downhill}",
-                    f"{high - low:.3g} m and {height:.3g} m",
-                    "the other way round, unless the smaller slope is the one that may fail",
-                    f"geometry.downhill={other}, or a narrower geometry.window",
-                    off_by=off_by(height, high - low),
-                )
-            )
+            keys = (f"geometry.downhill={other}", "geometry.window")
+            found.append(finding("other-slope", *keys, value=height, bound=high - low, downhill=geometry.downhill, other=other))
     return found
 
 
@@ -328,18 +276,13 @@ def to_side(geometry: GroundLine) -> list[Finding]:
     for name, chosen, place, end, side in ends:
         if chosen is not None or place[0] != end:
             continue
-        x, y = geometry.in_survey(*place)
-        wanted, key = f"an edge with gentler ground beyond it, or {name}_at", "geometry.window or the line"
+        keys: tuple[str, ...] = ("geometry.window", "geometry.points")
+        numbers = dict(zip("xy", geometry.in_survey(*place), strict=True))
         if face is not None and face[side][0] != end:
-            other_x, other_y = geometry.in_survey(*face[side])
-            height = geometry.slope_height - abs(face[side][1] - place[1])
-            wanted = (
-                f"({other_x:.10g}, {other_y:.10g}) m, that of a steeper face, with H = {height:.4g} m, if it is the slope that is meant"
-            )
-            key = f"geometry.{name}_at=[{other_x:.10g}, {other_y:.10g}]"
-        what = f"the slope goes on to the side of the model, whose end is taken for its {name}"
-        measured = f"({x:.10g}, {y:.10g}) m, H = {geometry.slope_height:.4g} m"
-        found.append(finding("slope-to-side", what, measured, wanted, key, subject=name))
+            x, y = geometry.in_survey(*face[side])
+            numbers |= {"other_x": x, "other_y": y, "other_height": geometry.slope_height - abs(face[side][1] - place[1])}
+            keys = (f"geometry.{name}_at=[{x:.10g}, {y:.10g}]",)
+        found.append(finding("slope-to-side", *keys, subject=name, height=geometry.slope_height, **numbers))
     return found
 
 
@@ -395,33 +338,15 @@ def of_rows(scene: Scene, particles: Particles) -> list[Finding]:
     height, error = geometry.slope_height, height_error(scene, particles)
     if abs(error) <= LARGEST_HEIGHT_ERROR:
         return []
-    return [
-        finding(
-            "rows-misfit",
-            "the rows of particles make the slope too " + ("high" if error > 0 else "low"),
-            f"{(1 + error) * height:.4g} m for {height:.4g} m ({error:+.1%})",
-            f"equal, as with a spacing of {dividing(dx, height):.4g} m, which divides the height",
-            "numerics.spacing",
-            off_by=off_by(1 + error, 1.0),
-        )
-    ]
+    return [finding("rows-misfit", "numerics.spacing", value=(1.0 + error) * height, bound=height, spacing=dividing(dx, height))]
 
 
 def thin_box(scene: Scene) -> list[Finding]:
     """A warning if the box has fewer layers of particles than fill the kernel's support."""
     walls, needed = scene.walls, scene.layers_filling_support
-    if any(kind.stands for kind in walls.kinds) and walls.layers < needed:
-        return [
-            finding(
-                "thin-box",
-                "the boundary particles do not fill the kernel's support, so stresses beside them alternate from row to row",
-                f"{walls.layers} layers",
-                f"{needed}",
-                f"walls.layers={needed}, or a smaller numerics.smoothing_ratio",
-                off_by=off_by(walls.layers, needed),
-            )
-        ]
-    return []
+    if not any(kind.stands for kind in walls.kinds) or walls.layers >= needed:
+        return []
+    return [finding("thin-box", f"walls.layers={needed}", "numerics.smoothing_ratio", value=walls.layers, bound=needed)]
 
 
 def of_variation(scene: Scene) -> list[Finding]:
@@ -431,11 +356,8 @@ def of_variation(scene: Scene) -> list[Finding]:
         assert variable.field is not None
         shortest = min(variable.field.horizontal_length, variable.field.vertical_length)
         if shortest < reach * (1 - 1e-9):
-            what = f"{variable.of} varies over lengths that the particles do not resolve"
-            wanted = f"at least {reach:.3g} m, the kernel's reach"
-            measured, key = f"correlation length {shortest:g} m", "numerics.spacing, or the field"
-            off = off_by(shortest, reach)
-            found.append(finding("short-correlation", what, measured, wanted, key, subject=variable.of, off_by=off))
+            keys = ("numerics.spacing", "uncertain.variables")
+            found.append(finding("short-correlation", *keys, subject=variable.of, value=shortest, bound=reach))
     return found
 
 
@@ -463,42 +385,20 @@ def of_level_ground(scene: Scene, particles: Particles) -> list[Finding]:
     (enough, depth), peak = level_ground(scene, particles), float(np.abs(loading_of(scene).ground).max())
     if peak < enough:
         return []
-    measured = f"{in_both(peak)}, where {in_both(enough)} is enough at a depth of {depth:.3g} m"
-    what = "level ground behind the crest, taken as a rigid column, fails in shear as well"
-    wanted = "less, unless the ground is meant to fail as a whole"
-    return [finding("level-ground-fails", what, measured, wanted, "motion.amplitude")]
+    return [finding("level-ground-fails", "motion.amplitude", value=peak, bound=enough, depth=depth)]
 
 
 def _series(scene: Scene) -> list[Finding]:
     samples = 1.0 / (frequency * scene.outputs.series_interval) if (frequency := highest_frequency(scene)) else np.inf
     if samples >= FEWEST_IN_SERIES:
         return []
-    measured = f"{samples:.2g} samples per period at {frequency:.3g} Hz"
-    return [
-        finding(
-            "sparse-series",
-            "the stored series have too few samples of the shaking",
-            measured,
-            f"at least {FEWEST_IN_SERIES}",
-            "outputs.series_interval",
-            off_by=off_by(samples, FEWEST_IN_SERIES),
-        )
-    ]
+    return [finding("sparse-series", "outputs.series_interval", value=samples, bound=FEWEST_IN_SERIES, frequency=frequency)]
 
 
 def _step(scene: Scene) -> list[Finding]:
     smallest = min(limits(scene), key=lambda limit: limit.seconds)
-    step = scene.numerics.time_step
-    if scene.numerics.adaptive_step is not None or step <= SHARE_OF_LIMIT * smallest.seconds:
+    step, bound = scene.numerics.time_step, SHARE_OF_LIMIT * smallest.seconds
+    if scene.numerics.adaptive_step is not None or step <= bound:
         return []
-    wanted = f"at most {SHARE_OF_LIMIT * smallest.seconds:.2g} s, {SHARE_OF_LIMIT:g} of the limit ({smallest.name})"
-    return [
-        finding(
-            "time-step",
-            "the time step is near or above its limit",
-            f"{step:.3g} s",
-            wanted,
-            "numerics.time_step, or numerics.adaptive_step={}",
-            off_by=off_by(step, SHARE_OF_LIMIT * smallest.seconds),
-        )
-    ]
+    keys = ("numerics.time_step", "numerics.adaptive_step={}")
+    return [finding("time-step", *keys, value=step, bound=bound, share=SHARE_OF_LIMIT, limit=smallest.name)]

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from sph.checks.finding import Finding, Severity, finding, off_by
+from sph.checks.finding import Finding, finding
 from sph.scene.geometry import SLOPES, Slope
 from sph.scene.gravity import FAILED_AREA, UniformStress
 from sph.scene.schema import Scene
@@ -35,20 +35,17 @@ USED_UP = 0.95
 """Share of its peak strength from which on hardly any is left to the shaking."""
 
 
-def mobilised_strength(name: str, share: float, when: str, where: str = "", wanted: str = "", key: str = "") -> Finding:
-    """The finding of a share of its peak strength that a layer mobilises under gravity alone; a warning where hardly any is left."""
-    near = share >= USED_UP
+def mobilised_strength(name: str, share: float, *keys: str, **numbers: float | None) -> Finding:
+    """The finding of a share of its peak strength that a layer mobilises under gravity alone; bounded where hardly any is left.
+
+    ``keys`` of the soil may change that, beside its K0.
+    """
     path = "soil" if name == "soil" else f"layers.{name}.soil"
-    return finding(
-        "mobilised-strength",
-        f"strength of {name} mobilised by gravity alone, {when}",
-        f"{100 * share:.0f} % of its peak strength{where}",
-        f"less than {100 * USED_UP:.0f} %, {wanted or 'or be computed from a known initial stress'}" if near else "",
-        f"{path}.K0, or {key or 'its strength'}" if near else "",
-        Severity.WARNING if near else None,
-        subject=name,
-        off_by=off_by(share, USED_UP) if near else 1.0,
-    )
+    if share < USED_UP:
+        return finding("mobilised-strength", subject=name, value=share, **numbers)
+    others = keys or ("cohesion", "friction_angle")
+    changed = (f"{path}.{key}" for key in ("K0", *others))
+    return finding("mobilised-strength", *changed, subject=name, value=share, bound=USED_UP, **numbers)
 
 
 def at_rest(scene: Scene, particles: Particles) -> np.ndarray:
@@ -84,12 +81,11 @@ def of_rest(scene: Scene, particles: Particles) -> list[Finding]:
         near = (particles.layer[soil] == number) & (shares >= USED_UP)
         if np.count_nonzero(near) * scene.numerics.spacing**2 > FAILED_AREA * (geometry.crest[1] - geometry.toe[1]) ** 2:
             worst = int(np.argmax(np.where(near, shares, 0.0)))
-            given, held = f"{its.at_rest:.3g}{' = nu / (1 - nu)' if its.K0 is None else ''}", _held_at_rest(scene, particles, worst)
-            where = f" at a depth of {depth[worst]:.3g} m with K0 = {given}"
-            where += f", {100 * USED_UP:.0f} % or more from {depth[near].min():.3g} m downwards"
-            bound = f"at least {held:.3g} (nu {held / (1 + held):.3g})" if held < 1.0 else f"at most {held:.3g}"
-            when, key = "in level ground at rest (Rankine)", "poisson_ratio" if its.K0 is None else ""
-            found.append(mobilised_strength(name, float(shares[worst]), when, where, f"as with a K0 of {bound}", key))
+            numbers = {"depth": depth[worst], "from_depth": depth[near].min(), "K0": its.at_rest}
+            ratio = its.poisson_ratio if its.K0 is None else None
+            keys = () if ratio is None else ("poisson_ratio",)
+            held = _held_at_rest(scene, particles, worst)
+            found.append(mobilised_strength(name, float(shares[worst]), *keys, **numbers, poisson_ratio=ratio, held_K0=held))
     return found
 
 
@@ -120,26 +116,15 @@ def of_soils(scene: Scene) -> list[Finding]:
     for side in ("base", "sides"):
         friction = getattr(scene.walls.friction, side, 0.0)
         if friction > LARGEST_TANGENT:
-            key = f"walls.friction.{side}"
-            wanted = f"a tangent, at most {LARGEST_TANGENT:.2g}; that of {friction:g} degrees is {math.tan(math.radians(friction)):.3g}"
-            others.append(
-                _told("angle-implausible", f"the friction of the walls ({side})", key, f"{friction:g}", wanted, friction, LARGEST_TANGENT)
-            )
+            others.append(finding("angle-implausible", f"walls.friction.{side}", subject=side, value=friction, bound=LARGEST_TANGENT))
     if isinstance(scene.geometry, Slope) and scene.geometry.slope_angle < math.pi / 2:
         others.append(_of_angle("the slope", "geometry.slope_angle", scene.geometry.slope_angle, math.pi / 2))
     return [*own, *(each for each in layers if (each.code, each.off_by) not in taken_over), *others]
 
 
-def _told(code: str, what: str, key: str, measured: str, wanted: str, value: float, bound: float, name: str = "") -> Finding:
-    return finding(code, f"{what} is implausible", f"{key} {measured}", wanted, key, subject=name, off_by=off_by(value, bound))
-
-
 def _of_angle(name: str, key: str, angle: float, least: float) -> Finding:
     """Of an angle (degree) that may be in radians, or a tangent."""
-    what = f"the {key.rsplit('.', 1)[-1].replace('_', ' ')} of {name}"
-    wanted = f"at least {least:.2g} degree, or 0; {angle:g} rad are {math.degrees(angle):.3g} degree, and {angle:g} is the tangent of "
-    wanted += f"{math.degrees(math.atan(angle)):.3g} degree"
-    return _told("angle-implausible", what, key, f"{angle:g} degree", wanted, angle, least, name)
+    return finding("angle-implausible", key, subject=name, value=math.radians(angle), bound=math.radians(least))
 
 
 def _of_strength(name: str, path: str, values: Mapping[str, float]) -> list[Finding]:
@@ -147,39 +132,35 @@ def _of_strength(name: str, path: str, values: Mapping[str, float]) -> list[Find
     found = []
     for each, value in values.items():
         key = f"{path}.{each}"
-        if each.endswith("_angle") and 0.0 < value < LARGEST_TANGENT:
+        if each.endswith("_angle") and 0.0 < value <= LARGEST_TANGENT:
             found.append(_of_angle(name, key, value, LARGEST_TANGENT))
         elif each.endswith("cohesion") and value and not COHESIONS[0] <= value <= COHESIONS[1]:
-            small = value < COHESIONS[0]
-            wanted = f"at least {COHESIONS[0]:g} kPa, or 0; 20 kPa are 0.02 MPa" if small else "at most 1,000 kPa; 20 kPa are 20000 Pa"
-            what = f"the {each.replace('_', ' ')} of {name}"
-            found.append(_told("cohesion-implausible", what, key, f"{value:g} kPa", wanted, value, COHESIONS[0 if small else 1], name))
+            bound = COHESIONS[0 if value < COHESIONS[0] else 1]
+            found.append(finding("cohesion-implausible", key, subject=name, value=1e3 * value, bound=1e3 * bound))
     return found
+
+
+def _beyond(code: str, key: str, name: str, value: float, usual: tuple[float, float], **numbers: float) -> list[Finding]:
+    """The finding of a value outside its usual range, beside the nearer end."""
+    least, most = usual
+    if least <= value <= most:
+        return []
+    bound = least if value < least else most
+    return [finding(code, key, subject=name, value=value, bound=bound, least=least, most=most, **numbers)]
 
 
 def _of_soil(name: str, path: str, soil: Soil) -> list[Finding]:
     """Of the soil that lies at a dotted key."""
-    found = []
-    if not DENSITIES[0] <= soil.density <= DENSITIES[1]:
-        bound = min(DENSITIES, key=lambda bound: abs(bound - soil.density))
-        measured = f"{soil.density:g} kg/m3"
-        what, wanted = f"the density of {name}", "1,000 to 3,000 kg/m3"
-        found.append(_told("density-implausible", what, f"{path}.density", measured, wanted, soil.density, bound, name))
-    speed = soil.s_wave_speed
-    if not WAVE_SPEEDS[0] <= speed <= WAVE_SPEEDS[1]:
-        bound = min(WAVE_SPEEDS, key=lambda bound: abs(bound - speed))
-        measured = f"{soil.youngs_modulus:g} kPa, V_s = {speed:.3g} m/s"
-        what, wanted = f"the stiffness of {name}", "V_s = 30 to 3,500 m/s"
-        found.append(_told("stiffness-implausible", what, f"{path}.youngs_modulus", measured, wanted, speed, bound, name))
+    found = _beyond("density-implausible", f"{path}.density", name, soil.density, DENSITIES)
+    stiffness = {"youngs_modulus": 1e3 * soil.youngs_modulus}
+    found += _beyond("stiffness-implausible", f"{path}.youngs_modulus", name, soil.s_wave_speed, WAVE_SPEEDS, **stiffness)
     strengths = {key: value for key, value in soil if isinstance(value, float)}
     if soil.gradient and soil.cohesion < COHESIONS[0]:
         strengths.pop("cohesion")  # at the top, below which it grows
     found += _of_strength(name, path, strengths)
     if soil.friction_angle < SMALLEST_ANGLE and soil.cohesion < SMALLEST_COHESION and not soil.gradient:
-        cohesion = f"{path}.cohesion"
-        what = f"the peak strength of {name} is implausibly low"
-        measured = f"{cohesion} {soil.cohesion:g} kPa and {path}.friction_angle {soil.friction_angle:g} degree"
-        wanted = f"at least {SMALLEST_COHESION:g} kPa or at least {SMALLEST_ANGLE:g} degree"
-        off = min(off_by(soil.cohesion, SMALLEST_COHESION), off_by(soil.friction_angle, SMALLEST_ANGLE))
-        found.append(finding("strength-implausible", what, measured, wanted, cohesion, subject=name, off_by=off))
+        strength = {"cohesion": soil.cohesion_si, "friction_angle": soil.friction_angle_si}
+        least = {"least_cohesion": 1e3 * SMALLEST_COHESION, "least_angle": math.radians(SMALLEST_ANGLE)}
+        nearer = max(soil.cohesion / SMALLEST_COHESION, soil.friction_angle / SMALLEST_ANGLE)
+        found.append(finding("strength-implausible", f"{path}.cohesion", subject=name, value=nearer, bound=1.0, **strength, **least))
     return found

@@ -6,11 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from sph.checks.equilibrium import equilibrium_rows, found_equilibrium, slip_at_base, without_surface
+from sph.checks.equilibrium import equilibrium_numbers, found_equilibrium, slip_at_base, without_surface
 from sph.checks.finding import Finding
 from sph.checks.layers import Layer, layers_of, seam_rows
+from sph.checks.messages import factor_words, line, record, yield_words
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, highest_frequency, in_wave, strengths, uncertain_rows, water_rows
+from sph.checks.stability import stability
 from sph.command.given import read_given
 from sph.command.outputs import check_picture
 from sph.command.terminal import aligned, table
@@ -23,7 +25,6 @@ from sph.scene.strict_json import to_json
 from sph.solver.particles import Particles, locate_probes, place_particles
 from sph.stability.slip_search import LimitEquilibrium
 from sph.study.cost import ON_REFERENCE, cost
-from sph.study.preflight import stability
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,8 +55,8 @@ def answer(path: Path, changes: Mapping[str, Any], plot: Path | None, study: Pat
     facts, layers, told = rows(found), layer_rows(found), (stability(scene) if static else []) + found.findings
     if as_json:
         named = [dict(zip(LAYER_COLUMNS, row, strict=True)) for row in layers]
-        return to_json({"rows": dict(facts), "layers": named, "findings": [each._asdict() for each in told]}, indent=1)
-    lines = [aligned(facts), table(LAYER_COLUMNS, layers), *(each.line() for each in told)]
+        return to_json({"rows": dict(facts), "layers": named, "findings": [record(each) for each in told]}, indent=1)
+    lines = [aligned(facts), table(LAYER_COLUMNS, layers), *(line(each) for each in told)]
     return "\n".join([*lines, *["no warnings"] * (not any(each.counts for each in told))])
 
 
@@ -103,6 +104,14 @@ def rows(found: Check) -> list[tuple[str, str]]:
         ("computing time", f"{expected.seconds:,.3g} s {ON_REFERENCE}, if the soil fails"),
         ("memory and disk", f"{expected.memory:,.0f} MiB while it runs, {expected.disk:,.1f} MiB for its trajectory"),
     ]
+
+
+def equilibrium_rows(found: LimitEquilibrium | None) -> list[tuple[str, str]]:
+    """Label and text of the limits by limit equilibrium; none for a scene without a slope."""
+    if found is None:
+        return []
+    numbers = equilibrium_numbers(found)
+    return [("factor of safety", factor_words(numbers)), ("yield acceleration", yield_words(numbers))]
 
 
 LAYER_COLUMNS = ("layer", "particles", "across", "V_s (m/s)", "λ (m)", "λ/spacing", "λ/h")

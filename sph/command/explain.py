@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
+from sph.checks.messages import search_words
 from sph.command.study import find_study
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.sensitivity.design import FOLDER as SENSITIVITY_FOLDER
@@ -40,7 +41,6 @@ from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, point_name, value_of
 from sph.study.plan import Plan
 from sph.study.planned import differing
-from sph.study.searches import found_words
 from sph.study.tables import read_csv
 
 
@@ -234,7 +234,7 @@ def origin(catalogue: Catalogue, file: str) -> tuple[Origin, Run | None]:
     if solver != solver_digest():
         differs.append(f"made by the solver {solver or 'of a version that did not record it'}; the installed solver is {solver_digest()}")
     versions = str(run.attrs.get("versions", ""))
-    status = str(run.attrs.get("status", "")) or f"{run.attrs['by'].replace('_', ' ')}: {', '.join(filter(None, found_words(run.attrs)))}"
+    status = str(run.attrs.get("status", "")) or f"{run.attrs['by'].replace('_', ' ')}: {', '.join(filter(None, search_words(run.attrs)))}"
     return Origin(file, digest, contents(made.model_dump(mode="json")), solver, versions, status, differs), run
 
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from sph.checks.layers import seam_rows
+from sph.checks.messages import sentence
 from sph.checks.motion import frequency_rows, peak_accelerations
 from sph.checks.scene import choices, findings, strengths, uncertain_rows, water_rows
 from sph.command.given import read_given
@@ -86,7 +87,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     for name, index in locate_probes(scene, particles).items():
         x, y = scene.geometry.in_survey(float(particles.x[index]), float(particles.y[index]))
         rows.append((f"probe {name}", f"particle {index} at ({x:.10g}, {y:.10g}) m"))
-    rows += [(found.severity, f"{found.sentence()} [{found.code}]") for found in findings(scene, particles)]
+    rows += [(found.severity, f"{sentence(found)} [{found.code}]") for found in findings(scene, particles)]
     rows.append(("expected error", expected_sentence(scene)))
     rows += [
         ("estimated cost", f"{expected.seconds:.3g} s {ON_REFERENCE} ({n * expected.steps / 1e6:.0f} M particle-steps), if the soil fails"),

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from sph.checks.finding import Finding
+from sph.checks.messages import line
 from sph.checks.motion import drifting, implausible, of_motion, one_sided, sparse
 from sph.command.given import earlier_run, read_given
 from sph.command.outputs import check_picture
@@ -24,7 +25,8 @@ from sph.scene.units import in_both
 
 READING = {"unit", "component"}
 """Keys of a treatment that say what is read in a record, and do not process it."""
-CURE = "--baseline 1, or motion.baseline of a scene with it"
+CURE = ("--baseline 1", "motion.baseline={}")
+"""What removes the drift of a record."""
 
 
 class Shaking(NamedTuple):
@@ -50,7 +52,7 @@ def motion(path: Path, changes: Mapping[str, Any], treatment: Mapping[str, Any],
         from sph.figures.style import save
 
         save(figure_ground_motion(shaking.components, shaking.interval, shaking.name), out)
-    say(*(each.line() for each in shaking.findings))
+    say(*(line(each) for each in shaking.findings))
     if as_json:
         return to_json({name: values._asdict() for name, values in found.items()}, indent=1)
     return table(("", *found), rows(found))
@@ -94,9 +96,7 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
             interval, _, columns = read_even(str(path), treatment.get("unit"), component=treatment.get("component"))
         components = dict(zip(("horizontal", "vertical"), columns, strict=False))
         motion = GroundMotion(interval * np.arange(columns[0].size), columns[0])
-        found = (
-            implausible(components, "the unit of the record") + sparse(interval, "the record or its time column") + drifting(motion, CURE)
-        )
+        found = implausible(components, "--unit") + sparse(interval) + drifting(motion, *CURE)
         name, files = os.fsencode(path.name).decode("utf-8", "replace"), [str(path)]
     else:
         earlier = earlier_run(path)
@@ -110,7 +110,7 @@ def read_shaking(path: Path, overrides: Mapping[str, Any], treatment: Mapping[st
     if turned:
         components["horizontal"] = -components["horizontal"]
     horizontal = components["horizontal"]
-    found += one_sided(GroundMotion(interval * np.arange(horizontal.size), horizontal), "--direction, or motion.factor of a scene")
+    found += one_sided(GroundMotion(interval * np.arange(horizontal.size), horizontal), "--direction", "motion.factor")
     return Shaking(name, files, interval, components, tuple(found))
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import yaml
 
 import sph
+from sph.checks.messages import sentence
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
 from sph.command.schema import schema_file
 from sph.scene.configuration import validated
@@ -131,7 +132,7 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "duration": math.ceil(START + float(motion.time[-1]) + AFTER),
         "base": line.base,
         "downhill": downhill,
-        "ends": "".join(f"\n  # {each.sentence()}" for each in to_side(line)),
+        "ends": "".join(f"\n  # {sentence(each)}" for each in to_side(line)),
         "rest": PLACEHOLDER_SOIL["poisson_ratio"] / (1.0 - PLACEHOLDER_SOIL["poisson_ratio"]),
         "width": _digits(WIDTH * height, 2),
         "low": frequency,

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.checks.finding import Finding, Severity, finding
+from sph.checks.finding import Finding, finding
+from sph.checks.messages import line
 from sph.checks.motion import cut_off, drifting, implausible, sampled, sparse
 from sph.command.motion import CURE, laid_over, read_treated
 from sph.command.terminal import aligned, say
@@ -55,7 +56,7 @@ def newmark(
     """The displacement of a block, as ``slide``, in words or for machines."""
     check_known("--direction", [direction], DIRECTIONS)
     answer, heed = slide(path, changes, down, up, peak, treatment, direction)
-    say(*(each.line() for each in heed))
+    say(*(line(each) for each in heed))
     return to_json(answer._asdict(), indent=1) if as_json else lines(answer)
 
 
@@ -92,27 +93,11 @@ def slide(
         without = block(sign, mean).permanent
         if _differ(found.permanent, without):
             heed = [each for each in heed if each.code not in ("record-offset", "record-drift")]
-            heed.append(
-                finding(
-                    "record-offset",
-                    "the record drifts, and the displacement depends on its mean acceleration",
-                    f"{found.permanent:.3g} m, and {without:.3g} m without the mean of {in_both(mean)}",
-                    f"equal to within {MATTERS:.0%}",
-                    CURE,
-                )
-            )
+            heed.append(finding("record-offset", *CURE, slip=found.permanent, slip_without=without, mean=mean, difference=MATTERS))
         if direction != BOTH and abs(blocks[other].permanent) > abs(found.permanent) and _differ(found.permanent, blocks[other].permanent):
-            heed.append(
-                finding(
-                    "record-polarity",
-                    "with reversed polarity the motion drives the block further",
-                    f"{blocks[other].permanent:.3g} m instead of {found.permanent:.3g} m",
-                    "the larger of the two",
-                    "--direction both",
-                    Severity.WARNING,
-                )
-            )
-    heed += implausible({"horizontal": motion.acceleration}, "--scale-to, or the unit of the record")
+            slips = {"reversed": blocks[other].permanent, "as_recorded": found.permanent}
+            heed.append(finding("record-polarity", "--direction both", subject="", **slips))
+    heed += implausible({"horizontal": motion.acceleration}, "--scale-to", "--unit")
     extreme = sign * float(motion.acceleration[np.abs(motion.acceleration).argmax()])
     beside = blocks[other].permanent if direction == BOTH else None
     return Answer(extreme, down, up, down / abs(extreme), found.permanent, found.sliding_time, chosen, beside), heed
@@ -130,7 +115,7 @@ def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, An
             raise ValueError(f"{path}: is a record, in which --set has no keys to change (found {', '.join(overrides)})")
         time, columns = read_treated(path, treatment)
         motion, recorded, vertical = GroundMotion(time, columns[0]), True, len(columns) > 1
-        heed = sparse(float(np.diff(time).max()), "the record or its time column")
+        heed = sparse(float(np.diff(time).max()))
     else:
         scene = load_scene(path, laid_over(path, overrides, treatment))
         if isinstance(scene.motion, ConstantAcceleration):
@@ -140,10 +125,9 @@ def _motion(path: Path, overrides: Mapping[str, Any], treatment: Mapping[str, An
         motion, heed, recorded = motion_of(scene), cut_off(scene) + sampled(scene), isinstance(scene.motion, Record)
         vertical = isinstance(scene.motion, Record) and scene.motion.vertical is not None
     if recorded:
-        heed += drifting(motion, CURE)
+        heed += drifting(motion, *CURE)
     if vertical:
-        alone = "motion.vertical does not act on the sliding block, which the horizontal component alone drives"
-        heed.append(finding("vertical-unused", "the vertical component of the motion", alone))
+        heed.append(finding("vertical-unused"))
     return motion, heed, recorded
 
 

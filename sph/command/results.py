@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from sph.checks.after_run import after_run
+from sph.checks.messages import line
 from sph.command.outputs import check_apart, check_picture, check_writable
 from sph.command.terminal import say, table
 from sph.measures.fields import check_field
@@ -57,7 +58,7 @@ def metrics(file: Path, every: bool, as_json: bool) -> str:
     values = measure(run, MetricSettings())
     if as_json:
         return to_json(values, indent=1)
-    say(*(each.line() for each in after_run(run.scene, values)))
+    say(*(line(each) for each in after_run(run.scene, values)))
     shown = {name: f"{value:.4g}" if isinstance(value, float) else str(value) for name, value in values.items()}
     if every:
         return table(("metric", "value", "unit", "definition"), ((row.name, shown[row.name], row.units, row.text) for row in METRICS))

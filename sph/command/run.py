@@ -15,6 +15,7 @@ import xarray as xr
 
 from sph.checks.after_run import found_after
 from sph.checks.finding import codes
+from sph.checks.messages import line
 from sph.checks.scene import findings
 from sph.command.given import earlier_run, read_given
 from sph.command.outputs import check_writable
@@ -52,7 +53,7 @@ def run(
         check_of_scene(out, scene)
     repeats = earlier is not None and not changes and until is None
     found = findings(scene)
-    say(*(each.line() for each in found if each.counts))
+    say(*(line(each) for each in found if each.counts))
     with reporter(scene.name, scene) as report:
         result = run_to_file(
             scene,
@@ -73,7 +74,7 @@ def run(
             "choose a smaller step, or let it adapt (numerics.adaptive_step={})"
         )
     if result.status not in (Status.DIVERGED, Status.PAUSED):
-        say(*(each.line() for each in found_after(made)))
+        say(*(line(each) for each in found_after(made)))
     if earlier is not None and repeats:
         say(compare(earlier, result.trajectory, path))
     reason = f" ({made.attrs['status_reason']})" if made.attrs["status_reason"] else ""

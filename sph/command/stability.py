@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.layers import broken_at
+from sph.checks.messages import line
+from sph.checks.messages import record as finding_record
 from sph.checks.scene import findings
 from sph.command.given import read_given
 from sph.command.outputs import check_writable
@@ -72,7 +74,7 @@ def answer(
     told = findings(scene)
     if not single:
         told += broken_at(scene, two_spacings(scene, used, spacings))
-    say(*(each.line() for each in told if each.counts))
+    say(*(line(each) for each in told if each.counts))
 
     def report(spacing: float, strength: float, trial: Trial) -> None:
         if not as_json:
@@ -92,7 +94,7 @@ def answer(
         with whole(out) as temporary:
             pd.DataFrame(rows).to_csv(temporary, index=False)
     if as_json:
-        return to_json(record(question, found, searches, used) | {"findings": [each._asdict() for each in told]}, indent=1)
+        return to_json(record(question, found, searches, used) | {"findings": [finding_record(each) for each in told]}, indent=1)
     remain = remaining(scene, question, found) if isinstance(found, Extrapolated) else []
     return "\n".join([*lines(question, searches), *remain, used.sentence()])
 

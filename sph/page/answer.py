@@ -10,8 +10,8 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from sph.checks.after_run import is_bounded, is_open
-from sph.checks.equilibrium import RESIDUAL, spencers, weakest_words
 from sph.checks.finding import Finding, Severity
+from sph.checks.messages import factor_words, limit_how, limit_words, search_words, sentence
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
@@ -30,7 +30,6 @@ from sph.storage.trajectory import Status
 from sph.study.dimensions import CASE, Dimension, dimension, shown_unit, title_of
 from sph.study.preflight import Row, read_preflight
 from sph.study.runs import OF_MEAN, SAFETY, SLOPE_LIMITS, YIELD
-from sph.study.searches import found_words
 from sph.study.tables import EXPECTED, read_csv
 
 FINDINGS = "{fidelity}/preflight.csv"
@@ -73,10 +72,10 @@ def answer(
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
-    by_slices = weakest_words(findings)
+    by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
         ("Without shaking", *unshaken(table, rows)),
-        ("Factor of safety", f"{factor} by SPH; {by_slices}" if by_slices else factor, how),
+        ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
@@ -124,13 +123,13 @@ def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
 
 def at_residual(rows: Sequence[Row]) -> list[tuple[str, str, str]]:
     """The factors of safety at the strength that failed soil keeps, and what it means where that is below 1 and the slope stands now."""
-    words = [row.finding.measured for row in rows if row.finding.code == RESIDUAL]
+    found = [row.finding.numbers for row in rows if row.finding.code == "limit-equilibrium-residual"]
     falls, stands = (sum(row.runs for row in rows if row.finding.code == code) for code in ("fails-at-residual", "stands-at-residual"))
     by_particles = f"in SPH it stands in {stands} of {falls + stands} runs" if falls + stands else ""
-    if not words and not by_particles:
+    if not found and not by_particles:
         return []
-    factors = sorted(map(spencers, words))
-    by_slices = words[0] if len(words) == 1 else f"Spencer {factors[0]:.2f} to {factors[-1]:.2f}" if words else ""
+    factors = sorted(of["spencer"] for of in found)
+    by_slices = factor_words(found[0]) if len(found) == 1 else f"Spencer {factors[0]:.2f} to {factors[-1]:.2f}" if found else ""
     keeps = "once soil is shaken beyond its peak strength it keeps flowing, whatever the factor at peak strength (progressive failure)"
     meant = keeps if falls else ""
     return [("Factor of safety at residual strength", "; ".join(filter(None, (by_slices, by_particles))), meant)]
@@ -146,20 +145,18 @@ def limit(findings: Sequence[Finding], code: str, files: Sequence[str], closely:
     to be named."""
     if files:
         return _of_files(files)
-    found = sorted((each.measured.partition(", ") for each in findings if each.code == code), key=lambda parts: float(parts[0].split()[0]))
+    found = sorted((each for each in findings if each.code == code), key=lambda each: float(each.numbers["value"]))
     if not found:
         return "not searched", closely
-    (least, _, how), (most, *_) = found[0], found[-1]
     slopes = f" of {len(found)} slopes" if len(found) > 1 else ""
-    return " to ".join(
-        dict.fromkeys((least, most))
-    ), f"static, a quick search{slopes} before the runs, {how}" + f"; more closely: {closely}" * bool(closely)
+    how = f"static, a quick search{slopes} before the runs, {limit_how(found[0])}"
+    return " to ".join(dict.fromkeys(map(limit_words, (found[0], found[-1])))), how + f"; more closely: {closely}" * bool(closely)
 
 
 def _of_files(files: Sequence[str]) -> tuple[str, str]:
     searches = sorted((trajectory.read(file).attrs for file in files), key=lambda facts: float(facts["value"]))
-    found = [found_words(facts) for facts in searches if not facts["reason"]]
-    reasons = list(dict.fromkeys(found_words(facts)[0] for facts in searches if facts["reason"]))
+    found = [search_words(facts) for facts in searches if not facts["reason"]]
+    reasons = list(dict.fromkeys(search_words(facts)[0] for facts in searches if facts["reason"]))
     several = any(Path(file).stem not in SLOPE_LIMITS for file in files)  # of a study of several slopes, each named
     one = " of the mean soil" if all(OF_MEAN in Path(file).stem for file in files) else " of one slope"
     count = "" if not several else one if len(found) == 1 else f" of {len(found)} slopes"
@@ -376,6 +373,6 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
         f"move {probe} by less than a spacing ({scene.numerics.spacing:.4g} m): the expected error does not apply.",
     )
-    found += [f"{row.runs} of {runs} runs: {row.finding.sentence()}" for row in rows if row.finding.counts]
+    found += [f"{row.runs} of {runs} runs: {sentence(row.finding)}" for row in rows if row.finding.counts]
     same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
     return [*found, f"Expected error: {expected_sentence(scene) if same else 'differs, see all runs'}."]

@@ -82,10 +82,14 @@ class Extrapolated(NamedTuple):
     @property
     def how(self) -> str:
         """How the value was found, in words."""
-        coarse, fine = (f"{spacing:.3g}" for spacing in self.spacings)
-        if self.step_taken:
-            return f"extrapolated from spacings of {coarse} and {fine} m"
-        return f"the value at a spacing of {fine} m, since the extrapolation from {coarse} m would be on the unsafe side"
+        return how_found(*self.spacings, self.step_taken)
+
+
+def how_found(coarse: float, fine: float, step_taken: bool) -> str:
+    """How a limit was found from searches at two spacings (m), in words."""
+    if step_taken:
+        return f"extrapolated from spacings of {coarse:.3g} and {fine:.3g} m"
+    return f"the value at a spacing of {fine:.3g} m, since the extrapolation from {coarse:.3g} m would be on the unsafe side"
 
 
 def extrapolate(coarse: float, fine: float, ratio: float) -> float:
@@ -106,12 +110,12 @@ def to_zero(coarse: Search, fine: Search, ratio: float) -> tuple[float, float, b
 def deviations() -> pd.DataFrame:
     """Slopes of the validation table whose factor of safety or strength ratio has a reference: ``case``, ``quantity``, whether they slip
     along a ``plane``, and the relative deviations at the ``coarse`` and the ``fine`` spacing and of the value that a search gives."""
-    table = pd.read_csv(VALIDATED, usecols=["case", "quantity", "text", "levels", "errors"])
-    table = table[table["text"].str.match(r"(factor of safety|F,|S_R,)") & table["levels"].str.endswith("extrapolated")]
+    table = pd.read_csv(VALIDATED, usecols=["case", "quantity", "kind", "errors"])
+    table = table[table["kind"].isin(["factor_of_safety", "infinite_slope_factor", "critical_strength_ratio"])]
     errors = table["errors"].str.split(", ", expand=True).astype(float)
     coarse, fine, zero = (errors[number] for number in range(3))
-    unsafe = (zero - fine) * table["text"].str.startswith("S_R,").map({True: -1.0, False: 1.0}) > 0.0
-    plane = table["text"].str.contains("infinite slope")
+    unsafe = (zero - fine) * table["kind"].eq("critical_strength_ratio").map({True: -1.0, False: 1.0}) > 0.0
+    plane = table["kind"].eq("infinite_slope_factor")
     return table[["case", "quantity"]].assign(plane=plane, coarse=coarse, fine=fine, value=zero.where(~unsafe, fine), step_taken=~unsafe)
 
 

@@ -1,42 +1,44 @@
-"""The preflight: findings on a scene, or on all scenes of a study, before any of them is run.
+"""The preflight: findings on all scenes of a study, before any of them is run.
 
-``sph.checks.scene`` needs no run.  Here are the static questions (``sph.stability``): whether the slope stands unshaken at its peak
-strength and at the strength that failed soil keeps, its factor of safety and its yield acceleration, each with its error, and what limit
-equilibrium says of them (``sph.checks.equilibrium``).  Both are searched at two spacings and extrapolated: at one, slopes come out too
-strong.  ``sph check --stability`` takes the scene's own spacing and twice that; the first job of a study takes coarser ones, which cost a
-fraction of that and leave a larger error.
+Static tests (``sph.checks.stability``) take time: the first job of a study makes them at coarser spacings than ``sph check --stability``,
+which cost a fraction of that and leave a larger error.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
-from sph.checks.equilibrium import of_equilibrium, of_residual
+from sph.checks import equilibrium
 from sph.checks.finding import Finding, Severity, finding
 from sph.checks.layers import broken_at, layers_of
+from sph.checks.messages import OR, line, record
 from sph.checks.scene import findings
-from sph.checks.soil import mobilised_strength
-from sph.measures.mobilised import mobilised_by_layer
-from sph.output.run import Run
-from sph.scene.gravity import FAILED_AREA
+from sph.checks.stability import (
+    QUESTIONS,
+    Peak,
+    at_peak,
+    at_residual,
+    of_limit,
+    of_mobilised,
+    of_peak,
+    of_residual,
+    of_softening,
+    settled,
+    softening,
+)
 from sph.scene.schema import Scene
+from sph.scene.strict_json import parse_json, to_json
 from sph.solver.particles import place_particles
-from sph.solver.run import run
-from sph.stability.extrapolation import RATIO, Extrapolated, at_spacing, extrapolated, two_spacings, unasked_spacings
-from sph.stability.safety import DEFAULT_RULE, factor_of_safety, yield_acceleration
-from sph.stability.search import Search, Trial
-from sph.stability.standing import divided_strength, dividing, judged, slope_height, stand, static_scene, weakened
+from sph.stability.extrapolation import RATIO, at_spacing, unasked_spacings
+from sph.stability.safety import DEFAULT_RULE
+from sph.stability.standing import divided_strength, dividing, slope_height, static_scene, weakened
 from sph.storage.trajectory import Variable
 from sph.study.cost import cost
-from sph.study.runs import SAFETY, YIELD
-from sph.study.searches import TEXTS
 from sph.study.tables import count_column, number_column, read_csv, text_column, write_csv
 
 QUICK_TOLERANCE = 0.03
@@ -61,21 +63,16 @@ PREFLIGHT: tuple[Variable, ...] = (
     text_column("what", "the finding in words"),
     text_column("measured", "measured value"),
     text_column("wanted", "required value; empty for a note that asks for nothing"),
-    text_column("key", "key to change; empty if nothing needs to be changed"),
+    text_column("key", "keys of which one is to change, with 'or' between them; empty if nothing needs to be changed"),
     text_column("subject", "layer, variable or component that it concerns, where a scene may have several"),
     number_column(
         "off_by",
         "1",
         "distance between the measured and the required value over the larger of the two; 1 where it is not a matter of degree",
     ),
+    text_column("numbers", "its numbers by name, as JSON: in SI units, angles in radians, or the unit that the name says"),
 )
 """The columns of ``preflight.csv``."""
-
-QUESTIONS: dict[str, tuple[str, Callable[..., Search], Callable[[float, float], str]]] = {
-    "factor-of-safety": ("static factor of safety", factor_of_safety, TEXTS[SAFETY]),
-    "yield-acceleration": ("yield acceleration, pseudo-static", yield_acceleration, TEXTS[YIELD]),
-}
-"""Words, search and text (of value and error) of the limits, by the code of their finding."""
 
 
 class Row(NamedTuple):
@@ -84,153 +81,6 @@ class Row(NamedTuple):
     finding: Finding
     runs: int  # that it concerns
     worst_run: str
-
-
-def stability(scene: Scene) -> list[Finding]:
-    """What static tests of a scene say; factor of safety and yield acceleration extrapolated from its spacing and twice that.
-
-    Some thirty runs, of seconds to minutes each; two where the slope does not stand.  ValueError where the scene has no slope
-    or is too coarse for the tests.
-    """
-    static = static_scene(scene, DEFAULT_RULE)
-    peak = _at_peak(scene)
-    if not peak.trial.stands:
-        return [_of_peak(peak, scene)]
-
-    factors = list[tuple[float, float]]()
-
-    def limit(code: str) -> Finding:
-        label, find, _ = QUESTIONS[code]
-        try:
-            search = extrapolated(find, scene)
-            factors.extend([(search.value, search.error)] if code == "factor-of-safety" else [])
-            return _of_limit(code, search)
-        except ValueError as error:
-            return finding("stability-unknown", label, f"not found: {error}")
-
-    softened = _of_softening(peak, scene, lambda: _softening(scene))
-    standing = [_of_peak(peak, scene), *_of_mobilised(peak), *softened, _of_residual(_at_residual(static), scene), *of_residual(scene)]
-    coarse: list[Finding] = []
-    with suppress(ValueError):  # of spacings too close to each other, which the searches tell
-        coarse = broken_at(scene, two_spacings(scene, DEFAULT_RULE))
-    limits = [limit(code) for code in QUESTIONS]
-    return [*standing, *coarse, *limits, *of_equilibrium(scene, factors)]
-
-
-class Peak(NamedTuple):
-    """The test of a slope at its peak strength."""
-
-    trial: Trial
-    spacing: float  # m
-    yielded: float = 0.0
-    """area of the soil that failed under gravity alone, m2"""
-    too_much: bool = False
-    """that area is one with which a run has the status ``failed_unshaken``"""
-    begun: bool = False
-    """soil has failed, in the gravity stage or later, so that it may soften"""
-    mobilised: Mapping[str, float] = {}
-    """share of its peak strength that each layer uses at the end of the gravity stage"""
-
-
-def _at_peak(scene: Scene) -> Peak:
-    """Whether it stands does not depend on the stiffness; which soil yields under gravity does, where soils differ in it."""
-    tested = divided_strength(static_scene(scene, DEFAULT_RULE), 1.0)
-    result = run(tested)
-    trial = judged(result, tested, DEFAULT_RULE, 1.0)
-    settled = _settled(scene)
-    settled_run = Run(run(settled).trajectory, settled)
-    count = int(np.count_nonzero(settled.gravity.failed(settled_run["t_f"][settled_run.soil])))
-    begun = any(np.isfinite(each["t_f"][each.soil]).any() for each in (Run(result.trajectory, tested), settled_run))
-    used = mobilised_by_layer(settled_run, settled_run.gravity_frame) if trial.stands else {}
-    spacing = tested.numerics.spacing
-    return Peak(trial, spacing, count * spacing**2, settled.fails_unshaken(count), begun, used)
-
-
-def _settled(scene: Scene) -> Scene:
-    """The test with the soil's own stiffness, until just after the gravity stage, from whose end on failure counts."""
-    static = divided_strength(static_scene(scene, DEFAULT_RULE, own_stiffness=True), 1.0)
-    return static.model_copy(update={"duration": static.gravity.duration + static.outputs.frame_interval})
-
-
-def _at_residual(static: Scene) -> Trial:
-    return stand(weakened(static, static.coupling.S_R), DEFAULT_RULE, static.coupling.S_R)
-
-
-def _softening(scene: Scene) -> Trial:
-    """The test with the scene's loss of strength; with its own stiffness, which decides over what length slip develops, unless the soil is
-    so soft that its elastic movement alone counts as failure."""
-
-    def trial(softens: bool, own_stiffness: bool) -> Trial:
-        return stand(static_scene(scene, DEFAULT_RULE, softens=softens, own_stiffness=own_stiffness), DEFAULT_RULE, 1.0)
-
-    return trial(softens=True, own_stiffness=trial(softens=False, own_stiffness=True).stands)
-
-
-def _at(spacing: float, scene: Scene) -> str:
-    """The spacing of a test in words, with that of the runs where it is another."""
-    own = scene.numerics.spacing
-    return f"at a spacing of {spacing:.3g} m" + ("" if math.isclose(spacing, own, rel_tol=1e-6) else f", where the runs have {own:.3g} m")
-
-
-def _of_peak(peak: Peak, scene: Scene) -> Finding:
-    if peak.trial.stands:
-        return finding("stands-unshaken", "the slope without shaking, at peak strength", f"stands {_at(peak.spacing, scene)}")
-    return finding(
-        "fails-unshaken",
-        "the slope does not stand without shaking, so its failure is not due to the earthquake",
-        f"fails at its peak strength, {peak.trial.displaced_area:.3g} m2 displaced ({peak.trial.status}) {_at(peak.spacing, scene)}",
-        "to stand",
-        "soil.cohesion and soil.friction_angle, or the geometry",
-    )
-
-
-def _of_mobilised(peak: Peak) -> list[Finding]:
-    """How much of its peak strength each layer uses before the shaking, the most first."""
-    shares = sorted(peak.mobilised.items(), key=lambda pair: -pair[1])
-    return [mobilised_strength(name, share, "before the shaking") for name, share in shares]
-
-
-def _of_softening(peak: Peak, scene: Scene, softening: Callable[[], Trial]) -> list[Finding]:
-    """An error where so much soil is at its strength under gravity that runs of the scene have the status ``failed_unshaken``, or where
-    the slope fails unshaken as its soil softens.
-
-    Without soil that fails at the peak strength none softens, and the test at that strength is the answer.
-    """
-    softens = scene.coupling.gamma > 0 or scene.coupling.softens_by_slip or any(layer.gamma for layer in scene.layers.values())
-    what = "soil is at its strength under gravity alone and softens before the shaking, so the result is not due to an earthquake"
-    key = f"coupling.softening{'' if scene.coupling.softening is None else '.slip_at_peak'}, or soil.cohesion and soil.friction_angle"
-    if not softens or not peak.begun:
-        return []
-    if peak.too_much:
-        wanted = f"at most {FAILED_AREA:g} H2 = {FAILED_AREA * slope_height(scene) ** 2:.3g} m2"
-        return [finding("softens-unshaken", what, f"{peak.yielded:.3g} m2 {_at(peak.spacing, scene)}", wanted, key)]
-    trial = softening()
-    if trial.stands:
-        return []
-    measured = f"{trial.displaced_area:.3g} m2 displaced ({trial.status}) as it softens, {_at(peak.spacing, scene)}"
-    what = "without shaking the slope fails as its soil softens, so the result is not due to the earthquake alone"
-    return [finding("fails-softened", what, measured, "to stand", key)]
-
-
-def _of_residual(trial: Trial, scene: Scene) -> Finding:
-    own = "".join(f", {name} {layer.S_R:g}" for name, layer in scene.layers.items() if layer.S_R is not None)
-    what = f"the slope without shaking, at residual strength (S_R {scene.coupling.S_R:g}{own})"
-    if trial.stands:
-        return finding("stands-at-residual", what, "stands: soil that fails comes to rest")
-    return finding("fails-at-residual", what, "does not stand: soil that fails flows until the slope is flatter")
-
-
-def _of_limit(code: str, found: Extrapolated) -> Finding:
-    label, _, text = QUESTIONS[code]
-    weak = code == "factor-of-safety" and found.value - found.error < 1.0
-    return finding(
-        code,
-        label,
-        f"{text(found.value, found.error)}, {found.how}",
-        "above 1 by more than its error" if weak else "",
-        "soil.cohesion and soil.friction_angle, or the geometry" if weak else "",
-        Severity.WARNING if weak else None,
-    )
 
 
 def quick_spacings(scene: Scene) -> tuple[float, float]:
@@ -270,7 +120,7 @@ def _slopes(scenes: Mapping[str, Scene]) -> Slopes:
             quick = standing_scene(scene)
             static = static_scene(quick, DEFAULT_RULE)
         except ValueError as error:
-            found.untested.setdefault(finding("stability-unknown", "the stability of the slope", f"not tested: {error}"), []).append(name)
+            found.untested.setdefault(finding("stability-unknown", subject="stability", reason=str(error)), []).append(name)
             continue
         found.statics[name], found.quick[name] = static, quick
         residual = weakened(static, static.coupling.S_R)
@@ -292,7 +142,7 @@ def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] = tup
     for (peak_key, _), names in runs.items():
         if spent <= LONGEST:
             first = peak_key not in slopes
-            spent += cost(statics[names[0]]).seconds * (1 + first) + first * cost(_settled(quick[names[0]])).seconds
+            spent += cost(statics[names[0]]).seconds * (1 + first) + first * cost(settled(quick[names[0]])).seconds
             coarse, fine = (len(searches) * trials for trials in QUICK_TRIALS)
             sensitivity = QUICK_SENSITIVITY * ("yield-acceleration" in searches)
             slopes.setdefault(peak_key, search_seconds(scenes[names[0]], (coarse + sensitivity, fine)))
@@ -302,7 +152,7 @@ def preflight_seconds(scenes: Mapping[str, Scene], searches: Sequence[str] = tup
     return spent
 
 
-def search_seconds(scene: Scene, trials: Sequence[int]) -> float:
+def search_seconds(scene: Scene, trials: Sequence[float]) -> float:
     """Computing time on the reference machine of numbers of static tests of a scene at the ``quick_spacings``, s."""
     return sum(
         number * cost(static_scene(at_spacing(scene, spacing), DEFAULT_RULE)).seconds
@@ -327,25 +177,25 @@ def study_stability(
         if spent > LONGEST:
             left += names
             continue
-        one, settled = cost(static).seconds, cost(_settled(quick[names[0]])).seconds
+        one = cost(static).seconds
         slopes.setdefault(peak_key, []).extend(names)
         if peak_key not in peaks:
-            peaks[peak_key] = _at_peak(quick[names[0]])
-            spent += one + settled
+            peaks[peak_key] = at_peak(quick[names[0]])
+            spent += one + cost(settled(quick[names[0]])).seconds
         peak = peaks[peak_key]
         scene = scenes[names[0]]
-        told = [_of_peak(peak, scene)]
+        told = [of_peak(peak, scene)]
         if peak.trial.stands:
-            told += _of_mobilised(peak)
-            told += _of_softening(peak, scene, lambda at=scene: _softening(standing_scene(at)))  # type: ignore[misc]
-            told += [_of_residual(_at_residual(static), static), *of_residual(scene)]
+            told += of_mobilised(peak)
+            told += of_softening(peak, scene, lambda at=scene: softening(standing_scene(at)))  # type: ignore[misc]
+            told += [of_residual(at_residual(static), static), *equilibrium.of_residual(scene)]
             spent += one * (1 + 2 * (peak.begun and not peak.too_much))
         for each in told:
             if each not in found:
-                say(f"{names[0]}: {each.line()}")
+                say(f"{names[0]}: {line(each)}")
             found.setdefault(each, []).extend(names)
     if left:
-        found[finding("stability-unknown", "the stability of further slopes of the study", "not tested, to save time")] = left
+        found[finding("stability-unknown", subject="stability of further slopes")] = left
     unsearched = list[str]()
     for number, (peak_key, names) in enumerate(slopes.items()):
         scene = scenes[names[0]]
@@ -356,27 +206,19 @@ def study_stability(
             continue
         of_block = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
         for broken in broken_at(scene, [*quick_spacings(scene), *of_block]):
-            say(f"{names[0]}: {broken.line()}")
+            say(f"{names[0]}: {line(broken)}")
             found.setdefault(broken, []).extend(names)
-        factors = list[tuple[float, float]]()
-        for code in searches:
-            label, find, _ = QUESTIONS[code]
-            try:
-                search = extrapolated(find, scene, QUICK_TOLERANCE, asked=quick_spacings(scene))
-                fine = len(search.searches[1].trials)
-                limit, trials = _of_limit(code, search), (search.runs - fine, fine)
-                factors += [(search.value, search.error)] if code == "factor-of-safety" else []
-            except ValueError as error:
-                limit, trials = finding("stability-unknown", label, f"not found: {error}"), QUICK_TRIALS
-            spent += search_seconds(scene, trials)
-            say(f"{names[0]}: {limit.line()}")
+        limits = [of_limit(code, scene, QUICK_TOLERANCE, quick_spacings(scene)) for code in searches]
+        for limit in limits:
+            tests = (limit.numbers.get(name, most) for name, most in zip(("coarse_tests", "fine_tests"), QUICK_TRIALS, strict=True))
+            spent += search_seconds(scene, list(tests))
+            say(f"{names[0]}: {line(limit)}")
             found.setdefault(limit, []).extend(names)
-        for each in of_equilibrium(scene, factors):
-            say(f"{names[0]}: {each.line()}")
+        for each in equilibrium.of_equilibrium(scene, limits):
+            say(f"{names[0]}: {line(each)}")
             found.setdefault(each, []).extend(names)
     if unsearched:
-        how = "not searched, to save time; run sph fos or sph yield-acceleration on the scene or on the file of a run"
-        found[finding("stability-unknown", "factor of safety and yield acceleration of further slopes of the study", how)] = unsearched
+        found[finding("stability-unknown", subject="limits of further slopes")] = unsearched
     return [Row(each, len(names), names[0]) for each, names in found.items()]
 
 
@@ -385,11 +227,11 @@ def study_findings(scenes: Mapping[str, Scene]) -> list[Row]:
 
     Each code, key and subject once, in the words of the run in which it is worst.
     """
-    found: dict[tuple[str, str, str], dict[str, Finding]] = {}
+    found: dict[tuple[str, tuple[str, ...], str], dict[str, Finding]] = {}
     of_all = _of_own_ratios(list(scenes.values()))
     for name, scene in scenes.items():
         for each in findings(scene) + of_all:
-            runs = found.setdefault((each.code, each.key, each.subject), {})
+            runs = found.setdefault((each.code, each.keys, each.subject), {})
             runs[name] = min(runs.get(name, each), each, key=lambda one: one.rank)
     rows = []
     for runs in found.values():
@@ -405,17 +247,7 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
     for key in ("S_R", "gamma"):
         kept = [name for name, layer in scenes[0].layers.items() if getattr(layer, key) is not None] if scenes else []
         if kept and len({getattr(scene.coupling, key) for scene in scenes}) > 1:
-            measured = f"{', '.join(kept)} {'keeps its' if len(kept) == 1 else 'keep their'} own"
-            wanted = f"varied too (a dimension layers.{kept[0]}.{key}), or left out of the layer"
-            found.append(
-                finding(
-                    "own-strength-ratio",
-                    f"the study varies {key}, which does not reach all layers",
-                    measured,
-                    wanted,
-                    f"layers.{kept[0]}.{key}",
-                )
-            )
+            found.append(finding("own-strength-ratio", f"layers.{kept[0]}.{key}", subject=key, layers=", ".join(kept)))
     own = [(None, *(layer.S_R for layer in scene.layers.values())) for scene in scenes]
     reached = [
         of.uses_S_R
@@ -424,16 +256,17 @@ def _of_own_ratios(scenes: Sequence[Scene]) -> list[Finding]:
         if ratio is None
     ]
     if len({scene.coupling.S_R for scene in scenes}) > 1 and not any(reached):
-        what = "the study varies S_R, which affects no soil: runs that differ only in it are identical"
-        measured, wanted = "residual strengths are given", "a dimension soil.residual_friction_angle, or no residual strengths"
-        found.append(finding("own-strength-ratio", what, measured, wanted, "soil.residual_cohesion and soil.residual_friction_angle"))
+        keys = ("soil.residual_cohesion", "soil.residual_friction_angle")
+        found.append(finding("own-strength-ratio", *keys, subject="S_R", layers=""))
     return found
 
 
 def write_preflight(path: Path | str, rows: Sequence[Row]) -> None:
     """Write ``preflight.csv``, the most harmful finding first."""
     order = sorted(rows, key=lambda row: row.finding.rank)
-    lines = [row.finding._asdict() | {"runs": row.runs, "worst_run": row.worst_run} for row in order]
+    lines = [
+        record(row.finding) | {"runs": row.runs, "worst_run": row.worst_run, "numbers": to_json(dict(row.finding.numbers))} for row in order
+    ]
     write_csv(pd.DataFrame(lines, columns=[column.name for column in PREFLIGHT]), path)
 
 
@@ -441,5 +274,10 @@ def read_preflight(path: Path | str) -> list[Row]:
     """The rows of ``preflight.csv``; ValueError names a file that is not one."""
     table = read_csv(path, PREFLIGHT, "the preflight")
     return [
-        Row(Finding(*(row[name] for name in Finding._fields)), int(row["runs"]), str(row["worst_run"])) for row in table.to_dict("records")
+        Row(
+            Finding(row["code"], tuple(filter(None, row["key"].split(OR))), row["subject"], parse_json(row["numbers"])),
+            int(row["runs"]),
+            str(row["worst_run"]),
+        )
+        for row in table.to_dict("records")
     ]

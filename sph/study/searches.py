@@ -2,29 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Mapping
+from typing import NamedTuple, TypeVar
 
-from sph.scene.units import in_both
 from sph.study.planned import Planned, planned
-from sph.study.runs import SAFETY, YIELD, Run
+from sph.study.runs import Run
 
-TEXTS: dict[str, Callable[[float, float], str]] = {YIELD: in_both, SAFETY: "{:.2f} ± {:.2f}".format}
-"""A limit with its error in words."""
 AnyKey = TypeVar("AnyKey")
-
-
-def found_words(facts: Mapping[str, Any]) -> tuple[str, str]:
-    """The limit that a search found, with its error, and how, from the attributes of its file; the reason where it found none.
-
-    Searches of earlier versions were at the spacing of the runs alone, and have no error.
-    """
-    if facts["reason"]:
-        return f"not found: {facts['reason']}", ""
-    limit, value = str(facts["by"]), float(facts["value"])
-    if "error" in facts:
-        return TEXTS[limit](value, float(facts["error"])), str(facts["how"])
-    return in_both(value) if limit == YIELD else f"{value:.2f}", "at the spacing of the runs alone, which makes slopes too strong"
 
 
 class SlopeSearch(NamedTuple):

@@ -8,6 +8,7 @@ import pytest
 
 from sph.checks.cover_rows import CLOSE, RUN_OUT_BY_ROWS, covers, enough_rows, run_out
 from sph.checks.finding import Finding
+from sph.checks.messages import words
 from sph.checks.scene import findings
 from sph.scene.configuration import dotted, merge
 from sph.scene.schema import Scene, make_scene
@@ -48,12 +49,12 @@ def test_a_cover_of_few_rows_is_told_with_what_it_does_to_the_run_out() -> None:
     (cover,) = covers(made)
     assert (cover.name, cover.ground, cover.rows, cover.between) == ("weak", "soil", 2.0, False)
     few, enough = told(made), enough_rows()
-    assert (few.code, few.severity, few.key) == ("weak-on-strong", "warning", "numerics.spacing")
-    assert f"2 rows of particles in 2 m, with which debris runs about {run_out('weaker', 2):.0%}" in few.measured
-    assert enough is not None and f"at least {enough}, with a spacing of at most {2.0 / enough:.3g} m" in few.wanted
+    assert (few.code, few.severity, words(few).key) == ("weak-on-strong", "warning", "numerics.spacing")
+    assert f"2 rows of particles in 2 m, with which debris runs about {run_out('weaker', 2):.0%}" in words(few).measured
+    assert enough is not None and f"at least {enough}, with a spacing of at most {2.0 / enough:.3g} m" in words(few).wanted
     resolved = told(scene(0.0, 2.0, **{"numerics.spacing": 2.0 / enough, "numerics.time_step": 2e-4}))
     assert (resolved.code, resolved.severity) == ("cover-rows", "note")
-    assert "runs at most" in told(scene(0.0, 1.5)).measured, "fewer rows than were measured"
+    assert "runs at most" in words(told(scene(0.0, 1.5))).measured, "fewer rows than were measured"
 
 
 def test_the_scene_s_own_soil_may_be_the_cover() -> None:
@@ -65,15 +66,15 @@ def test_the_scene_s_own_soil_may_be_the_cover() -> None:
 
 def test_the_former_law_needs_the_present_one() -> None:
     braked = told(scene(0.0, 4.0, **{"numerics.interfaces": "both"}))
-    assert (braked.code, braked.key) == ("weak-on-strong", "numerics.interfaces") and "weaker" in braked.wanted
+    assert (braked.code, words(braked).key) == ("weak-on-strong", "numerics.interfaces") and "weaker" in words(braked).wanted
     solid = told(scene(0.0, 4.0, **{"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}))
-    assert solid.code == "weak-on-strong" and solid.key.startswith("coupling."), "soil that stays solid has weights of 1 for ever"
+    assert solid.code == "weak-on-strong" and words(solid).key.startswith("coupling."), "soil that stays solid has weights of 1 for ever"
 
 
 def test_one_row_between_two_strong_soils_is_an_error_with_its_remedies() -> None:
     held = told(scene(4.0, 5.0))
     assert (held.code, held.severity, held.subject) == ("layer-held", "error", "weak")
-    assert "a spacing of at most 0.5 m" in held.wanted and "numerics.spacing" in held.key and "seams.weak" in held.key
+    assert "a spacing of at most 0.5 m" in words(held).wanted and "numerics.spacing" in words(held).key and "seams.weak" in words(held).key
     assert told(scene(4.0, 6.0)).code == "cover-rows", "two rows slide"
     (cover,) = covers(scene(4.0, 5.0))
     assert cover.held and cover.short and cover.run_out == 0.0

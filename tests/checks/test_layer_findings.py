@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from sph.checks.finding import Finding
 from sph.checks.layers import broken_at, seam_rows, sections
+from sph.checks.messages import words
 from sph.checks.scene import findings
 from sph.command.cli import app
 from sph.scene.configuration import dotted, merge
@@ -60,8 +61,11 @@ def told(region: dict[str, Any], **settings: Any) -> list[Finding]:
 )
 def test_a_seam_thinner_than_the_spacing_is_broken_wherever_the_lattice_lies(region: dict[str, Any]) -> None:
     (one,) = told(region)
-    assert (one.code, one.severity) == ("layer-broken", "error") and "clay" in one.what
-    assert all(key in one.key for key in ("layers.clay.region", "seams.clay", "numerics.spacing")) and "at a spacing of 1 m" in one.measured
+    assert (one.code, one.severity) == ("layer-broken", "error") and "clay" in words(one).what
+    assert (
+        all(key in words(one).key for key in ("layers.clay.region", "seams.clay", "numerics.spacing"))
+        and "at a spacing of 1 m" in words(one).measured
+    )
 
 
 @pytest.mark.parametrize(
@@ -84,16 +88,18 @@ def test_layers_of_three_rows_are_continuous(region: dict[str, Any]) -> None:
 
 def test_a_layer_without_a_particle_is_told() -> None:
     (outside,) = told({"kind": "elevation", "top": 400.0})
-    assert outside.code == "layer-broken" and "no particle lies in" in outside.what and "outside the ground" in outside.measured
+    assert (
+        outside.code == "layer-broken" and "no particle lies in" in words(outside).what and "outside the ground" in words(outside).measured
+    )
     (between_rows,) = told(level(435.55, 0.4))
-    assert between_rows.measured == "particles in 0 of the 120 columns that it crosses, 0.4 m thick at a spacing of 1 m"
+    assert words(between_rows).measured == "particles in 0 of the 120 columns that it crosses, 0.4 m thick at a spacing of 1 m"
 
 
 def test_a_seam_that_pinches_out_in_its_middle_is_told() -> None:
     """Thick on both sides of a neck where it has no particle."""
     upper, lower = [[90, 438], [150, 438], [155, 435.3], [165, 435.3], [170, 438], [230, 438]], [[230, 435], [90, 435]]
     (one,) = told({"kind": "polygon", "points": upper + lower})
-    assert one.code == "layer-broken" and one.measured.startswith("particles in 110 of the 120 columns")
+    assert one.code == "layer-broken" and words(one).measured.startswith("particles in 110 of the 120 columns")
 
 
 def test_the_remedies_help() -> None:
@@ -134,7 +140,7 @@ def test_a_section_has_the_area_of_its_region_but_for_later_layers() -> None:
 def test_a_layer_that_only_a_coarser_spacing_breaks_is_told_of_that() -> None:
     one = scene(level(435.0, 1.5))
     (found,) = broken_at(one, (2.0, 1.0))
-    assert found.subject == "clay" and found.measured.endswith("at a spacing of 2 m")
+    assert found.subject == "clay" and words(found).measured.endswith("at a spacing of 2 m")
     assert broken_at(scene(level(435.0, 0.4)), (2.0, 1.0)) == [], "that is told of the scene's own spacing"
 
 

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sph.checks.after_run import after_run, debris_at_wall, found_after, is_bounded, thin_debris
+from sph.checks.messages import words
 from sph.checks.scene import findings, reach, room_ahead
 from sph.measures.metrics import Value, measure
 from sph.output.run import Run
@@ -50,7 +51,7 @@ def measured(apron: float, ratio: float) -> dict[str, Value]:
 
 
 def room(scene: Scene) -> list[tuple[str, str]]:
-    return [(each.wanted, each.key) for each in findings(scene) if each.code == "little-room"]
+    return [(words(each).wanted, words(each).key) for each in findings(scene) if each.code == "little-room"]
 
 
 def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound() -> None:
@@ -60,8 +61,8 @@ def test_debris_that_the_box_throws_back_is_told_and_the_value_is_a_lower_bound(
     assert str(short["reached_side"]).split()[0] == "front" and is_bounded(str(short["reached_side"]))
     assert 3.0 < float(short["reached_side_time"]) < 15.0
     (found,) = found_after(Run(trajectory))
-    assert (found.code, found.severity) == ("debris-at-wall", "warning") and "lower bounds" in found.what
-    assert "geometry.apron_length" in found.key
+    assert (found.code, found.severity) == ("debris-at-wall", "warning") and "lower bounds" in words(found).what
+    assert "geometry.apron_length" in words(found).key
     assert [found] == debris_at_wall(scene, str(short["reached_side"]), float(short["reached_side_time"]))
     assert long["reached_side"] == "" and np.isnan(float(long["reached_side_time"])), "60 m are enough for an S_R of 0.3"
     assert debris_at_wall(scene, "", np.nan) == []
@@ -95,8 +96,8 @@ def test_debris_that_ran_far_and_is_thin_is_told(runout: float, deposit: float, 
     """Further than ten spacings, thinner than four."""
     spacing = low().numerics.spacing
     found = thin_debris(low(), runout * spacing, deposit * spacing)
-    assert [(each.code, each.key) for each in found] == [("thin-debris", "numerics.spacing")] * told
-    assert all("3.9 particles thick" in each.measured for each in found)
+    assert [(each.code, words(each).key) for each in found] == [("thin-debris", "numerics.spacing")] * told
+    assert all("3.9 particles thick" in words(each).measured for each in found)
 
 
 def test_a_run_and_its_metrics_tell_the_same_of_thin_debris() -> None:

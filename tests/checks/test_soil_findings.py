@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from sph.checks.finding import Finding
+from sph.checks.messages import words
 from sph.checks.scene import findings
 from sph.checks.soil import LARGEST_TANGENT, USED_UP, at_rest, of_rest, of_soils
 from sph.scene.configuration import dotted, merge
@@ -66,9 +67,9 @@ def test_an_implausible_property_is_told_with_its_key_and_what_is_usual(
     at: str, settings: dict[str, float], code: str, key: str, value: str, usual: str
 ) -> None:
     (one,) = told(**{f"{at}.{name}": number for name, number in settings.items()})
-    assert (one.code, one.severity, one.key) == (code, "warning", f"{at}.{key}")
-    assert one.measured.startswith(f"{at}.{key} ") and value in one.measured and usual in one.wanted
-    assert one.subject == ("soil" if at == "soil" else "clay") and one.subject in one.what
+    assert (one.code, one.severity, words(one).key) == (code, "warning", f"{at}.{key}")
+    assert words(one).measured.startswith(f"{at}.{key} ") and value in words(one).measured and usual in words(one).wanted
+    assert one.subject == ("soil" if at == "soil" else "clay") and one.subject in words(one).what
 
 
 def test_a_density_in_tonnes_is_told_and_the_stiffness_that_follows() -> None:
@@ -123,7 +124,7 @@ def test_every_angle_in_radians_and_every_tangent_is_told_at_every_cohesion(key:
     """And the same angle in degrees is not; that of the soil is taken over by a layer, which is told once."""
     written = math.tan(math.radians(angle)) if tangent else math.radians(angle)
     (one,) = of_angles(key, written, cohesion)
-    assert one.key == key and one.measured == f"{key} {written:g} degree" and f"{angle:.3g} degree" in one.wanted
+    assert words(one).key == key and words(one).measured == f"{key} {written:g} degree" and f"{angle:.3g} degree" in words(one).wanted
     if angle <= {"dilation_angle": 30.0, "residual_friction_angle": 12.0}.get(key.rsplit(".", 1)[-1], 50.0):
         assert of_angles(key, angle, cohesion) == []
 
@@ -132,13 +133,15 @@ def test_the_inclination_of_a_slope_in_radians_is_told() -> None:
     for angle, number in ((60.0, 0), (1.0472, 1)):
         slope = {"shape": "slope", "slope_height": 5.0, "slope_angle": angle}
         found = of_soils(make_scene(OWN | {"geometry": slope}))
-        assert [each.key for each in found] == ["geometry.slope_angle"] * number and all("60 degree" in each.wanted for each in found)
+        assert [words(each).key for each in found] == ["geometry.slope_angle"] * number and all(
+            "60 degree" in words(each).wanted for each in found
+        )
 
 
 def test_a_coefficient_of_wall_friction_that_is_an_angle_is_told() -> None:
     walls = {"base": "free_slip", "layers": 3, "friction": {"base": 8.0, "sides": 0.0}}
     (one,) = told(**{"walls": walls})
-    assert one.key == "walls.friction.base" and "0.141" in one.wanted and LARGEST_TANGENT < 8.0
+    assert words(one).key == "walls.friction.base" and "0.141" in words(one).wanted and LARGEST_TANGENT < 8.0
     assert told(**{"walls": walls | {"friction": {"base": 0.5}}}) == []
 
 
@@ -152,9 +155,10 @@ def test_ground_at_its_active_limit_is_told_with_layer_depth_and_remedy() -> Non
     made = make_scene(merge(OWN, dotted(weak | ground)) | {"layers": {}})
     (one,) = of_rest(made, place_particles(made))
     assert one in findings(made) and (one.code, one.severity, one.subject) == ("mobilised-strength", "warning", "soil")
-    assert one.measured == "100 % of its peak strength at a depth of 12 m with K0 = 0.429 = nu / (1 - nu), 95 % or more from 9 m downwards"
-    assert one.key == "soil.K0, or poisson_ratio"
-    at_least = float(one.wanted.split("at least ")[1].split()[0])
+    told = "100 % of its peak strength at a depth of 12 m with K0 = 0.429 = nu / (1 - nu), 95 % or more from 9 m downwards"
+    assert words(one).measured == told and one.numbers["value"] == pytest.approx(0.998, abs=1e-3)
+    assert one.keys == ("soil.K0", "soil.poisson_ratio")
+    at_least = one.numbers["held_K0"]
     for off, told_again in ((0.002, False), (-0.002, True)):
         given = make_scene(merge(OWN, dotted(weak | ground | {"soil.K0": at_least + off})) | {"layers": {}})
         assert bool(of_rest(given, place_particles(given))) == told_again

@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 from synthetic import Displacement, study_row, synthetic
 
-from sph.checks.finding import Finding
+from sph.checks.finding import finding
 from sph.experiments.paper.claims import decide_claims
 from sph.measures.metrics import METRIC_BY_NAME, measure
 from sph.output.run import Run
@@ -83,7 +83,7 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
         if path.endswith(".png"):
             Path(path).parent.mkdir(exist_ok=True)
             Image.linear_gradient("L").save(path)
-    weak = Finding("fails-unshaken", "error", "the slope does not stand without shaking", "fails", "to stand", "soil.cohesion")
+    weak = finding("fails-unshaken", "soil.cohesion", displaced_area=7.0, status="complete", spacing=1.0, run_spacing=1.0)
     write_preflight(f"{FOLDER}/preflight.csv", [Row(weak, 4, next(iter(runs)))])
     stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/pre_failure_amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}

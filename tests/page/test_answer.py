@@ -85,11 +85,12 @@ def test_how_often_with_a_fit_and_by_the_brackets_alone(tmp_path: Path) -> None:
 
 
 def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
-    def row(code: str, measured: str, runs: int) -> Row:
-        return Row(finding(code, "the slope", measured), runs, "a")
+    def rows(code: str, bishop: float, spencer: float, surface: str, runs: int) -> list[Row]:
+        slices = finding("limit-equilibrium-residual", bishop=bishop, spencer=spencer, spencer_surface=surface, spencer_crack=0.0)
+        return [Row(finding(code, S_R=0.5), runs, "a"), Row(slices, runs, "a")]
 
-    weak = [row("fails-at-residual", "falls", 4), row("limit-equilibrium-residual", "Bishop 0.61 (circle), Spencer 0.58 (not circular)", 4)]
-    strong = [row("stands-at-residual", "stands", 2), row("limit-equilibrium-residual", "Bishop 1.21 (circle), Spencer 1.20 (circle)", 2)]
+    weak = rows("fails-at-residual", 0.61, 0.58, "line", 4)
+    strong = rows("stands-at-residual", 1.21, 1.20, "circle", 2)
     ((name, words, meant),) = at_residual(weak)
     assert (name, words) == (
         "Factor of safety at residual strength",

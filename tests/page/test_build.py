@@ -17,7 +17,7 @@ import pytest
 from made import FOLDER, RIGHT, TITLE, listed_study, made_study
 from PIL import Image
 
-from sph.checks.finding import Finding
+from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.critical import critical_table
 from sph.experiments.trigger.design import Searched
@@ -295,28 +295,25 @@ def test_the_page_begins_with_the_answer(study: StudyFiles) -> None:
 
 def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: StudyFiles) -> None:
     findings, factor = Path(FOLDER).parent / FINDINGS.format(fidelity="up"), Path(FOLDER) / "stages" / "factor_of_safety.nc"
-    thin = Finding("thin-layer", "warning", "the layer clay is thin", "2 particles across", "at least 4", "numerics.spacing")
-    note = Finding("factor-of-safety", "note", "static factor of safety", "1.41 ± 0.10, extrapolated from spacings of 2 and 1 m")
+    thin = finding("thin-layer", "numerics.spacing", subject="clay", value=2, bound=4)
+    note = finding("factor-of-safety", value=1.41, error=0.1, coarse=2.0, fine=1.0, step_taken=True)
     write_preflight(findings, [Row(thin, 3, "one"), Row(note, 1, "one")])
     words, how = limit([note], note.code, [], "sph fos")
     assert words == "1.41 ± 0.10" and "sph fos" in how
     assert limit([], note.code, [], "sph fos") == ("not searched", "sph fos")
     # Of several slopes the least and the most, and how to have one more closely.
-    weaker = note._replace(measured="1.09 ± 0.08, extrapolated from spacings of 2 and 1 m")
+    weaker = finding("factor-of-safety", value=1.09, error=0.08, coarse=2.0, fine=1.0, step_taken=True)
     words, how = limit([note, weaker], note.code, [], "sph fos")
     assert words == "1.09 ± 0.08 to 1.41 ± 0.10" and "of 2 slopes" in how and "sph fos" in how
     searched_file(factor, "factor_of_safety", 1.35, 0.02)
     first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), str(factor)]))).text.partition("One run")[0]
     assert (
-        "3 of 4 runs: the layer clay is thin: 2 particles across, should be at least 4" in first
+        "3 of 4 runs: clay is thin: 2 particles across, should be at least 4" in first
         and "Factor of safety 1.35 ± 0.02 static, extrapolated from spacings of 2 and 1 m" in first
     )
     # The weakest slope by slices stands beside it.
     slices = [
-        Finding(
-            "limit-equilibrium", "note", "", f"Bishop 1.44 (circle), Spencer {factor} (not circular); yield acceleration Spencer 1 m/s2"
-        )
-        for factor in (1.42, 1.31)
+        finding("limit-equilibrium", bishop=1.44, spencer=factor, spencer_surface="line", spencer_crack=0.0) for factor in (1.42, 1.31)
     ]
     write_preflight(findings, [Row(each, 1, "one") for each in (note, *slices)])
     first = Words(build_page(study)).text.partition("One run")[0]
@@ -339,7 +336,7 @@ def test_the_newmark_block_has_the_yield_acceleration_of_the_headline(study: Stu
     table = read_table(study.table)
     table["yield_acceleration"], table["newmark_displacement"] = trajectory.read(file).attrs["value"], 0.1
     write_csv(table, study.table)
-    quick = Finding("yield-acceleration", "note", "yield acceleration", "1.7 ± 0.3 m/s2 (0.17 ± 0.03 g), from spacings of 4 and 2 m")
+    quick = finding("yield-acceleration", value=1.7, error=0.3, coarse=4.0, fine=2.0, step_taken=True)
     write_preflight(f"{FOLDER}/preflight.csv", [Row(quick, 4, "one")])
     first = Words(build_page(study._replace(files=[*existing(FOLDER, study.sections), made]))).text.partition("One run")[0]
     headline = in_both(float(table["yield_acceleration"][0]), 0.02 * GRAVITY).replace("m/s2", "m/s²")
@@ -378,13 +375,13 @@ def test_a_search_of_an_earlier_version_is_said_to_be_of_one_spacing(tmp_path: P
 
 def test_whether_it_stands_is_said_once() -> None:
     """The static test before the runs decides whether the slope stands; soil that softens in the runs before the shaking is told apart."""
-    stands, fails = (Row(Finding(code, "note", "", ""), 2, "one") for code in ("stands-unshaken", "fails-unshaken"))
+    stands, fails = (Row(finding(code), 2, "one") for code in ("stands-unshaken", "fails-unshaken"))
     table = pd.DataFrame({"status": ["complete", "failed_unshaken"], "failed_unshaken": [1e-4, 0.2]})
     assert unshaken(table, [fails])[0] == "does not stand in 2 of 2 runs"
     assert unshaken(table, [stands])[0] == "fails in 1 of 2 runs" and "stands at peak strength" in unshaken(table, [stands])[1]
     assert unshaken(table[:1], [stands])[0] == "stands", "a particle at yield is no slope that fails"
     assert unshaken(table[:1], [])[0] == "not tested"
-    narrow = Row(Finding("factor-of-safety", "warning", "", "1.05 ± 0.10, quick"), 1, "one")
+    narrow = Row(finding("factor-of-safety", value=1.05, error=0.1), 1, "one")
     assert unshaken(table[:1], [stands, narrow])[0] == "not certain in 1 of 1 runs"
 
 

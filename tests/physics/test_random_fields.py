@@ -10,6 +10,7 @@ import pytest
 from comparison import same_bits
 from scipy import stats
 
+from sph.checks.messages import words
 from sph.checks.scene import findings, uncertain_rows
 from sph.command.check import check, draw
 from sph.scene.schema import Scene
@@ -139,7 +140,7 @@ def test_summary_finding_and_map_of_a_field(small_slope: Any) -> None:
     assert label == "drawn c" and f"{cohesion.min():.4g} to {cohesion.max():.4g}, mean {cohesion.mean():.4g}" in text
     assert "exponential over 10 by 2 m" in text
     [found] = [each for each in findings(scene, particles) if each.code == "short-correlation"]
-    assert found.counts and "2 m" in found.measured and f"{2 * scene.numerics.smoothing_length:.3g} m" in found.wanted
+    assert found.counts and "2 m" in words(found).measured and f"{2 * scene.numerics.smoothing_length:.3g} m" in words(found).wanted
     longer = small_slope({"uncertain": varied(field={"horizontal_length": 50.0, "vertical_length": 2 * scene.numerics.smoothing_length})})
     assert "short-correlation" not in {each.code for each in findings(longer)}
     _, shown, scale = draw(check(scene)).axes

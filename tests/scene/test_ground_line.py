@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from sph.checks.messages import words
 from sph.checks.scene import to_side
 from sph.scene.configuration import merge
 from sph.scene.ground_line import GroundLine
@@ -266,9 +267,9 @@ def test_a_face_below_a_hillside_that_rises_to_the_side_has_a_crest_of_its_own(
         assert in_survey(geometry)[1] == pytest.approx((turn * face[-1][0], face[-1][1])) and not found
         return
     (one,) = found
-    x, y = (float(number) for number in one.key.removeprefix("geometry.crest_at=[").rstrip("]").split(","))
+    x, y = (float(number) for number in words(one).key.removeprefix("geometry.crest_at=[").rstrip("]").split(","))
     assert (x, y) == pytest.approx((turn * face[-1][0], face[-1][1])) and one.code == "slope-to-side"
-    assert f"H = {geometry.slope_height:.4g} m" in one.measured and f"H = {height:.4g} m" in one.wanted
+    assert f"H = {geometry.slope_height:.4g} m" in words(one).measured and f"H = {height:.4g} m" in words(one).wanted
     chosen = scene(points, downhill=downhill, base=95.0, spacing=0.01 * far, crest_at=(x, y)).geometry
     assert isinstance(chosen, GroundLine) and chosen.slope_height == pytest.approx(height) and not to_side(chosen)
 
@@ -276,6 +277,8 @@ def test_a_face_below_a_hillside_that_rises_to_the_side_has_a_crest_of_its_own(
 def test_a_slope_that_goes_on_to_a_side_of_the_model_is_told() -> None:
     assert to_side(ground(SLOPE)) == []
     whole = ground([[0, 440], [40, 450]])
-    assert [(each.subject, each.key) for each in to_side(whole)] == [(end, "geometry.window or the line") for end in ("crest", "toe")]
+    assert [(each.subject, each.keys) for each in to_side(whole)] == [
+        (end, ("geometry.window", "geometry.points")) for end in ("crest", "toe")
+    ]
     low = to_side(ground([[0, 440], [40, 455], [50, 470], [90, 470]]))
-    assert [each.key for each in low] == ["geometry.toe_at=[40, 455]"]
+    assert [words(each).key for each in low] == ["geometry.toe_at=[40, 455]"]

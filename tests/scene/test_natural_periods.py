@@ -10,6 +10,7 @@ import scipy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sph.checks.messages import words
 from sph.checks.scene import findings
 from sph.command.check import check, rows
 from sph.command.info import describe
@@ -157,14 +158,18 @@ def test_damping_by_the_stiff_soil_alone_is_found_and_the_layered_frequency_name
     assert scene.damping is not None
     ratio = 0.03 * (8.3 * 41.5 / 1.8616 + 1.8616) / (8.3 + 41.5)
     assert scene.damping.at(1.8616) == pytest.approx(ratio) and ratio > 0.11
-    assert f"{100 * ratio:.3g} % instead of 3 %" in found.measured and "1.86 Hz" in found.what and "[1.86, 41.5]" in found.key
+    assert (
+        f"{100 * ratio:.3g} % instead of 3 %" in words(found).measured
+        and "1.86 Hz" in words(found).what
+        and "[1.86, 41.5]" in words(found).key
+    )
     assert not [each for each in findings(soft(damping={"frequencies": [1.86, 41.5]})) if each.code == "damping-off-frequency"]
     assert not [each for each in findings(soft(damping=None)) if each.code == "damping-off-frequency"]
 
 
 def test_a_rigid_block_is_judged_by_the_layered_frequency() -> None:
     (found,) = [each for each in findings(soft()) if each.code == "block-not-rigid"]
-    assert f"a natural period of {1.0 / 1.8616:.2g} s" in found.measured
+    assert f"a natural period of {1.0 / 1.8616:.2g} s" in words(found).measured
 
 
 @pytest.mark.parametrize(

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from sph.checks.messages import search_words
 from sph.scene.schema import Scene, make_scene
 from sph.scene.units import in_both
 from sph.stability.extrapolation import extrapolated, unasked_spacings
@@ -17,7 +18,6 @@ from sph.stability.search import Trial
 from sph.stability.standing import FailureRule
 from sph.storage import trajectory
 from sph.storage.trajectory import scene_of
-from sph.study.searches import found_words
 
 LIMIT, SLOPE, SENSITIVE = 2.0, 0.4, 1.5
 """Yield acceleration at spacing 0 (m/s2), its error over the spacing (1/s2), and d ln a / d ln (strength)."""
@@ -56,14 +56,14 @@ def test_the_file_of_an_extrapolated_search_has_value_error_and_every_trial(tmp_
     assert found.sizes["trial"] == same.runs and found.attrs["wall_time_s"] == sum(trial.wall_time for trial in tests[: same.runs])
     assert list(dict.fromkeys(zip(found["spacing"].values, found["strength"].values, strict=True))) == [(1.0, 1.0), (0.5, 1.0), (1.0, 1.1)]
     assert scene_of(found).numerics.spacing == 0.5, "the scene of the runs"
-    assert found_words(found.attrs) == (in_both(same.value, same.error), "extrapolated from spacings of 1 and 0.5 m")
+    assert search_words(found.attrs) == (in_both(same.value, same.error), "extrapolated from spacings of 1 and 0.5 m")
 
 
 def test_a_search_at_one_spacing_has_that_value_and_no_error() -> None:
     found = run_search(scene(0.5), "yield_acceleration")
     assert found.attrs["value"] == pytest.approx(LIMIT + 0.5 * SLOPE, rel=0.005) and "error" not in found.attrs
     assert set(found["spacing"].values) == {0.5} and set(found["strength"].values) == {1.0}
-    assert "makes slopes too strong" in found_words(found.attrs)[1]
+    assert "makes slopes too strong" in search_words(found.attrs)[1]
 
 
 @pytest.mark.parametrize("stop_after", [4, 18, 25])
@@ -92,4 +92,4 @@ def test_spacings_of_a_study() -> None:
         assert unasked_spacings(make_scene(scene(own)), own, DEFAULT_RULE) == pytest.approx(spacings)
     refused = run_search(scene(2.5), "yield_acceleration", extrapolates=True)
     assert math.isnan(refused.attrs["value"]) and "too coarse to see a slope" in refused.attrs["reason"]
-    assert found_words(refused.attrs)[0].startswith("not found: numerics.spacing")
+    assert search_words(refused.attrs)[0].startswith("not found: numerics.spacing")

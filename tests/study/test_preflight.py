@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from sph.checks.finding import CODES, Finding, Severity, codes
+from sph.checks.finding import SEVERITIES, Finding, Severity, codes, finding
+from sph.checks.messages import MESSAGES, meaning, words
 from sph.checks.motion import POLARITY_RATIO, drifting, mean_period
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, choices, findings
+from sph.checks.stability import Peak, stability
 from sph.command.cli import app
 from sph.experiments.study_row import run_values
 from sph.measures.metrics import MetricSettings
@@ -35,11 +37,9 @@ from sph.storage.trajectory import Status
 from sph.study.cost import cost
 from sph.study.preflight import (
     QUICK_TOLERANCE,
-    Peak,
     Row,
     quick_spacings,
     read_preflight,
-    stability,
     standing_scene,
     study_findings,
     study_stability,
@@ -93,7 +93,7 @@ def record_scene(acceleration: np.ndarray, **settings: Any) -> Scene:
 
 def test_the_record_of_a_scene_is_looked_at_as_processed() -> None:
     wrong = {each.code: each for each in findings(record_scene(BURST + 0.58))}
-    assert wrong["record-offset"].key == "motion.baseline={}" and "0.0591 g" in wrong["record-offset"].measured
+    assert words(wrong["record-offset"]).key == "motion.baseline={}" and "0.0591 g" in words(wrong["record-offset"]).measured
     mended = findings(record_scene(BURST + 0.58, **{"motion.baseline": {"degree": 0}}))
     assert not {"record-offset", "record-drift", "record-displacement"} & {each.code for each in mended}
 
@@ -116,7 +116,7 @@ def test_the_direction_of_a_record_is_told_where_it_matters() -> None:
     turned, as_it_is = (sliding_block(TIME, sign * one_sided, strength).permanent for sign in (-1.0, 1.0))
     assert as_it_is == 0.0 < turned
     (told,) = [each for each in findings(record_scene(one_sided)) if each.code == "record-polarity"]
-    assert (told.severity, told.key) == ("note", "motion.factor=-1") and f"{turned:.2g} m" in told.measured
+    assert (told.severity, words(told).key) == ("note", "motion.factor=-1") and told.numbers["reversed"] == pytest.approx(turned)
     assert "record-polarity" not in {each.code for each in findings(record_scene(-one_sided))}
 
 
@@ -134,17 +134,17 @@ def test_a_slope_that_is_no_rigid_block_is_told(ratio: float, told: str) -> None
     period = 1.0 / natural_frequency(scene(), scene().geometry.crest)
     shaken = scene(**{"motion.frequency": ratio / period})
     found = [each for each in findings(shaken) if each.code == "block-not-rigid"]
-    assert [each.severity for each in found] == ["note"] * bool(told) and all(told in each.what for each in found)
+    assert [each.severity for each in found] == ["note"] * bool(told) and all(told in words(each).what for each in found)
 
 
 # ---------------------------------------------------------------- codes
 
 
 def test_codes_are_those_of_the_list_each_once_in_its_order() -> None:
-    some = [Finding(code, "note", "", "") for code in ("time-step", "fails-unshaken", "time-step")]
+    some = [finding(code) for code in ("time-step", "fails-unshaken", "time-step")]
     assert parse_json(codes(some)) == ["fails-unshaken", "time-step"]
     assert parse_json(codes([])) == []
-    assert all(code.severity in list(Severity) and code.text for code in CODES.values())
+    assert list(MESSAGES) == list(SEVERITIES) and all(map(meaning, MESSAGES))
 
 
 def test_findings_lie_in_the_file_and_decide_nothing_of_the_run(tmp_path: Path) -> None:
@@ -179,7 +179,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
         searched.append(extrapolated(*arguments, **options))
         return searched[-1]
 
-    monkeypatch.setattr("sph.study.preflight.extrapolated", recorded)
+    monkeypatch.setattr("sph.checks.stability.extrapolated", recorded)
     monkeypatch.setattr("sph.study.preflight.QUICK_TOLERANCE", wide := 4.0 * QUICK_TOLERANCE)
     scenes = {f"{ratio}-{rate}": scene(**{"coupling.S_R": ratio, "coupling.gamma": rate}) for ratio in (0.3, 0.9) for rate in (1.0, 9.0)}
     said: list[str] = []
@@ -198,7 +198,7 @@ def test_each_slope_and_each_residual_strength_is_tested_once(monkeypatch: pytes
     (found,) = searched
     assert found.spacings == quick_spacings(scenes["0.3-1.0"]) and found.spacings[0] / found.spacings[1] == pytest.approx(UNASKED_RATIO)
     assert all(search.upper - search.lower <= wide * search.value for search in found.searches)
-    assert rows[6].finding.measured.startswith(f"{found.value:.2f} ± {found.error:.2f}, {found.how}")
+    assert words(rows[6].finding).measured == f"{found.value:.2f} ± {found.error:.2f}, {found.how}"
 
 
 @pytest.mark.long
@@ -206,26 +206,25 @@ def test_a_factor_within_its_error_of_one_is_a_warning() -> None:
     slope = scene(**{"soil.cohesion": 12.0})
     rows = study_stability({"one": slope}, lambda line: None, ["factor-of-safety"])
     (limit,) = (row.finding for row in rows if row.finding.code == "factor-of-safety")
-    value, error = map(float, limit.measured.partition(",")[0].split(" ± "))
-    assert (limit.severity == Severity.WARNING) == (value - error < 1.0) == bool(limit.key)
+    value, error = limit.numbers["value"], limit.numbers["error"]
+    assert (limit.severity == Severity.WARNING) == (value - error < 1.0) == bool(limit.keys)
 
 
 @pytest.mark.long
 def test_the_first_screen_is_not_on_the_unsafe_side() -> None:
     """The quick limits reach down to what a search at the scene's own spacing extrapolates."""
     slope = scene(**{"numerics.spacing": 0.7})
-    rows = {row.finding.code: row.finding.measured for row in study_stability({"one": slope}, lambda line: None)}
+    rows = {row.finding.code: row.finding.numbers for row in study_stability({"one": slope}, lambda line: None)}
     for code, find in (("factor-of-safety", factor_of_safety), ("yield-acceleration", yield_acceleration)):
-        value, error = (float(word) for word in re.findall(r"[\d.]+", rows[code])[:2])
         closer = extrapolated(find, slope)
-        assert abs(value - closer.value) <= error + closer.error, (code, rows[code], closer)
+        assert abs(rows[code]["value"] - closer.value) <= rows[code]["error"] + closer.error, (code, rows[code], closer)
 
 
 @pytest.mark.long
 def test_each_slope_is_searched() -> None:
     scenes = {f"{cohesion}": scene(**{"soil.cohesion": cohesion}) for cohesion in (25.0, 40.0)}
     rows = [row for row in study_stability(scenes, lambda line: None, ["factor-of-safety"]) if row.finding.code == "factor-of-safety"]
-    weak, strong = (float(row.finding.measured.split()[0]) for row in rows)
+    weak, strong = (row.finding.numbers["value"] for row in rows)
     assert [row.worst_run for row in rows] == ["25.0", "40.0"] and 1.0 < weak < strong
 
 
@@ -254,7 +253,7 @@ def test_a_dimension_that_does_not_reach_a_layer_is_told() -> None:
     clay = {"layers": {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 6.0}, "soil": {"cohesion": 18.0}, "S_R": 0.6}}}
     scenes = {str(ratio): scene(**{"coupling.S_R": ratio}, **clay) for ratio in (0.3, 0.5)}
     (row,) = [row for row in study_findings(scenes) if row.finding.code == "own-strength-ratio"]
-    assert (row.runs, row.finding.severity, row.finding.key) == (2, "warning", "layers.clay.S_R")
+    assert (row.runs, row.finding.severity, words(row.finding).key) == (2, "warning", "layers.clay.S_R")
     assert "own-strength-ratio" not in {row.finding.code for row in study_findings({"one": scenes["0.3"]})}
 
 
@@ -273,7 +272,7 @@ def test_a_strength_ratio_that_no_soil_feels_is_told(soil: dict[str, float], cla
     layers = {"clay": {"region": {"kind": "depth", "top": 3.0, "bottom": 6.0}, "soil": clay}}
     scenes = {str(ratio): scene(**{"coupling.S_R": ratio}, soil=soil, layers=layers) for ratio in (0.3, 0.5)}
     rows = [row for row in study_findings(scenes) if row.finding.code == "own-strength-ratio"]
-    assert [(row.runs, row.finding.measured) for row in rows] == [(2, "residual strengths are given")] * told
+    assert [(row.runs, words(row.finding).measured) for row in rows] == [(2, "residual strengths are given")] * told
 
 
 def test_the_soil_of_sph_new_is_told_under_any_title() -> None:
@@ -290,7 +289,7 @@ def test_what_decides_by_its_default_is_told_of_ones_own_slopes() -> None:
     own = make_scene(merge(keys, {"title": f"Mine {PLACEHOLDER}"}))
     told = {each.code: each for each in findings(own)}
     assert {"rigid-box", "no-dilation", "no-process-zone", "soil-not-replaced"} <= set(told)
-    assert told["rigid-box"].measured == "base no-slip, sides free-slip"
+    assert words(told["rigid-box"]).measured == "base no-slip, sides free-slip"
     assert [(label, text.split(" (")[0]) for label, text in choices(own)] == [
         ("initial stress", "gravity ramped up in elastic soil, K0 = 0.429 = nu /"),
         ("onset of failure", "as soon as the stress reaches the strength"),
@@ -314,7 +313,7 @@ def test_a_slope_that_fails_unshaken_is_an_error_and_is_not_searched() -> None:
     weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0})
     (row,) = study_stability({"weak": weak}, lambda line: None)
     assert (row.finding.code, row.finding.severity) == ("fails-unshaken", "error")
-    assert row.finding.measured.endswith("at a spacing of 1 m"), "that of the runs, which costs little"
+    assert words(row.finding).measured.endswith("at a spacing of 1 m"), "that of the runs, which costs little"
 
 
 def test_a_slope_is_tested_at_the_spacing_of_its_runs_where_that_costs_little(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -324,18 +323,18 @@ def test_a_slope_is_tested_at_the_spacing_of_its_runs_where_that_costs_little(mo
     assert standing_scene(slope).numerics.spacing == quick_spacings(slope)[1] > 0.5
     weak = scene(**{"soil.cohesion": 1.0, "soil.friction_angle": 5.0, "numerics.spacing": 0.5})
     (row,) = study_stability({"weak": weak}, lambda line: None)
-    assert row.finding.measured.endswith("where the runs have 0.5 m")
+    assert words(row.finding).measured.endswith("where the runs have 0.5 m")
 
 
 def test_the_strength_that_each_layer_uses_is_told_and_a_warning_where_none_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     stands = Trial(1.0, True, 0.0, 0.0, "complete", 0.0)
     used = {"soil": 0.5, "clay": 0.991}
-    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 1.0, mobilised=used))
-    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 1.0, mobilised=used))
+    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
     found = [row.finding for row in study_stability({"one": scene()}, lambda line: None, []) if row.finding.code == "mobilised-strength"]
     assert [(each.subject, each.severity) for each in found] == [("clay", "warning"), ("soil", "note")]
-    assert found[0].measured == "99 % of its peak strength" and found[0].key.startswith("layers.clay.soil.K0")
-    assert not found[1].wanted and not found[1].key
+    assert words(found[0]).measured == "99 % of its peak strength" and words(found[0]).key.startswith("layers.clay.soil.K0")
+    assert not words(found[1]).wanted and not words(found[1]).key
 
 
 def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -347,16 +346,16 @@ def test_a_slope_that_fails_as_it_softens_is_an_error_before_the_shaking(monkeyp
         tested.append(scene)
         return falls
 
-    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
-    monkeypatch.setattr("sph.study.preflight._softening", softening)
+    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.study.preflight.softening", softening)
 
     def told(begun: bool, **settings: Any) -> list[Finding]:
-        monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 1.0, begun=begun))
+        monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 1.0, begun=begun))
         rows = study_stability({"one": scene(**settings)}, lambda line: None, [])
         return [row.finding for row in rows if row.finding.code == "fails-softened"]
 
     (found,) = told(True)
-    assert found.severity == "error" and found.measured.startswith("7 m2 displaced") and found.wanted == "to stand"
+    assert found.severity == "error" and words(found).measured.startswith("7 m2 displaced") and words(found).wanted == "to stand"
     assert told(False) == [] and told(True, **{"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}) == []
     assert len(tested) == 1
 
@@ -379,12 +378,12 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
     def unsearched(*arguments: Any, **options: Any) -> None:
         raise ValueError("no search in this test")
 
-    monkeypatch.setattr("sph.study.preflight._at_peak", lambda static: Peak(stands, 0.4))
-    monkeypatch.setattr("sph.study.preflight._at_residual", lambda static: stands)
-    monkeypatch.setattr("sph.study.preflight.extrapolated", unsearched)
+    monkeypatch.setattr("sph.study.preflight.at_peak", lambda static: Peak(stands, 0.4))
+    monkeypatch.setattr("sph.study.preflight.at_residual", lambda static: stands)
+    monkeypatch.setattr("sph.checks.stability.extrapolated", unsearched)
     said: list[str] = []
     found = {row.finding.code: row.finding for row in study_stability({"one": seam}, said.append)}
-    assert found["layer-broken"].subject == "clay" and found["layer-broken"].measured.endswith("at a spacing of 1 m")
+    assert found["layer-broken"].subject == "clay" and words(found["layer-broken"]).measured.endswith("at a spacing of 1 m")
     assert [line.rpartition("[")[2] for line in said if "layer-broken" in line] == ["layer-broken]"]
     assert "layer-broken" not in {each.code for each in findings(seam)}
     assert "layer-broken" in {each.code for each in stability(seam)}
@@ -393,13 +392,15 @@ def test_a_layer_that_the_quick_searches_break_is_told_before_them(monkeypatch: 
 def test_what_has_no_slope_is_told_with_the_reason() -> None:
     still = scene(**{"gravity.acceleration": 0.0})
     (row,) = study_stability({"still": still}, lambda line: None)
-    assert row.finding.code == "stability-unknown" and "without gravity every slope stands" in row.finding.measured
+    assert row.finding.code == "stability-unknown" and "without gravity every slope stands" in words(row.finding).measured
 
 
 def test_the_table_has_errors_first_and_comes_back_as_written(tmp_path: Path) -> None:
     rows = study_findings({"short": scene(**{"duration": 4.0}), "long": scene()})
     assert {(row.finding.code, row.runs) for row in rows} >= {("motion-cut-off", 1), ("no-process-zone", 2)}
-    error = Row(Finding("fails-unshaken", "error", "the slope, with a comma", "fails", "to stand", "soil"), 2, "short")
+    error = Row(
+        finding("fails-unshaken", "soil.cohesion", "geometry", displaced_area=7.1, status="a, b", spacing=1.0, run_spacing=1.0), 2, "short"
+    )
     write_preflight(tmp_path / "preflight.csv", [*rows, error])
     back = read_preflight(tmp_path / "preflight.csv")
     assert back[0] == error and set(back) == {*rows, error}
@@ -423,7 +424,7 @@ def test_each_thin_layer_of_a_study_has_its_row_the_worst_first(tmp_path: Path) 
     """Three findings of one code and one key: none takes the place of another."""
     one = scene(**{"geometry.base": 425.0}, layers=thin_layers(sand=3.0, silt=2.0, clay=1.0))
     told = [each for each in findings(one) if each.code == "thin-layer"]
-    assert [(each.subject, each.measured) for each in told] == [
+    assert [(each.subject, words(each).measured) for each in told] == [
         (n, f"{r} particles across") for n, r in (("clay", 1), ("silt", 2), ("sand", 3))
     ]
     write_preflight(tmp_path / "preflight.csv", study_findings({"one": one}))
@@ -433,7 +434,7 @@ def test_each_thin_layer_of_a_study_has_its_row_the_worst_first(tmp_path: Path) 
 def test_a_finding_of_several_runs_has_the_words_of_the_worst() -> None:
     scenes = {f"{rows}": scene(**{"geometry.base": 425.0}, layers=thin_layers(clay=rows)) for rows in (3.0, 1.0, 2.0)}
     (row,) = [row for row in study_findings(scenes) if row.finding.code == "thin-layer"]
-    assert (row.runs, row.worst_run, row.finding.measured) == (3, "1.0", "1 particles across")
+    assert (row.runs, row.worst_run, words(row.finding).measured) == (3, "1.0", "1 particles across")
 
 
 @pytest.mark.parametrize("name", [path.name for path in sorted(SCENES.glob("*.yaml"))])
@@ -497,4 +498,4 @@ def test_a_slope_that_collapses_in_the_gravity_stage_says_so_in_its_status(tmp_p
     values = run_values(Run.read(path["end"]), MetricSettings(), float("nan"))
     assert values["status"] == "failed_unshaken" and float(values["failed_unshaken"]) > 0.1
     assert float(values["gravity_stage_displacement"]) > 0.1 and values["first_failure_time"] == pytest.approx(3.0)
-    assert values["findings"] == " ".join(code for code in CODES if code in {each.code for each in findings(weak)})
+    assert values["findings"] == " ".join(code for code in SEVERITIES if code in {each.code for each in findings(weak)})

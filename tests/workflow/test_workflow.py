@@ -22,6 +22,7 @@ from killing import TIMINGS, killed, start
 from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
+from sph.checks.messages import search_words
 from sph.command.cli import app
 from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.steps import steps
@@ -30,7 +31,6 @@ from sph.scene.strict_json import parse_json
 from sph.stability.newmark import sliding_block
 from sph.storage import trajectory
 from sph.study.preflight import read_preflight
-from sph.study.searches import found_words
 from sph.study.tables import read_study, read_table
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -148,14 +148,14 @@ def test_what_is_found_before_the_runs_is_in_the_table_the_runs_and_the_page(fin
     # All eight runs have the paper's scheme and one slope.
     assert {"stands-unshaken", "factor-of-safety", "no-process-zone", "few-particles"} <= rows.keys()
     assert rows["stands-unshaken"].runs == rows["no-process-zone"].runs == 8 and rows["few-particles"].finding.severity == "warning"
-    assert float(rows["factor-of-safety"].finding.measured.split(" ± ")[0]) > 1.0
+    assert rows["factor-of-safety"].finding.numbers["value"] > 1.0
     assert "yield-acceleration" not in rows, "one number: that of the search for the sliding block, which the page tells"
     found = set(parse_json(trajectory.read(finished / RUN).attrs["findings"]))
     row = next(row for _, row in read_table(folder / "study.csv").iterrows() if row["S_R"] == "0.10" and row["amplitude"] == "8.0")
     assert set(row["findings"].split()) == found >= {"no-process-zone", "few-particles"}
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "Before the runs" in page and "stands-unshaken" in page
-    found, how = found_words(trajectory.read(folder / "stages" / "yield_acceleration.nc").attrs)
+    found, how = search_words(trajectory.read(folder / "stages" / "yield_acceleration.nc").attrs)
     assert " ± " in found and found.replace("m/s2", "m/s²") in page and how in page
 
 

@@ -3,6 +3,7 @@
 from typing import TextIO
 
 from sph.checks.finding import codes
+from sph.checks.messages import line
 from sph.checks.scene import findings
 from sph.jobs.log import Job, job_log
 from sph.jobs.progress import reporter
@@ -24,15 +25,15 @@ def simulate(
 ) -> None:
     """Run a scene, from its checkpoint or a restart if there is one, and write its trajectory; a run that diverges is a result."""
 
-    def say(line: str) -> None:
-        print(line, file=log)
+    def say(text: str) -> None:
+        print(text, file=log)
 
     built = planned.build()
     found = findings(built)
     with reporter(path_to_trajectory, built, log) as report:
         for each in found:
             if each.counts:
-                say(each.line())
+                say(line(each))
         result = run_to_file(
             built,
             path_to_trajectory,

@@ -4,7 +4,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TextIO
 
-from sph.checks.finding import Severity
+from sph.checks.messages import line
 from sph.jobs.log import Job, job_log
 from sph.study.planned import Planned
 from sph.study.preflight import Row, study_findings, study_stability, write_preflight
@@ -20,7 +20,7 @@ def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], siz
         print(f"checks {len(scenes)} of {size} runs, spread evenly through the study", file=log)
     rows = study_findings(scenes)
     for row in rows:
-        print(f"{row.worst_run}: {row.finding.line()}", file=log)
+        print(f"{row.worst_run}: {line(row.finding)}", file=log)
     tell(rows)
     stability = study_stability(scenes, lambda line: print(line, file=log, flush=True), searches)
     tell(stability)
@@ -30,8 +30,8 @@ def preflight(path_to_csv: str, log: TextIO, planned: Mapping[str, Planned], siz
 def tell(rows: Iterable[Row]) -> None:
     """Show what is more than a note where the study was started."""
     for row in rows:
-        if row.finding.severity != Severity.NOTE:
-            print(f"{row.worst_run}: {row.finding.line()}", file=sys.stderr, flush=True)
+        if row.finding.counts:
+            print(f"{row.worst_run}: {line(row.finding)}", file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,606 @@
+"""The words of findings, and nowhere else: for commands, logs, tables, the page and the reference.
+
+A text has its numbers in braces, as ``str.format``: ``{value:m/s2}`` is an acceleration in m/s2 and g, ``{value:kPa}`` and
+``{value:degree}`` have the unit of the keys, ``{value:.3g %}`` is a share in per cent.  Where a code has several texts, a function of the
+numbers chooses.
+"""
+
+from __future__ import annotations
+
+import math
+import string
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple
+
+from sph.checks.finding import Finding, Numbers
+from sph.scene.gravity import FAILED_AREA, GRAVITY
+from sph.scene.units import in_both
+from sph.scene.walls import wall_words
+from sph.stability.extrapolation import how_found
+from sph.stability.slip_search import LARGEST_FACTOR
+
+OR = " or "
+"""Between the keys of a finding."""
+Text = str | Callable[[Numbers], str]
+
+
+class Message(NamedTuple):
+    """The texts of a code."""
+
+    what: Text  # what is the matter
+    measured: Text
+    wanted: Text = ""  # what the value should be; one that begins with "to", what the scene should do
+    meaning: str = ""  # of the code, for the reference, where it is not just ``what``
+
+
+class Words(NamedTuple):
+    """A finding in words; the names are those of ``sph check --json`` and ``preflight.csv``."""
+
+    what: str
+    measured: str
+    wanted: str
+    key: str
+
+
+class _Units(string.Formatter):
+    """Numbers in SI units with the unit in which they are read."""
+
+    def format_field(self, value: Any, format_spec: str) -> Any:
+        if format_spec == "m/s2":
+            return in_both(value)
+        if format_spec == "kPa":
+            return f"{value / 1e3:g} kPa"
+        if format_spec == "degree":
+            return f"{math.degrees(value):g} degree"
+        if format_spec.endswith(" %"):
+            return f"{100.0 * value:{format_spec[:-2]}} %"
+        return super().format_field(value, format_spec)
+
+
+# ---------------------------------------------------------------- texts that numbers choose
+
+TEXTS: dict[str, Callable[[float, float], str]] = {
+    "factor-of-safety": "{:.2f} ± {:.2f}".format,
+    "yield-acceleration": in_both,
+}
+"""A limit of a slope with its error, by the code of its finding."""
+UNKNOWN = {
+    "stability": ("the stability of the slope", "not tested: {reason}"),
+    "factor-of-safety": ("static factor of safety", "not found: {reason}"),
+    "yield-acceleration": ("yield acceleration, pseudo-static", "not found: {reason}"),
+    "limit-equilibrium": (
+        "limit equilibrium",
+        f"no slip surface found with a factor of safety up to {LARGEST_FACTOR:g} that ends on the ground of the model",
+    ),
+    "stability of further slopes": ("the stability of further slopes of the study", "not tested, to save time"),
+    "limits of further slopes": (
+        "factor of safety and yield acceleration of further slopes of the study",
+        "not searched, to save time; run sph fos or sph yield-acceleration on the scene or on the file of a run",
+    ),
+}
+"""What is not known and why, by the subject of the finding."""
+REASONS = {
+    "dilation": "with a dilation angle below the friction angle, SPH gives a lower strength (Davis 1968)",
+    "crack": "Spencer's surface ends in a tension crack, where SPH soil can bear tension",
+    "thin": "{thin}: few particles across, which makes a layer too strong",
+    "spacing": "SPH searches overestimate the factor at coarse spacings",
+    "deforms": "without friction, a non-circular surface forces the sliding mass to deform, which the methods of slices ignore",
+    "walls": "soil also slides on the walls (walls.friction), which limit equilibrium does not model",
+}
+"""Why a factor of safety by SPH may differ from Spencer's."""
+SIDES = {"front": "the end of the box in front of the toe", "back": "the end of the box behind the crest", "over": "the top of a side"}
+"""Sides of the box, by their names in the metric ``reached_side``."""
+SURFACES = {"bishop": "Bishop's factor of safety", "spencer": "Spencer's factor of safety", "critical": "Spencer's yield acceleration"}
+
+
+def _at(of: Numbers) -> str:
+    """The spacing of a test, with that of the runs where it is another."""
+    same = math.isclose(of["spacing"], of["run_spacing"], rel_tol=1e-6)
+    return "at a spacing of {spacing:.3g} m" + ("" if same else ", where the runs have {run_spacing:.3g} m")
+
+
+def _at_residual(of: Numbers) -> str:
+    own = "".join(f", {name.split('.')[1]} {value:g}" for name, value in of.items() if name.startswith("layers."))
+    return f"the slope without shaking, at residual strength (S_R {{S_R:g}}{own})"
+
+
+def _mobilised(of: Numbers) -> str:
+    depth = " at a depth of {depth:.3g} m with K0 = {K0:.3g}" + (" = nu / (1 - nu)" if "poisson_ratio" in of else "")
+    depth += ", {bound:.0f %} or more from {from_depth:.3g} m downwards"
+    return "{value:.0f %} of its peak strength" + (depth if "depth" in of else "")
+
+
+def _less_mobilised(of: Numbers) -> str:
+    if "bound" not in of:
+        return ""
+    if "K0" not in of:
+        return "less than {bound:.0f %}, or be computed from a known initial stress"
+    held = of["held_K0"]
+    return "less than {bound:.0f %}, as with a K0 of " + (
+        f"at least {held:.3g} (nu {held / (1.0 + held):.3g})" if held < 1.0 else f"at most {held:.3g}"
+    )
+
+
+def limit_words(of: Finding) -> str:
+    """A limit of a slope with its error."""
+    return TEXTS[of.code](of.numbers["value"], of.numbers["error"])
+
+
+def limit_how(of: Finding) -> str:
+    """How it was found."""
+    return how_found(of.numbers["coarse"], of.numbers["fine"], bool(of.numbers["step_taken"]))
+
+
+def _limit(code: str) -> Text:
+    return lambda of: f"{limit_words(made := Finding(code, numbers=of))}, {limit_how(made)}"
+
+
+def search_words(facts: Mapping[str, Any]) -> tuple[str, str]:
+    """The limit that a search found, with its error, and how, from the attributes of its file; the reason where it found none.
+
+    Searches of earlier versions were at the spacing of the runs alone, and have no error.
+    """
+    if facts["reason"]:
+        return f"not found: {facts['reason']}", ""
+    limit, value = str(facts["by"]).replace("_", "-"), float(facts["value"])
+    if "error" in facts:
+        return TEXTS[limit](value, float(facts["error"])), str(facts["how"])
+    text = in_both(value) if limit == "yield-acceleration" else f"{value:.2f}"
+    return text, "at the spacing of the runs alone, which makes slopes too strong"
+
+
+def _surface(of: Numbers, name: str) -> str:
+    words = {"line": "not circular"}.get(str(of[f"{name}_surface"]), str(of[f"{name}_surface"]))
+    return words if not of[f"{name}_crack"] else f"{words}, with a tension crack of {of[f'{name}_crack']:.2g} m"
+
+
+def factor_words(of: Numbers) -> str:
+    """The factors of safety of both methods of limit equilibrium, and where the surfaces lie."""
+    bishop = f"{of['bishop']:.2f} (circle)" if "bishop" in of else "not found"
+    return f"Bishop {bishop}, Spencer {of['spencer']:.2f} ({_surface(of, 'spencer')})"
+
+
+def yield_words(of: Numbers) -> str:
+    """The yield acceleration by Spencer's method; 0 for a slope that does not stand."""
+    if of["spencer"] <= 1.0:
+        return f"Spencer {in_both(0.0)}: the slope does not stand"
+    if "critical" not in of:
+        return "Spencer: not found"
+    return f"Spencer {in_both(of['critical'])} ({_surface(of, 'critical')})"
+
+
+def _reasons(of: Numbers) -> str:
+    known = "; ".join(REASONS[name] for name in of["reasons"].split())
+    return "{value:.2f} ± {error:.2f} and {bound:.2f}: " + (known or "no reason is known: look at both slip surfaces")
+
+
+def _listed(names: list[str]) -> str:
+    return " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+
+
+def _reaching(of: Numbers) -> str:
+    names = [words for name, words in SURFACES.items() if name in of]
+    return f"the {'surface' if len(names) == 1 else 'surfaces'} of {_listed(names)}"
+
+
+def _property(of: Numbers) -> str:
+    """The property of a soil or seam that a key names."""
+    return f"the {of['key'].rsplit('.', 1)[-1].replace('_', ' ')} of {{subject}} is implausible"
+
+
+def _is_tangent(of: Numbers) -> bool:
+    return of["key"].startswith("walls.friction")
+
+
+def _angle(of: Numbers) -> str:
+    if _is_tangent(of):
+        return "a tangent, at most {bound:.2g}; " + f"that of {of['value']:g} degrees is {math.tan(math.radians(of['value'])):.3g}"
+    angle = math.degrees(of["value"])
+    return (
+        f"at least {math.degrees(of['bound']):.2g} degree, or 0; {angle:g} rad are {math.degrees(angle):.3g} degree, "
+        f"and {angle:g} is the tangent of {math.degrees(math.atan(angle)):.3g} degree"
+    )
+
+
+def _other_face(of: Numbers) -> str:
+    if "other_x" not in of:
+        return "an edge with gentler ground beyond it, or {subject}_at"
+    return "({other_x:.10g}, {other_y:.10g}) m, that of a steeper face, with H = {other_height:.4g} m, if it is the slope that is meant"
+
+
+def _cover(of: Numbers) -> str:
+    fewer = "at most" if of["at_most"] else "about"
+    return (
+        f"{{rows:.2g}} rows of particles in {{thickness:.3g}} m, with which debris runs {fewer} {{value:.0%}} as far as with fine particles"
+    )
+
+
+def _unbraked(of: Numbers) -> str:
+    if "enough" in of:
+        return f"at least {{enough:g}}, with a spacing of at most {of['thickness'] / of['enough']:.3g} m"
+    return "computed with numerics.interfaces: weaker" if of["both"] else "free to lose its solid state after failure"
+
+
+def _reached(of: Numbers) -> str:
+    sides = of["sides"].split()
+    bounded = ", so displacement and run-out are lower bounds" if {"front", "over"} & set(sides) else ""
+    return "failed soil has reached " + " and ".join(SIDES[side] for side in sides) + bounded
+
+
+MESSAGES: dict[str, Message] = {
+    "fails-unshaken": Message(
+        "the slope does not stand without shaking, so its failure is not due to the earthquake",
+        lambda of: "fails at its peak strength, {displaced_area:.3g} m2 displaced ({status}) " + _at(of),
+        "to stand",
+    ),
+    "softens-unshaken": Message(
+        "soil is at its strength under gravity alone and softens before the shaking, so the result is not due to an earthquake",
+        lambda of: "{value:.3g} m2 " + _at(of),
+        f"at most {FAILED_AREA:g} H2 = {{bound:.3g}} m2",
+    ),
+    "fails-softened": Message(
+        "without shaking the slope fails as its soil softens, so the result is not due to the earthquake alone",
+        lambda of: "{displaced_area:.3g} m2 displaced ({status}) as it softens, " + _at(of),
+        "to stand",
+    ),
+    "stands-unshaken": Message(
+        "the slope without shaking, at peak strength",
+        lambda of: "stands " + _at(of),
+        meaning="the slope stands at its peak strength without shaking",
+    ),
+    "fails-at-residual": Message(
+        _at_residual,
+        "does not stand: soil that fails flows until the slope is flatter",
+        meaning="without shaking the slope fails at its residual strength: soil that fails keeps moving downslope",
+    ),
+    "stands-at-residual": Message(
+        _at_residual,
+        "stands: soil that fails comes to rest",
+        meaning="without shaking the slope stands at its residual strength: soil that fails comes to rest",
+    ),
+    "mobilised-strength": Message(
+        lambda of: (
+            "strength of {subject} mobilised by gravity alone, "
+            + ("in level ground at rest (Rankine)" if "depth" in of else "before the shaking")
+        ),
+        _mobilised,
+        _less_mobilised,
+        meaning="share of its peak strength that a layer mobilises under gravity alone, near the slope or in level ground; a warning from "
+        "95 % on",
+    ),
+    "factor-of-safety": Message(
+        "static factor of safety",
+        _limit("factor-of-safety"),
+        lambda of: "above 1 by more than its error" if of["value"] - of["error"] < 1.0 else "",
+    ),
+    "yield-acceleration": Message(
+        "yield acceleration, pseudo-static", _limit("yield-acceleration"), meaning="pseudo-static yield acceleration"
+    ),
+    "limit-equilibrium": Message(
+        "limit equilibrium, without a run",
+        lambda of: f"{factor_words(of)}; yield acceleration {yield_words(of)}",
+        meaning="factor of safety and yield acceleration by limit equilibrium: Bishop's and Spencer's methods",
+    ),
+    "limit-equilibrium-residual": Message(
+        "limit equilibrium at the residual strength",
+        factor_words,
+        meaning="factor of safety by limit equilibrium at the strength that failed soil keeps",
+    ),
+    "limit-equilibrium-differs": Message(
+        lambda of: (
+            f"the factor of safety by SPH lies {abs(off := of['value'] / of['bound'] - 1.0):.0%} "
+            f"{'above' if off > 0.0 else 'below'} Spencer's"
+        ),
+        _reasons,
+        meaning="the factor of safety by SPH differs by more than 5 % from Spencer's, with the possible reasons",
+    ),
+    "slip-at-base": Message(
+        "a slip surface reaches an absorbing base with the same soil below it; such a base carries no static load applied after the "
+        "gravity stage",
+        _reaching,
+        "to lie above the base, or end on stiff ground",
+    ),
+    "stability-unknown": Message(
+        lambda of: UNKNOWN[of["subject"]][0],
+        lambda of: UNKNOWN[of["subject"]][1],
+        lambda of: "to have ground behind the crest, {heights:g} times the slope's height at least" if "heights" in of else "",
+        meaning="the stability of the slope could not be found, with the reason",
+    ),
+    "record-offset": Message(
+        lambda of: (
+            "the record drifts, and the displacement depends on its mean acceleration"
+            if "slip" in of
+            else "the record drifts because of an offset of the recorder"
+        ),
+        lambda of: (
+            "{slip:.3g} m, and {slip_without:.3g} m without the mean of {mean:m/s2}"
+            if "slip" in of
+            else "a mean of {mean:m/s2}, {value:.2g} m/s at its end"
+        ),
+        lambda of: "equal to within {difference:.0f %}" if "slip" in of else "at most {bound:.2g} m/s",
+        meaning="the record has an offset: a mean acceleration of more than a hundredth of its peak, and it drifts",
+    ),
+    "record-drift": Message(
+        "the record drifts",
+        "{value:.2g} m/s at its end",
+        "at most {bound:.2g} m/s",
+        meaning="the ground still moves at the end of the record",
+    ),
+    "record-displacement": Message(
+        "the peak displacement of the ground is implausible",
+        "{value:.3g} m",
+        "at most {bound:g} m, except beside a fault that broke the surface",
+    ),
+    "record-sparse": Message(
+        "the samples of the record are so far apart that its times may be in another unit",
+        "a sample every {value:g} s",
+        "at most {bound:g} s; look at its time column",
+        meaning="the samples of the record are more than 0.1 s apart: times in another unit, or only every n-th sample",
+    ),
+    "record-lasting": Message(
+        "the ground is left displaced at the end of the record", "{value:.2g} m, with a peak displacement of {peak:.2g} m", "near 0"
+    ),
+    "record-polarity": Message(
+        "the reversed record drives a sliding block further",
+        lambda of: (
+            "{reversed:.3g} m instead of {as_recorded:.3g} m"
+            + (" for a block with a yield acceleration of {yield_ratio:g} PGA" if "yield_ratio" in of else "")
+        ),
+        "the larger of the two directions",
+        meaning="with its polarity reversed the record drives a sliding block further",
+    ),
+    "pga-implausible": Message(
+        "the {subject} peak acceleration of the ground is implausible",
+        "{value:m/s2}",
+        lambda of: f"{of['least'] / GRAVITY:g} to {of['most'] / GRAVITY:g} g; look at the unit of a record",
+        meaning="the peak acceleration of the ground is implausible: often a mistaken unit",
+    ),
+    "motion-cut-off": Message("the run ends before the motion does", "{value:g} s", "more than {bound:.4g} s"),
+    "block-not-rigid": Message(
+        lambda of: (
+            "the slope is not rigid under this motion, so a rigid sliding block "
+            f"{'underestimates' if of['value'] <= 1.0 else 'does not represent'} its displacement"
+        ),
+        "a natural period of {period:.2g} s, {value:.2g} times the mean period of the motion",
+        "at most {bound:g} for a rigid block (Jibson 2011)",
+        meaning="the slope is too soft to move like the rigid sliding block that its runs are compared with",
+    ),
+    "damping-off-frequency": Message(
+        "the first mode of the ground, {frequency:.3g} Hz below the crest edge, is damped more than the ratio that is given",
+        "{value:.3g %} instead of {given:.3g %}",
+        "at most {bound:.3g %}",
+        meaning="the first mode of the ground is damped more than twice as much as the ratio that is given",
+    ),
+    "vertical-unused": Message(
+        "the vertical component of the motion",
+        "motion.vertical does not act on the sliding block, which the horizontal component alone drives",
+        meaning="the vertical component does not act on the sliding block",
+    ),
+    "level-ground-fails": Message(
+        "level ground behind the crest, taken as a rigid column, fails in shear as well",
+        "{value:m/s2}, where {bound:m/s2} is enough at a depth of {depth:.3g} m",
+        "less, unless the ground is meant to fail as a whole",
+    ),
+    "short-waves": Message(
+        "shear waves of {frequency:.3g} Hz are too short for the particles in {subject}",
+        "{value:.2g} smoothing lengths per wave ({wavelength:.3g} m), carried {slower:.0%} too slowly",
+        "at least {bound:g} (Kuhlemeyer and Lysmer 1973)",
+        meaning="the particles do not resolve the highest frequencies of the motion",
+    ),
+    "sparse-series": Message(
+        "the stored series have too few samples of the shaking",
+        "{value:.2g} samples per period at {frequency:.3g} Hz",
+        "at least {bound:g}",
+    ),
+    "few-particles": Message("few particles across the slope's height", "{value:.1f} particles in {height:g} m", "at least {bound:g}"),
+    "rows-misfit": Message(
+        lambda of: "the rows of particles make the slope too " + ("high" if of["value"] > of["bound"] else "low"),
+        lambda of: f"{{value:.4g}} m for {{bound:.4g}} m ({of['value'] / of['bound'] - 1.0:+.1%})",
+        "equal, as with a spacing of {spacing:.4g} m, which divides the height",
+        meaning="the rows of particles make the slope higher or lower than it is",
+    ),
+    "layer-broken": Message(
+        lambda of: "the particles do not resolve {subject} as a continuous layer" if of["particles"] else "no particle lies in {subject}",
+        lambda of: (
+            "particles in {columns:g} of the {crossed:g} columns that it crosses, {thickness:.3g} m thick at a spacing of {spacing:.3g} m"
+            if of["crossed"]
+            else "it lies outside the ground, or under later layers"
+        ),
+        "in every column, which needs a thickness of at least {spacing:.3g} m; or describe it as a seam",
+        meaning="a layer that is continuous in the scene becomes separate particles, or none at all",
+    ),
+    "thin-layer": Message("{subject} is thin", "{value:g} particles across", "at least {bound:g}", meaning="few particles across a layer"),
+    "weak-on-strong": Message(
+        lambda of: (
+            "{subject}, weak soil that slides on stronger {ground}, is braked, so its run-out is too short"
+            if "ground" in of
+            else "weak soil that has failed is braked by the stronger soil beside it, so its run-out is too short"
+        ),
+        lambda of: _cover(of) if "ground" in of else "numerics.interfaces: both, with {rows:g} particles across the thinnest soil",
+        _unbraked,
+        meaning="weak soil that has failed is braked by stronger soil, so that its run-out is a lower bound",
+    ),
+    "layer-held": Message(
+        "{subject}, weak soil between stronger ones, is held, since the kernel reaches across it",
+        "{value:.2g} rows of particles in {thickness:.3g} m",
+        lambda of: f"at least {{bound:g}}, with a spacing of at most {of['thickness'] / of['bound']:.3g} m; or describe it as a seam",
+        meaning="a weak layer between two stronger soils has fewer than two rows of particles, and cannot slide",
+    ),
+    "cover-rows": Message(
+        "{subject}, weak soil on stronger {ground}, has enough rows",
+        _cover,
+        meaning="weak soil on stronger ground has enough rows of particles for its run-out",
+    ),
+    "thin-box": Message(
+        "the boundary particles do not fill the kernel's support, so stresses beside them alternate from row to row",
+        "{value:g} layers",
+        "{bound:g}",
+    ),
+    "short-correlation": Message(
+        "{subject} varies over lengths that the particles do not resolve",
+        "correlation length {value:g} m",
+        "at least {bound:.3g} m, the kernel's reach",
+        meaning="strength varies over lengths that the particles do not resolve",
+    ),
+    "no-process-zone": Message(
+        "soil fails as soon as its stress reaches its strength, so the shaking at which the slope fails depends on the spacing",
+        "no softening width",
+        "a width, with the slips from a shear test",
+    ),
+    "density-implausible": Message(
+        _property,
+        "{key} {value:g} kg/m3",
+        "{least:,g} to {most:,g} kg/m3",
+        meaning="a density of soil outside 1,000 to 3,000 kg/m3: often a mistaken unit",
+    ),
+    "stiffness-implausible": Message(
+        "the stiffness of {subject} is implausible",
+        "{key} {youngs_modulus:kPa}, V_s = {value:.3g} m/s",
+        "V_s = {least:,g} to {most:,g} m/s",
+        meaning="a shear-wave velocity outside 30 to 3,500 m/s: often Young's modulus in another unit than kPa",
+    ),
+    "cohesion-implausible": Message(
+        _property,
+        "{key} {value:kPa}",
+        lambda of: (
+            "at least {bound:kPa}, or 0; 20 kPa are 0.02 MPa" if of["value"] < of["bound"] else "at most 1,000 kPa; 20 kPa are 20000 Pa"
+        ),
+        meaning="a cohesion above 1 MPa, or above 0 and below 0.1 kPa: often in Pa or MPa instead of kPa",
+    ),
+    "angle-implausible": Message(
+        lambda of: "the friction of the walls ({subject}) is implausible" if _is_tangent(of) else _property(of),
+        lambda of: "{key} {value:g}" if _is_tangent(of) else "{key} {value:degree}",
+        _angle,
+        meaning="an angle of friction or dilation above 0 and below 1.2 degrees, or of a slope below 1.6: often in radians, or a tangent; "
+        "or a coefficient of wall friction above 1.2: often an angle",
+    ),
+    "strength-implausible": Message(
+        "the peak strength of {subject} is implausibly low",
+        "{key} {cohesion:kPa} and friction_angle {friction_angle:degree}",
+        "at least {least_cohesion:kPa} or at least {least_angle:degree}",
+        meaning="a friction angle below 5 degrees together with a cohesion below 5 kPa",
+    ),
+    "soil-not-replaced": Message(
+        "the soil is still the placeholder of sph new",
+        lambda of: "its values" if of["values"] else "its title",
+        "your soil and a title of your own",
+    ),
+    "rigid-box": Message(
+        "a rigid box reflects waves, so the slope is shaken harder than on a site where they radiate away",
+        lambda of: f"base {wall_words(of['base'])}, sides {wall_words(of['sides'])}",
+        "absorbing, where waves radiate away",
+    ),
+    "no-dilation": Message(
+        "frictional soil does not dilate",
+        "0 degrees",
+        "the angle from a shear test: 0 in loose soil, a fraction of the friction angle in dense soil",
+    ),
+    "own-strength-ratio": Message(
+        lambda of: (
+            "the study varies {subject}, which does not reach all layers"
+            if of["layers"]
+            else "the study varies {subject}, which affects no soil: runs that differ only in it are identical"
+        ),
+        lambda of: (
+            f"{{layers}} {'keep their' if ',' in of['layers'] else 'keeps its'} own" if of["layers"] else "residual strengths are given"
+        ),
+        lambda of: (
+            "varied too (a dimension {key}), or left out of the layer"
+            if of["layers"]
+            else "a dimension soil.residual_friction_angle, or no residual strengths"
+        ),
+        meaning="the study varies an S_R or γ that does not reach layers with one of their own, or an S_R that affects no soil",
+    ),
+    "short-process-zone": Message(
+        "the width over which slip is averaged is narrow, so failure depends on the spacing",
+        "{value:.2g} spacings ({width:g} m)",
+        "at least {bound:g}",
+    ),
+    "lost-by-time": Message(
+        lambda of: (
+            "strength falls with time as well as with slip"
+            if "bound" in of
+            else "strength falls with time after failure, however little the soil moves; real soil loses it with slip"
+        ),
+        lambda of: f"gamma = {{value:g}} 1/s, {3.0 / of['value']:.2g} s to lose 95 %",
+        lambda of: "{bound:g}" if "bound" in of else "a loss with slip, with the slip at the residual strength from a shear test",
+        meaning="strength falls with time after failure, however little the soil moves; a warning beside a loss by slip",
+    ),
+    "progressive-failure": Message(
+        "slip in {subject} develops over a short zone, so the shaking at which the slope fails may depend on the spacing",
+        "{value:.3g} m",
+        "at least {heights:g} slope heights, {bound:.3g} m; otherwise compare two spacings",
+        meaning="slip develops over less than three slope heights, so the shaking at failure may depend on the spacing",
+    ),
+    "back-wall": Message("the side of the model behind the crest is near", "{value:.3g} m", "at least H = {bound:.3g} m"),
+    "little-room": Message(
+        "little room for the run-out between the toe and the side of the model",
+        "{value:.3g} m",
+        "at least {bound:.3g} m, {heights:.2g} H, for the residual strength of the soil",
+    ),
+    "debris-at-wall": Message(
+        _reached,
+        "at {time:.3g} s",
+        "to stay inside a longer box",
+        meaning="after the run: failed soil has reached an end of the box, so the box decides how far it goes",
+    ),
+    "thin-debris": Message(
+        "debris that ran {runout:.3g} m is thin, so its run-out is not reliable",
+        "on average {value:.2g} particles thick in front of the toe",
+        lambda of: f"at least {{bound:g}}, better {2.0 * of['bound']:g}",
+        meaning="after the run: debris that ran far lies in few rows of particles, so its run-out is not reliable",
+    ),
+    "energy-open": Message(
+        "the energy budget of the run does not close, so its results are not reliable",
+        "an error of {value:.2g %} of the sum of its parts",
+        "at most {bound:g %}, as with a smaller step or spacing",
+    ),
+    "other-slope": Message(
+        "the ground falls further to the {other} than to the {downhill}",
+        "{bound:.3g} m and {value:.3g} m",
+        "the other way round, unless the smaller slope is the one that may fail",
+        meaning="the ground falls further to the other side",
+    ),
+    "slope-to-side": Message(
+        "the slope goes on to the side of the model, whose end is taken for its {subject}",
+        "({x:.10g}, {y:.10g}) m, H = {height:.4g} m",
+        _other_face,
+        meaning="the slope goes on to a side of the model, whose end is taken for its crest or its toe",
+    ),
+    "time-step": Message(
+        "the time step is near or above its limit", "{value:.3g} s", "at most {bound:.2g} s, {share:g} of the limit ({limit})"
+    ),
+}
+"""The texts of all that can be found, by code."""
+
+
+def words(of: Finding) -> Words:
+    """A finding in words."""
+    known = {**of.numbers, "subject": of.subject, "key": of.keys[0] if of.keys else ""}
+    texts = (text if isinstance(text, str) else text(known) for text in MESSAGES[of.code][:3])
+    what, measured, wanted = (_Units().vformat(text, (), known) for text in texts)
+    return Words(what, measured, wanted, OR.join(of.keys))
+
+
+def meaning(code: str) -> str:
+    """What a code means, for the reference."""
+    message = MESSAGES[code]
+    return message.meaning or str(message.what)
+
+
+def sentence(of: Finding) -> str:
+    """A finding in one sentence."""
+    what, measured, wanted, key = words(of)
+    should = wanted.removeprefix("to ") if wanted.startswith("to ") else f"be {wanted}"
+    return f"{what}: {measured}" + (f", should {should}" if wanted else "") + (f"; change {key}" if key else "")
+
+
+def line(of: Finding) -> str:
+    """The sentence with severity and code."""
+    return f"{of.severity}: {sentence(of)} [{of.code}]"
+
+
+def record(of: Finding) -> dict[str, Any]:
+    """A finding for machines, as in ``sph check --json``: words, and the numbers of which they are made."""
+    said = words(of)._asdict()
+    return {"code": of.code, "severity": str(of.severity), **said, "subject": of.subject, "off_by": of.off_by, "numbers": dict(of.numbers)}
