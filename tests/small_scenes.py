@@ -8,6 +8,7 @@ from typing import Any
 
 from sph.measures.metrics import PROBE, MetricSettings
 from sph.scene.schema import Scene
+from sph.solver.terms import Terms
 from sph.study.plan import Plan
 from sph.study.schema import Study
 
@@ -53,6 +54,11 @@ TWO_BODIES: dict[str, Any] = {
 PAPER = Path(__file__).parents[1] / "config" / "scenes" / "paper.yaml"
 DRAFT: dict[str, Any] = {"numerics": {"spacing": 1.6666667, "smoothing_ratio": 1.3, "time_step": 2e-3}}
 """The paper's slope as the fidelity draft has it, but for the tolerance of its gradients: 959 particles, a second a run."""
+
+
+def some_terms(**given: Any) -> Terms:
+    """``Terms`` of which only those given are there; the rest is None."""
+    return Terms(**(dict.fromkeys(Terms._fields) | given))
 
 
 def study_plan(fidelities: dict[str, Any] | None = None, probe: str = PROBE) -> Plan:

@@ -14,7 +14,9 @@ an error of the size of one step's change of velocity.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.loading import Loading
 from sph.solver.boundaries.dashpots import kick_boundary
@@ -39,6 +41,12 @@ from sph.solver.renewal import DUE, HOLD, SPENT, look_at_pairs, renew_pairs
 from sph.solver.state import FAILURES, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.solver.terms import active_terms, add_forces
 
+if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
+    from sph.solver.neighbours import Candidates, Pairs
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
+
 by_reference(Loading)
 
 
@@ -53,24 +61,26 @@ class Loads(NamedTuple):
 
 
 @jit
-def loads_of(loading, step):  # type: ignore[no-untyped-def]
+def loads_of(loading: Loading, step: int) -> Loads:
     """``Loads`` of a step."""
     return Loads(loading.time[step], loading.ground[step], loading.vertical[step], loading.gravity[step], loading.extra_damping[step])
 
 
 @slot
-def _rate(term, new, old, dt):  # type: ignore[no-untyped-def]
+def _rate(term: PrescribedMotion | WallFriction | None, new: float, old: float, dt: float) -> float:
     """Rate at which a term has changed a velocity, m/s2."""
     return 0.0
 
 
 @_rate.of(PrescribedMotion, WallFriction)
-def _rate_of_term(term, new, old, dt):  # type: ignore[no-untyped-def]
+def _rate_of_term(term: PrescribedMotion | WallFriction, new: float, old: float, dt: float) -> float:
     return (new - old) / dt
 
 
 @jit
-def kick_soil(state, terms, mass, loads, first, last):  # type: ignore[no-untyped-def]
+def kick_soil(
+    state: State, terms: Terms, mass: np.ndarray, loads: Loads, first: int, last: int
+) -> tuple[float, float, float, float, float]:
     """Move the soil among particles first to last by one step.
 
     Returns the works of shaking (or of a prescribed motion) and gravity and the energies taken by mass damping, by artificial
@@ -111,7 +121,7 @@ def kick_soil(state, terms, mass, loads, first, last):  # type: ignore[no-untype
 
 
 @jit
-def kick_and_drift(state, terms, mass, loads, sums, team):  # type: ignore[no-untyped-def]
+def kick_and_drift(state: State, terms: Terms, mass: np.ndarray, loads: Loads, sums: np.ndarray, team: Team) -> None:
     """Move this thread's soil and absorbing walls by one step, and by the first thread the free field beside them."""
     kick_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, loads, team)
     first, last = own_blocks(team)
@@ -132,29 +142,18 @@ def kick_and_drift(state, terms, mass, loads, sums, team):  # type: ignore[no-un
 
 
 @jit
-def take_gradients(state, pairs, terms, team):  # type: ignore[no-untyped-def]
+def take_gradients(state: State, pairs: Pairs, terms: Terms, team: Team) -> None:
     """Velocity gradients of this thread's particles, and what they need of free field, walls that mirror the soil, and interfaces."""
     first, last = own_rows(team, state.x.size)
     strain_free_field(terms.free_field, terms.rayleigh_damping, state, terms.dt, team)
     mirror_velocity(terms.free_slip, state, pairs, terms.n_soil, first, last, team)
     weigh_soils(terms.interface, terms, state, pairs, first, last, team)
-    velocity_gradients(
-        state,
-        pairs,
-        terms.artificial_viscosity,
-        terms.no_slip,
-        terms.contact,
-        terms.layers,
-        terms.interface,
-        team.gradient,
-        first,
-        last,
-    )
+    velocity_gradients(state, pairs, terms, team.gradient, first, last)
     keep_strain_rate(terms.residual_viscosity, pairs, state.density, team.gradient, team.strain_rate, first, last)
 
 
 @jit
-def take_stresses(state, pairs, terms, time, sums, team):  # type: ignore[no-untyped-def]
+def take_stresses(state: State, pairs: Pairs, terms: Terms, time: float, sums: np.ndarray, team: Team) -> None:
     """Stresses of this thread's particles at a time (s), and which of them fail."""
     first, last = own_blocks(team)
     for block in range(first, last):
@@ -165,33 +164,22 @@ def take_stresses(state, pairs, terms, time, sums, team):  # type: ignore[no-unt
 
 
 @jit
-def take_forces(state, pairs, terms, mass, sums, team):  # type: ignore[no-untyped-def]
+def take_forces(state: State, pairs: Pairs, terms: Terms, mass: np.ndarray, sums: np.ndarray, team: Team) -> None:
     """Accelerations of this thread's particles by the stresses around them and by other forces."""
-    correction, layers, n_soil, n_moving = terms.gradient_correction, terms.layers, terms.n_soil, terms.n_moving
-    mirror_stress(terms.free_slip, state, pairs, n_soil, *own_rows(team, state.x.size), team)
+    n_moving = terms.n_moving
+    mirror_stress(terms.free_slip, state, pairs, terms.n_soil, *own_rows(team, state.x.size), team)
     first_block, last_block = own_blocks(team)
     for block in range(first_block, last_block):
         first, last = block * BLOCK, min(state.x.size, (block + 1) * BLOCK)
-        stress_accelerations(
-            state,
-            pairs,
-            correction,
-            terms.contact,
-            layers,
-            terms.interface,
-            terms.residual_viscosity,
-            team.strain_rate,
-            first,
-            min(last, n_moving),
-        )
-        rubbed = set_friction(terms.wall_friction, layers, correction, state, pairs, mass, first, min(last, n_soil))
-        taken = wall_work(terms.free_slip, layers, state, pairs, correction, terms.cell_mass, team.gradient, first, last)
+        stress_accelerations(state, pairs, terms, team.strain_rate, first, min(last, n_moving))
+        rubbed = set_friction(terms.wall_friction, terms, state, pairs, mass, first, min(last, terms.n_soil))
+        taken = wall_work(terms.free_slip, terms, state, pairs, team.gradient, first, last)
         sums[block, WALLS] += terms.dt * (rubbed + taken)
         sums[block, REPULSION] = add_forces(terms, state, pairs, mass, first, min(last, n_moving))
 
 
 @jit
-def take_averages(state, pairs, terms, team):  # type: ignore[no-untyped-def]
+def take_averages(state: State, pairs: Pairs, terms: Terms, team: Team) -> None:
     """Averages of slip around this thread's soil particles, which decide in the next step."""
     first, last = own_rows(team, terms.n_soil)
     average_plastic_strain(terms.slip, state, first, last)
@@ -199,7 +187,7 @@ def take_averages(state, pairs, terms, team):  # type: ignore[no-untyped-def]
 
 
 @jit
-def add_up(sums, work):  # type: ignore[no-untyped-def]
+def add_up(sums: np.ndarray, work: np.ndarray) -> int:
     """Add a step's sums, blocks in order, to ``State.work``; returns how many particles failed."""
     work[REPULSION] = 0.0
     failed = 0.0
@@ -211,7 +199,18 @@ def add_up(sums, work):  # type: ignore[no-untyped-def]
 
 
 @entry
-def advance(state, candidates, pairs, terms, mass, loading, step, n_steps, kicked, team):  # type: ignore[no-untyped-def]
+def advance(
+    state: State,
+    candidates: Candidates,
+    pairs: Pairs,
+    terms: Terms,
+    mass: np.ndarray,
+    loading: Loading,
+    step: int,
+    n_steps: int,
+    kicked: bool,
+    team: Team,
+) -> tuple[int, int, bool, tuple[bool, ...]]:
     """Advance ``state`` in place from step ``step`` by ``n_steps``, as one of a team's threads.
 
     Returns the number of particles that failed (to the first thread), the number of steps made, whether

@@ -15,23 +15,24 @@ loops, so that momentum and energy are conserved as before.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from sph.solver.boundaries.contact import Contact
-from sph.solver.boundaries.no_slip import NoSlip
 from sph.solver.boundaries.periodic import Periodic, columns_around, columns_of_cells
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.records import by_reference
-from sph.solver.physics.artificial_stress import ArtificialStress, keep_nearness
-from sph.solver.physics.gradient_correction import GradientCorrection, Sums, either, invert
-from sph.solver.physics.initial_arrangement import InitialArrangement, is_intact, keep_whether_all, offset
-from sph.solver.physics.interface import Interface, part_unlike
-from sph.solver.physics.kernels import Kernel, support, value_and_slope
-from sph.solver.physics.residual_viscosity import ResidualViscosity, keep_distance
-from sph.solver.physics.seams import Seams, turn_gradients
+from sph.solver.physics.artificial_stress import keep_nearness
+from sph.solver.physics.gradient_correction import Sums, either, invert
+from sph.solver.physics.initial_arrangement import is_intact, keep_whether_all, offset
+from sph.solver.physics.interface import part_unlike
+from sph.solver.physics.kernels import support, value_and_slope
+from sph.solver.physics.residual_viscosity import keep_distance
+from sph.solver.physics.seams import turn_gradients
 from sph.solver.physics.walls import add_wall, in_wall, paired, wrap
+
+if TYPE_CHECKING:
+    from sph.solver.terms import Terms
 
 SMALLEST_NORM = 1e-30
 """kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -87,7 +88,20 @@ def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic
 
 
 @entry
-def gather_candidates(x, y, reach, period, cell, first, order, columns, rows_of_cells, start, index, done):  # type: ignore[no-untyped-def]
+def gather_candidates(
+    x: np.ndarray,
+    y: np.ndarray,
+    reach: float,
+    period: Periodic | None,
+    cell: np.ndarray,
+    first: np.ndarray,
+    order: np.ndarray,
+    columns: int,
+    rows_of_cells: int,
+    start: np.ndarray,
+    index: np.ndarray,
+    done: int,
+) -> int:
     """Fill the rows of candidates from row ``done`` on; returns the row before which ``index`` had no room, or the number of rows.
 
     The particles of cell c are order[first[c]:first[c + 1]], and cells count up the columns.
@@ -120,44 +134,8 @@ class Places(NamedTuple):
     density: np.ndarray  # (n,) kg/m3
 
 
-class PairTerms(NamedTuple):
-    """The coefficients (see ``sph.solver.terms``) that pairs depend on."""
-
-    kernel: Kernel
-    close_range: float
-    gradient_mass: float
-    gradient_correction: GradientCorrection | None = None
-    periodic: Periodic | None = None
-    artificial_stress: ArtificialStress | None = None
-    residual_viscosity: ResidualViscosity | None = None
-    no_slip: NoSlip | None = None
-    contact: Contact | None = None
-    initial_arrangement: InitialArrangement | None = None
-    seams: Seams | None = None
-    interface: Interface | None = None
-
-
-@jit
-def pair_terms(terms):  # type: ignore[no-untyped-def]
-    """The coefficients that pairs depend on."""
-    return PairTerms(
-        terms.kernel,
-        terms.close_range,
-        terms.gradient_mass,
-        terms.gradient_correction,
-        terms.periodic,
-        terms.artificial_stress,
-        terms.residual_viscosity,
-        terms.no_slip,
-        terms.contact,
-        terms.initial_arrangement,
-        terms.seams,
-        terms.interface,
-    )
-
-
 def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -> Pairs:
-    """Room for the pairs of a candidate list (``terms`` as for ``pair_terms``); gradients get the type of the number ``zero``."""
+    """Room for the pairs of a candidate list ; gradients get the type of the number ``zero``."""
     n, size = candidates.start.size - 1, candidates.neighbour.size
     return Pairs(
         np.zeros(n, np.uint32),
@@ -182,89 +160,126 @@ def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -
     )
 
 
+class Offsets(NamedTuple):
+    """Room for vectors to the candidates of one particle, or to its neighbours, side by side."""
+
+    dx: np.ndarray  # m
+    dy: np.ndarray
+    square: np.ndarray  # m2
+
+
+class Row(NamedTuple):
+    """What is found while the neighbours of a particle are chosen."""
+
+    begin: np.uint64
+    """place of its first pair"""
+    size: np.uint64
+    """number of pairs"""
+    close: np.uint64
+    """of those that short-range forces need"""
+    beside_wall: np.bool_
+    """whether it has candidates in no-slip walls"""
+
+
 @jit
-def update_pairs(pairs, candidates, terms, places, first, last):  # type: ignore[no-untyped-def]
+def update_pairs(pairs: Pairs, candidates: Candidates, terms: Terms, places: Places, first: int, last: int) -> None:
     """Fill rows first to last of ``pairs`` with the candidates inside the support.
 
     The rows follow each other without gaps, since reading them is what a large scene
     spends its time on.  Pairs nearer than ``terms.close_range`` (m) are listed once more for short-range forces.
     """
-    kernel, period, x, y = terms.kernel, terms.periodic, places.x, places.y
-    reach = support(kernel)
-    reach_square = reach * reach
-    close_square = terms.close_range * terms.close_range
     longest = np.uint32(1)
     for i in rows(first, last):
         longest = max(longest, candidates.start[i + np.uint64(1)] - candidates.start[i])
-    # One row's candidates side by side: loops that choose, and loops that gather and store at once, do not vectorise.
-    row_dx, row_dy, row_square = np.empty(longest), np.empty(longest), np.empty(longest)
+    # Room for one row: loops that choose, and loops that gather and store at once, do not vectorise.
+    room = Offsets(np.empty(longest), np.empty(longest), np.empty(longest))
     begin = np.uint64(candidates.start[first])
     for i in rows(first, last):
-        x_i = x[i]
-        y_i = y[i]
-        row = np.uint64(candidates.start[i])
-        size = np.uint64(candidates.start[i + np.uint64(1)]) - row
-        close_candidates = wall_candidates = as_they_lie = np.uint64(0)
-        intact = is_intact(terms.initial_arrangement, pairs, i)
-        for k in range(size):
-            j = candidates.neighbour[row + k]
-            near = wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2
-            dx, dy, kept = offset(terms.initial_arrangement, intact, period, pairs, places, i, j)
-            r_square = dx * dx + dy * dy
-            row_dx[k] = dx
-            row_dy[k] = dy
-            row_square[k] = r_square
-            close_candidates += np.uint64(near < close_square)
-            as_they_lie += np.uint64((r_square < reach_square) & (not kept))
-            wall_candidates += np.uint64(in_wall(terms.no_slip, j))
-        # Without branches: written always, kept where the count goes on.
-        count = close = np.uint64(0)
-        for k in range(size):
-            j = candidates.neighbour[row + k]
-            pairs.neighbour[begin + count] = j
-            row_dx[count] = row_dx[k]
-            row_dy[count] = row_dy[k]
-            count += np.uint64((row_square[k] < reach_square) & paired(terms.no_slip, i, j))
-        part_unlike(terms.interface, terms.seams, pairs, i, begin, count, row_dx, row_dy)
-        if close_candidates > np.uint64(0):
-            for k in range(size):
-                j = candidates.neighbour[row + k]
-                pairs.close[begin + close] = j
-                close += np.uint64(wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2 < close_square)
-        keep_whether_all(terms.initial_arrangement, pairs, i, as_they_lie)
-        for k in range(count):
-            dx = row_dx[k]
-            dy = row_dy[k]
-            r = math.sqrt(dx * dx + dy * dy)
-            value, slope = value_and_slope(kernel, r)
-            factor = terms.gradient_mass * slope
-            keep_nearness(terms.artificial_stress, pairs.nearness, begin + k, value)
-            keep_distance(terms.residual_viscosity, pairs.distance, begin + k, r)
-            norm = -factor * r
-            pairs.gx[begin + k] = factor * dx
-            pairs.gy[begin + k] = factor * dy
-            pairs.inverse_norm[begin + k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
-        turn_gradients(terms.seams, pairs, i, begin, count)
-        sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
-        for k in range(count):
-            dx = row_dx[k]
-            dy = row_dy[k]
-            # The rounded values: the sums must be those of what is stored.
-            gx = np.float64(pairs.gx[begin + k])
-            gy = np.float64(pairs.gy[begin + k])
-            sum_x += gx
-            sum_y += gy
-            m_xx -= gx * dx
-            m_xy -= gx * dy
-            m_yy -= gy * dy
-        sums = Sums(sum_x, sum_y, m_xx, m_xy, m_yy)
-        sums = add_wall(terms.no_slip, terms, wall_candidates > np.uint64(0), pairs, candidates, places, i, sums)
+        row = choose_neighbours(pairs, candidates, terms, places, room, i, begin)
+        make_gradients(pairs, terms, room, i, row)
+        sum_gradients(pairs, candidates, terms, places, room, i, row)
         pairs.start[i] = begin
-        pairs.close_end[i] = begin + close
-        begin += count
+        pairs.close_end[i] = begin + row.close
+        begin += row.size
         pairs.end[i] = begin
-        pairs.sum_x[i] = sums.x
-        pairs.sum_y[i] = sums.y
-        pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = invert(
-            either(terms.gradient_correction, terms.residual_viscosity), places.density[i], sums
-        )
+
+
+@jit
+def choose_neighbours(pairs: Pairs, candidates: Candidates, terms: Terms, places: Places, room: Offsets, i: int, begin: np.uint64) -> Row:
+    """List the neighbours of particle i from place ``begin`` on, and their offsets in ``room``; those across an interface last."""
+    period, x, y = terms.periodic, places.x, places.y
+    row_dx, row_dy, row_square = room.dx, room.dy, room.square
+    reach_square, close_square = support(terms.kernel) ** 2, terms.close_range * terms.close_range
+    x_i, y_i = x[i], y[i]
+    row = np.uint64(candidates.start[i])
+    size = np.uint64(candidates.start[i + np.uint64(1)]) - row
+    close_candidates = wall_candidates = as_they_lie = np.uint64(0)
+    intact = is_intact(terms.initial_arrangement, pairs, i)
+    for k in range(size):
+        j = candidates.neighbour[row + k]
+        near = wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2
+        dx, dy, kept = offset(terms.initial_arrangement, intact, period, pairs, places, i, j)
+        r_square = dx * dx + dy * dy
+        row_dx[k] = dx
+        row_dy[k] = dy
+        row_square[k] = r_square
+        close_candidates += np.uint64(near < close_square)
+        as_they_lie += np.uint64((r_square < reach_square) & (not kept))
+        wall_candidates += np.uint64(in_wall(terms.no_slip, j))
+    # Without branches: written always, kept where the count goes on.
+    count = close = np.uint64(0)
+    for k in range(size):
+        j = candidates.neighbour[row + k]
+        pairs.neighbour[begin + count] = j
+        row_dx[count] = row_dx[k]
+        row_dy[count] = row_dy[k]
+        count += np.uint64((row_square[k] < reach_square) & paired(terms.no_slip, i, j))
+    part_unlike(terms.interface, terms.seams, pairs, i, begin, count, row_dx, row_dy)
+    if close_candidates > np.uint64(0):
+        for k in range(size):
+            j = candidates.neighbour[row + k]
+            pairs.close[begin + close] = j
+            close += np.uint64(wrap(period, x_i - x[j]) ** 2 + (y_i - y[j]) ** 2 < close_square)
+    keep_whether_all(terms.initial_arrangement, pairs, i, as_they_lie)
+    return Row(begin, count, close, wall_candidates > np.uint64(0))
+
+
+@jit
+def make_gradients(pairs: Pairs, terms: Terms, room: Offsets, i: int, row: Row) -> None:
+    """Kernel gradients of the pairs of particle i, from their offsets."""
+    begin, row_dx, row_dy = row.begin, room.dx, room.dy
+    for k in range(row.size):
+        dx = row_dx[k]
+        dy = row_dy[k]
+        r = math.sqrt(dx * dx + dy * dy)
+        value, slope = value_and_slope(terms.kernel, r)
+        factor = terms.gradient_mass * slope
+        keep_nearness(terms.artificial_stress, pairs.nearness, begin + k, value)
+        keep_distance(terms.residual_viscosity, pairs.distance, begin + k, r)
+        norm = -factor * r
+        pairs.gx[begin + k] = factor * dx
+        pairs.gy[begin + k] = factor * dy
+        pairs.inverse_norm[begin + k] = 1.0 / norm if norm > SMALLEST_NORM else 0.0
+    turn_gradients(terms.seams, pairs, i, begin, row.size)
+
+
+@jit
+def sum_gradients(pairs: Pairs, candidates: Candidates, terms: Terms, places: Places, room: Offsets, i: int, row: Row) -> None:
+    """Sums of the gradients of particle i as they are stored, rounded, and the correction that follows from their moments."""
+    row_dx, row_dy = room.dx, room.dy
+    sum_x = sum_y = m_xx = m_xy = m_yy = 0.0
+    for k in range(row.size):
+        gx = np.float64(pairs.gx[row.begin + k])
+        gy = np.float64(pairs.gy[row.begin + k])
+        sum_x += gx
+        sum_y += gy
+        m_xx -= gx * row_dx[k]
+        m_xy -= gx * row_dy[k]
+        m_yy -= gy * row_dy[k]
+    sums = Sums(sum_x, sum_y, m_xx, m_xy, m_yy)
+    sums = add_wall(terms.no_slip, terms, row.beside_wall, pairs, candidates, places, i, sums)
+    pairs.sum_x[i] = sums.x
+    pairs.sum_y[i] = sums.y
+    pairs.correction[i, 0], pairs.correction[i, 1], pairs.correction[i, 2] = invert(
+        either(terms.gradient_correction, terms.residual_viscosity), places.density[i], sums
+    )

@@ -42,5 +42,7 @@ class Term(NamedTuple):
     make: Callable[[Scene, Particles, Kernel, float], Any]
     """its coefficients for a scene that wants it, its particles, its kernel and a time step (s); all floats or arrays, so that one scene
     compiles one variant"""
+    in_pairs: bool = False
+    """whether the lists of neighbours depend on it"""
     damping: Callable[[Scene, Lattice, float], Damping] | None = None
     """what a scene's term adds to the damping of the stiffest mode of the initial lattice, whose angular frequency is given, rad/s"""

@@ -6,16 +6,20 @@ the skin, by the caller in Python, since their number is not known before.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sph.solver.compiled.jit import entry, jit
 from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.moves import largest_move
-from sph.solver.neighbours import Candidates, Pairs, Places, allocate_pairs, find_candidates, pair_terms, update_pairs
+from sph.solver.neighbours import Candidates, Pairs, Places, allocate_pairs, find_candidates, update_pairs
 from sph.solver.physics.initial_arrangement import largest_changes, note_intact, place_of_pairs, start_pairs
 from sph.solver.state import State
+
+if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
+    from sph.solver.terms import Terms
 
 PAIRS_MOVE, CANDIDATES_MOVE = np.int64(0), np.int64(1)
 """Rows of ``Team.move``.  As numbers of numpy, since numba compiles a function once more for each plain number that it is given."""
@@ -25,7 +29,7 @@ further than the candidates' skin allows, or to NaN."""
 
 
 @jit
-def _of_all(team, row):  # type: ignore[no-untyped-def]
+def _of_all(team: Team, row: int) -> float:
     """Largest move of all threads' rows, m2; NaN if any is."""
     largest = total = 0.0
     for rank in range(team.size):
@@ -35,7 +39,7 @@ def _of_all(team, row):  # type: ignore[no-untyped-def]
 
 
 @jit
-def look_at_pairs(state, pairs, terms, step, team):  # type: ignore[no-untyped-def]
+def look_at_pairs(state: State, pairs: Pairs, terms: Terms, step: int, team: Team) -> int:
     """Whether the pairs still hold after the drift of a step: ``HOLD``, ``DUE``, ``SPENT`` or ``LOST``, the same for all threads."""
     first, last = own_rows(team, terms.n_moving)
     seen, far = largest_changes(terms.initial_arrangement, state, pairs, step, first, last)
@@ -54,7 +58,7 @@ def look_at_pairs(state, pairs, terms, step, team):  # type: ignore[no-untyped-d
 
 
 @jit
-def renew_pairs(state, candidates, pairs, terms, team):  # type: ignore[no-untyped-def]
+def renew_pairs(state: State, candidates: Candidates, pairs: Pairs, terms: Terms, team: Team) -> None:
     """Pairs of this thread's particles, at the present positions or half a step before."""
     first, last = own_rows(team, state.x.size)
     note_intact(terms.initial_arrangement, state, pairs, first, last)
@@ -62,7 +66,7 @@ def renew_pairs(state, candidates, pairs, terms, team):  # type: ignore[no-untyp
         state.x_pairs[i], state.y_pairs[i] = place_of_pairs(terms.initial_arrangement, state, terms.dt if i < terms.n_moving else 0.0, i)
         state.density_pairs[i] = state.density[i]
     wait(team)
-    update_pairs(pairs, candidates, pair_terms(terms), Places(state.x_pairs, state.y_pairs, state.density_pairs), first, last)
+    update_pairs(pairs, candidates, terms, Places(state.x_pairs, state.y_pairs, state.density_pairs), first, last)
 
 
 def renew_candidates(state: State, terms: Any, pairs: Pairs) -> tuple[Candidates, Pairs]:
@@ -83,8 +87,8 @@ def make_lists(state: State, terms: Any) -> tuple[Candidates, Pairs]:
 
 
 @entry
-def fill_pairs(state, candidates, pairs, terms):  # type: ignore[no-untyped-def]
+def fill_pairs(state: State, candidates: Candidates, pairs: Pairs, terms: Terms) -> None:
     """All pairs at the places at which the state's were made."""
     places = Places(state.x_pairs, state.y_pairs, state.density_pairs)
     start_pairs(terms.initial_arrangement, state, pairs, np.int64(0), state.x.size)
-    update_pairs(pairs, candidates, pair_terms(terms), places, np.int64(0), state.x.size)
+    update_pairs(pairs, candidates, terms, places, np.int64(0), state.x.size)

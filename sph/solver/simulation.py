@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from sph.solver.compiled.threads import make_team, together
 from sph.solver.initial_state import initial_state
 from sph.solver.initial_stress import NO_LOADING, impose_stress
 from sph.solver.integration import advance
-from sph.solver.neighbours import Candidates, PairTerms
+from sph.solver.neighbours import Candidates
 from sph.solver.particles import Particles, place_particles
 from sph.solver.physics.coupling import cauchy_stress, elastic_energy
 from sph.solver.physics.interface import once_lost
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.renewal import make_lists, renew_candidates
 from sph.solver.state import FAILURES, INTERNAL, State
-from sph.solver.terms import make_terms, only, wanted_terms
+from sph.solver.terms import Terms, make_terms, of_pairs, only, wanted_terms
 from sph.solver.time_step import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
 FIRST_POWER_ITERATIONS, POWER_ITERATIONS = 60, 6
@@ -152,9 +152,9 @@ class Simulation:
         self.state.work[INTERNAL] = self.elastic_energy()
 
     @property
-    def list_terms(self) -> Any:
+    def list_terms(self) -> Terms:
         """The terms that the lists of neighbours depend on."""
-        return only(self.terms, *PairTerms._fields)
+        return of_pairs(self.terms)
 
     def elastic_energy(self) -> float:
         """Energy stored in the blended stress, J/m."""

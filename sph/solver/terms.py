@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numba.extending import overload
@@ -43,6 +43,10 @@ from sph.solver.physics.artificial_stress import add_artificial_stress
 from sph.solver.physics.kernels import KERNELS, Kernel, central_value, kernel_of
 from sph.solver.physics.material import FLUID_LAWS, STRENGTH_LOSSES, Material, loss_of, make_material
 from sph.solver.physics.short_range_repulsion import add_repulsion
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.state import State
 
 TERMS: tuple[Term, ...] = (
     rayleigh_damping.TERM,
@@ -96,12 +100,18 @@ class Always(NamedTuple):
     kernel: Kernel
 
 
-_of_names: Any = namedtuple  # type checkers want the names written out
-Terms = by_reference(_of_names("Terms", (*Always._fields, *(term.name for term in TERMS))))
-"""``Always``, and the record or None of every optional term by its name."""
+if TYPE_CHECKING:
+
+    class Terms(Always):
+        """``Always``, and the record or None of every optional term by its name."""
+
+        def __getattr__(self, name: str) -> Any: ...
+        def _replace(self, **changes: Any) -> Terms: ...
+else:
+    Terms = by_reference(namedtuple("Terms", (*Always._fields, *(term.name for term in TERMS))))
 
 
-def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
+def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:
     """``Terms`` of a scene whose time step is divided by ``substeps``; all floats, so that one scene compiles one variant."""
     soil, numerics = scene.soil, scene.numerics
     dt, dx = numerics.time_step / substeps, numerics.spacing
@@ -134,13 +144,18 @@ def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Any:
     return Terms(*always, *(term.make(scene, particles, kernel, dt) if term.wanted(scene) else None for term in TERMS))
 
 
-def only(terms: Any, *names: str) -> Any:
+def only(terms: Terms, *names: str) -> Terms:
     """Terms without the optional ones but these: a function that needs no other is then not compiled again for every variant."""
     return terms._replace(**{term.name: None for term in TERMS if term.name not in names})
 
 
+def of_pairs(terms: Terms) -> Terms:
+    """The terms that the lists of neighbours depend on."""
+    return only(terms, *(term.name for term in TERMS if term.in_pairs))
+
+
 @jit
-def add_forces(terms, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+def add_forces(terms: Terms, state: State, pairs: Pairs, mass: np.ndarray, first: int, last: int) -> float:
     """Add the accelerations of optional forces to particles first to last; returns the energy that they store, J/m."""
     add_artificial_stress(terms.artificial_stress, terms.layers, state, pairs, first, last)
     energy = add_repulsion(terms.short_range_repulsion, terms.periodic, terms.seams, state, pairs, mass, terms.n_moving, first, last)
@@ -168,7 +183,7 @@ def wanted_terms(scene: Scene) -> dict[str, bool]:
     return dict(zip(KEYS, [*replaced, *(term.wanted(scene) for term in TERMS)], strict=True))
 
 
-def _held(terms):  # type: ignore[no-untyped-def]
+def _held(terms: Terms) -> tuple[bool, ...]:
     """Which the records in their slots are; compiled code asks the types that it was compiled for."""
     of, soil = records_in(terms), records_in(fields_of(terms)["soil"])
     return (
@@ -181,11 +196,11 @@ def _held(terms):  # type: ignore[no-untyped-def]
 
 @overload(_held)
 def _held_by_type(terms):  # type: ignore[no-untyped-def]
-    held = _held(terms)  # type: ignore[no-untyped-call]
+    held = _held(terms)
     return lambda terms: held
 
 
 @jit
-def active_terms(terms):  # type: ignore[no-untyped-def]
+def active_terms(terms: Terms) -> tuple[bool, ...]:
     """Which optional terms the compiled code that calls this holds, in the order of ``KEYS``, by the types it was compiled for."""
-    return _held(terms)  # type: ignore[no-untyped-call]
+    return _held(terms)

@@ -21,6 +21,7 @@ a fixed step says when it was exceeded.  Stiffness damping counts in the lattice
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -35,6 +36,10 @@ from sph.solver.physics.material import FLUID_LAWS, material_of
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.state import State
 from sph.solver.terms import TERMS
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.terms import Terms
 
 
 def lattice_wave_number(scene: Scene, lattice: Lattice | None = None) -> float:
@@ -88,10 +93,11 @@ class PresentLimit:
 
 
 @entry
-def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: ignore[no-untyped-def]
+def stiffest_frequency(state: State, pairs: Pairs, terms: Terms, gradient: np.ndarray, iterations: int) -> float:
     """Largest angular frequency (rad/s) of elastic waves among the particles as they lie; a lower bound that iterations improve.
 
-    ``state`` is one whose velocities hold the mode, which is improved in place, and whose stresses and accelerations are free to use.
+    ``state`` is one whose velocities hold the mode, which is improved in place, and whose stresses and accelerations are free to use;
+    ``terms`` are those without viscosity and contact.
     """
     n = state.x.size
     square = 0.0
@@ -106,7 +112,7 @@ def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: igno
         for i in range(terms.n_moving):
             state.vx[i] *= scale
             state.vy[i] *= scale
-        velocity_gradients(state, pairs, None, terms.no_slip, None, terms.layers, terms.interface, gradient, np.int64(0), n)
+        velocity_gradients(state, pairs, terms, gradient, np.int64(0), n)
         for i in range(terms.n_stressed):
             s = 1.0 / state.density[i]
             l_xx, l_xy, l_yx, l_yy = velocity_gradient(terms.gradient_correction, pairs, state.density, gradient, i)
@@ -116,9 +122,7 @@ def stiffest_frequency(state, pairs, terms, gradient, iterations):  # type: igno
             store_stress(
                 terms.gradient_correction, pairs.correction, i, state, mean + rate.diff * s * s, mean - rate.diff * s * s, rate.xy * s * s
             )
-        stress_accelerations(
-            state, pairs, terms.gradient_correction, None, terms.layers, terms.interface, None, None, np.int64(0), terms.n_moving
-        )
+        stress_accelerations(state, pairs, terms, gradient, np.int64(0), terms.n_moving)
         square = 0.0
         for i in range(terms.n_moving):
             square += state.ax[i] ** 2 + state.ay[i] ** 2

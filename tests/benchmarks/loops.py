@@ -22,6 +22,7 @@ from measuring import AT_REST, REPEATS, command_line, hand_out, medians, paper
 from sph.solver.compiled.jit import jit
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.simulation import Simulation
+from sph.solver.terms import only
 
 SOURCE = Path(__file__).with_suffix(".cpp")
 FLAGS = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]
@@ -55,15 +56,15 @@ def as_c(argument: np.ndarray | float | int) -> Any:
 
 
 @jit
-def repeat_velocity_gradients(times, state, pairs, term, gradient, n):  # type: ignore[no-untyped-def]
+def repeat_velocity_gradients(times, state, pairs, terms, gradient, n):  # type: ignore[no-untyped-def]
     for _ in range(times):
-        velocity_gradients(state, pairs, term, None, None, None, None, gradient, 0, n)
+        velocity_gradients(state, pairs, terms, gradient, 0, n)
 
 
 @jit
-def repeat_stress_accelerations(times, state, pairs, term, n):  # type: ignore[no-untyped-def]
+def repeat_stress_accelerations(times, state, pairs, terms, strain_rate, n):  # type: ignore[no-untyped-def]
     for _ in range(times):
-        stress_accelerations(state, pairs, term, None, None, None, None, None, 0, n)
+        stress_accelerations(state, pairs, terms, strain_rate, 0, n)
 
 
 def stirred(ratio: float, precision: str, spacing: float) -> Simulation:
@@ -82,6 +83,7 @@ def compare(library: ctypes.CDLL, ratio: float, precision: str, spacing: float, 
     run = stirred(ratio, precision, spacing)
     state, pairs, terms = run.state, run.pairs, run.terms
     n = state.x.size
+    plain = only(terms, "artificial_viscosity", "gradient_correction")
     gradient = run.team[0].gradient
 
     def in_cpp(name: str, *arguments: Any) -> Any:
@@ -92,11 +94,11 @@ def compare(library: ctypes.CDLL, ratio: float, precision: str, spacing: float, 
     rows = (times, n, pairs.start, pairs.end, pairs.neighbour, pairs.gx, pairs.gy)
     cpp_gradient, viscous_x, viscous_y, ax, ay = np.empty((4, n)), np.empty(n), np.empty(n), np.empty(n), np.empty(n)
     calls = {
-        "numba velocity_gradients": lambda: repeat_velocity_gradients(times, state, pairs, terms.artificial_viscosity, gradient, n),
+        "numba velocity_gradients": lambda: repeat_velocity_gradients(times, state, pairs, plain, gradient, n),
         "C++ velocity_gradients": in_cpp(
             LOOPS[0], *rows, pairs.inverse_norm, state.vx, state.vy, terms.artificial_viscosity.speed, cpp_gradient, viscous_x, viscous_y
         ),
-        "numba stress_accelerations": lambda: repeat_stress_accelerations(times, state, pairs, terms.gradient_correction, n),
+        "numba stress_accelerations": lambda: repeat_stress_accelerations(times, state, pairs, plain, run.team[0].strain_rate, n),
         "C++ stress_accelerations": in_cpp(
             LOOPS[1], *rows, pairs.sum_x, pairs.sum_y, state.sxx, state.syy, state.sxy, viscous_x, viscous_y, ax, ay
         ),

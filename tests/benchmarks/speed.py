@@ -24,7 +24,7 @@ from measuring import PAPER, command_line, hand_out, medians, scene_of
 
 from sph.scene.schema import Scene
 from sph.solver.integration import kick_soil, loads_of
-from sph.solver.neighbours import Places, pair_terms, update_pairs
+from sph.solver.neighbours import Places, update_pairs
 from sph.solver.physics.coupling import update_stress
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.short_range_repulsion import add_repulsion
@@ -55,27 +55,14 @@ def part_calls(run: Simulation) -> dict[str, Callable[[int], Any]]:
     loads, state = loads_of(loading, now), still.state
     places = Places(state.x, state.y, state.density)
     return {
-        "velocity_gradients": lambda n: velocity_gradients(
-            state, pairs, terms.artificial_viscosity, terms.no_slip, terms.contact, terms.layers, terms.interface, team.gradient, 0, n
-        ),
-        "stress_accelerations": lambda n: stress_accelerations(
-            state,
-            pairs,
-            terms.gradient_correction,
-            terms.contact,
-            terms.layers,
-            terms.interface,
-            terms.residual_viscosity,
-            team.strain_rate,
-            0,
-            min(n, terms.n_soil),
-        ),
+        "velocity_gradients": lambda n: velocity_gradients(state, pairs, terms, team.gradient, 0, n),
+        "stress_accelerations": lambda n: stress_accelerations(state, pairs, terms, team.strain_rate, 0, min(n, terms.n_soil)),
         "update_stress": lambda n: update_stress(strained.state, pairs, terms, team.gradient, team.reached, float(loading.time[now]), 0, n),
         "kick_soil": lambda n: kick_soil(moved.state, terms, mass, loads, 0, n),
         "add_repulsion": lambda n: add_repulsion(
             terms.short_range_repulsion, terms.periodic, terms.seams, pushed.state, pairs, mass, terms.n_soil, 0, min(n, terms.n_soil)
         ),
-        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, pair_terms(terms), places, 0, n),
+        "one_update_pairs": lambda n: update_pairs(pairs, still.candidates, terms, places, 0, n),
     }
 
 

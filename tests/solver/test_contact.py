@@ -16,7 +16,7 @@ from sph.solver.physics.gradient_correction import power
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.renewal import make_lists
 from sph.solver.run import run
-from sph.solver.terms import make_terms
+from sph.solver.terms import make_terms, only
 
 BOX: dict[str, Any] = {
     "scheme": "paper",
@@ -45,8 +45,9 @@ def test_contact_takes_no_energy_whoever_is_let_go(top: str, correction: dict[st
         state.syx[:] = state.sxy
     pairs: Any = make_lists(state, terms)[1]
     gradient = np.zeros((4, state.x.size))
-    velocity_gradients(state, pairs, None, terms.no_slip, terms.contact, None, None, gradient, 0, state.x.size)
-    stress_accelerations(state, pairs, terms.gradient_correction, terms.contact, None, None, None, None, 0, n)
+    plain = only(terms, "gradient_correction", "no_slip", "contact")
+    velocity_gradients(state, pairs, plain, gradient, 0, state.x.size)
+    stress_accelerations(state, pairs, plain, gradient, 0, n)
     touching = np.hypot(pairs.contact[:n, 0], pairs.contact[:n, 1]) > 0.0
     gone = pairs.contact[:n, 2] > 0.0
     assert 0 < gone.sum() < touching.sum() and not gone[~touching].any()
@@ -74,8 +75,9 @@ def test_the_wall_lets_go_of_what_it_would_pull(stress: float, velocity: float, 
     state.syy[:n] = 1e3 * stress / scene.soil.density**2
     state.vy[:n] = velocity
     pairs: Any = make_lists(state, terms)[1]
-    velocity_gradients(state, pairs, None, terms.no_slip, terms.contact, None, None, np.zeros((4, state.x.size)), 0, state.x.size)
-    stress_accelerations(state, pairs, None, terms.contact, None, None, None, None, 0, n)
+    plain = only(terms, "no_slip", "contact")
+    velocity_gradients(state, pairs, plain, np.zeros((4, state.x.size)), 0, state.x.size)
+    stress_accelerations(state, pairs, plain, np.zeros((3, state.x.size)), 0, n)
     lowest = (state.y[:n] < 1.0) & (np.abs(state.x[:n] - 4.0) < 1.0)
     assert np.all(pairs.contact[:n, 2][lowest] == float(leaves))
     # Bonded, constant stress is in equilibrium there; let go, the free surface pulls upwards.

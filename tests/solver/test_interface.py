@@ -14,6 +14,7 @@ from sph.solver.physics.gradient_correction import power
 from sph.solver.physics.interface import NO_SOIL, Interface, once_lost, weights
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.simulation import Simulation
+from sph.solver.terms import only
 
 STRONG = {"cohesion": 900.0, "friction_angle": 35.0}
 RESOLVED = {"coupling.solid_after_failure": "elastic_plastic", "numerics.interfaces": "weaker", "numerics.smoothing_ratio": 1.3}
@@ -121,8 +122,9 @@ def test_forces_and_strain_rates_are_conjugate_whatever_the_weights(free_block: 
     terms.interface.lost[:] = generator.uniform(size=n)
     terms.interface.cohesion[:] = 10.0 ** generator.uniform(2.0, 5.0, n)
     gradient = np.zeros((4, n))
-    velocity_gradients(state, simulation.pairs, None, None, None, terms.layers, terms.interface, gradient, 0, n)
-    stress_accelerations(state, simulation.pairs, terms.gradient_correction, None, None, terms.interface, None, None, 0, n)
+    plain = only(terms, "gradient_correction", "layers", "interface")
+    velocity_gradients(state, simulation.pairs, plain, gradient, 0, n)
+    stress_accelerations(state, simulation.pairs, plain, gradient, 0, n)
     forces = float(state.ax @ state.vx + state.ay @ state.vy)
     stresses = sum(power(terms.gradient_correction, state, gradient, i) for i in range(n))
     assert abs(forces) > 1.0

@@ -6,10 +6,11 @@ import math
 
 import numpy as np
 import pytest
+from small_scenes import some_terms
 
 from sph.scene.schema import make_scene
 from sph.solver.initial_state import initial_state
-from sph.solver.neighbours import Pairs, PairTerms, Places, allocate_pairs, find_candidates, update_pairs
+from sph.solver.neighbours import Pairs, Places, allocate_pairs, find_candidates, update_pairs
 from sph.solver.particles import place_particles
 from sph.solver.physics.artificial_viscosity import ArtificialViscosity
 from sph.solver.physics.kernels import make_kernel
@@ -32,7 +33,7 @@ def pair() -> tuple[State, Pairs]:
     state.x[:] = 0.0, 0.5
     state.density[:] = 4.0, 5.0
     candidates = find_candidates(state.x, state.y, 2.0 * H, None)
-    terms = PairTerms(make_kernel("cubic_spline", H), 0.0, MASS)
+    terms = some_terms(kernel=make_kernel("cubic_spline", H), close_range=0.0, gradient_mass=MASS)
     pairs = allocate_pairs(candidates, np.float64(0), terms)
     update_pairs(pairs, candidates, terms, Places(state.x, state.y, state.density), 0, 2)
     return state, pairs
@@ -52,7 +53,7 @@ def test_velocity_gradients(pair: tuple[State, Pairs]) -> None:
     state.vx[:] = 0.0, 3.0
     state.vy[:] = 0.0, 1.0
     gradient = np.zeros((4, 2))
-    velocity_gradients(state, pairs, None, None, None, None, None, gradient, 0, 2)
+    velocity_gradients(state, pairs, some_terms(), gradient, 0, 2)
     xx, xy, yx, yy = gradient
     assert xx.tolist() == pytest.approx([-3.0 * G] * 2, rel=1e-14)
     assert yx.tolist() == pytest.approx([-G] * 2, rel=1e-14)
@@ -64,7 +65,7 @@ def test_artificial_viscosity_of_an_approach(pair: tuple[State, Pairs]) -> None:
     # Approach at 3 m/s along the line between them: speed * (-3) * |g| against the motion, on both, equal and opposite.
     state, pairs = pair
     state.vx[:] = 0.0, -3.0
-    velocity_gradients(state, pairs, ArtificialViscosity(0.25), None, None, None, None, np.zeros((4, 2)), 0, 2)
+    velocity_gradients(state, pairs, some_terms(artificial_viscosity=ArtificialViscosity(0.25)), np.zeros((4, 2)), 0, 2)
     assert state.viscous_x.tolist() == pytest.approx([-0.25 * 3.0 * abs(G), 0.25 * 3.0 * abs(G)], rel=1e-14)
     assert not state.viscous_y.any()
 
@@ -75,6 +76,6 @@ def test_stress_accelerations(pair: tuple[State, Pairs]) -> None:
     state.sxx[:] = 7.0, 2.0
     state.sxy[:] = 1.0, 3.0
     state.viscous_y[:] = 0.5
-    stress_accelerations(state, pairs, None, None, None, None, None, None, 0, 2)
+    stress_accelerations(state, pairs, some_terms(), np.zeros((3, 2)), 0, 2)
     assert state.ax.tolist() == pytest.approx([-9.0 * G, 9.0 * G], rel=1e-14)
     assert state.ay.tolist() == pytest.approx([-4.0 * G + 0.5, 4.0 * G + 0.5], rel=1e-14)

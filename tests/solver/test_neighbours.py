@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from small_scenes import some_terms
 
 from sph.solver.boundaries.periodic import Periodic
-from sph.solver.neighbours import Candidates, Pairs, PairTerms, Places, allocate_pairs, find_candidates, update_pairs
+from sph.solver.neighbours import Candidates, Pairs, Places, allocate_pairs, find_candidates, update_pairs
 from sph.solver.physics.gradient_correction import GradientCorrection
 from sph.solver.physics.kernels import evaluate, make_kernel
 
@@ -143,7 +144,7 @@ def make_pairs(
 ) -> Pairs:
     kernel = make_kernel(name, h)
     candidates = find_candidates(x, y, 2 * h + skin, None)
-    terms = PairTerms(kernel, close_range, mass, correction)
+    terms = some_terms(kernel=kernel, close_range=close_range, gradient_mass=mass, gradient_correction=correction)
     pairs = allocate_pairs(candidates, zero, terms)
     assert pairs.gx.dtype == pairs.inverse_norm.dtype == zero.dtype
     update_pairs(pairs, candidates, terms, Places(x, y, density), 0, x.size)
@@ -253,7 +254,9 @@ def test_rows_filled_in_parts_are_those_filled_at_once() -> None:
     x, y = random_cloud(9, 300)
     candidates = find_candidates(x, y, 2.5, None)
     density = np.random.default_rng(9).uniform(1, 3, 300)
-    terms = PairTerms(make_kernel("cubic_spline", 1.0), 0.9, 2.0, GradientCorrection(1e-3))
+    terms = some_terms(
+        kernel=make_kernel("cubic_spline", 1.0), close_range=0.9, gradient_mass=2.0, gradient_correction=GradientCorrection(1e-3)
+    )
     whole, parts = (allocate_pairs(candidates, SINGLE, terms) for _ in range(2))
     common = candidates, terms, Places(x, y, density)
     update_pairs(whole, *common, 0, 300)

@@ -15,7 +15,7 @@ from sph.solver.physics.gradient_correction import power
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.renewal import make_lists
 from sph.solver.state import State
-from sph.solver.terms import make_terms
+from sph.solver.terms import make_terms, only
 
 BLOCK = {
     "scheme": "paper",
@@ -47,17 +47,16 @@ class Box:
         self.terms = make_terms(self.scene, particles)
         self.mass = particles.mass
         self.pairs: Any = make_lists(self.state, self.terms)[1]
+        self.plain = only(self.terms, "gradient_correction", "no_slip", "contact")
         self.gradient = np.zeros((4, self.state.x.size))
 
     def strain(self) -> np.ndarray:
         """Velocity gradients (4, soil) of the plain sums, 1/s: xx, xy, yx, yy."""
-        velocity_gradients(
-            self.state, self.pairs, None, self.terms.no_slip, self.terms.contact, None, None, self.gradient, 0, self.state.x.size
-        )
+        velocity_gradients(self.state, self.pairs, self.plain, self.gradient, 0, self.state.x.size)
         return self.gradient[:, : self.n] / self.state.density[: self.n]
 
     def accelerate(self) -> None:
-        stress_accelerations(self.state, self.pairs, self.terms.gradient_correction, self.terms.contact, None, None, None, None, 0, self.n)
+        stress_accelerations(self.state, self.pairs, self.plain, self.gradient, 0, self.n)
 
 
 @pytest.mark.parametrize("correction", [None, {"min_determinant": 0.3}], ids=["plain", "corrected"])

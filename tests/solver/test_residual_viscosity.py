@@ -15,7 +15,7 @@ from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.residual_viscosity import keep_strain_rate
 from sph.solver.renewal import make_lists
 from sph.solver.state import State
-from sph.solver.terms import make_terms
+from sph.solver.terms import make_terms, only
 
 BLOCK = {
     "scheme": "paper",
@@ -46,11 +46,11 @@ class Block:
         self.pairs: Any = make_lists(self.state, self.terms)[1]
 
     def acceleration(self) -> np.ndarray:
-        n, terms = self.state.x.size, self.terms
+        n, terms = self.state.x.size, only(self.terms, "artificial_viscosity", "residual_viscosity", "layers")
         gradient, strain_rate = np.zeros((4, n)), np.zeros((3, n))
-        velocity_gradients(self.state, self.pairs, terms.artificial_viscosity, None, None, terms.layers, None, gradient, 0, n)
-        keep_strain_rate(terms.residual_viscosity, self.pairs.correction, self.state.density, gradient, strain_rate, 0, n)
-        stress_accelerations(self.state, self.pairs, None, None, terms.layers, None, terms.residual_viscosity, strain_rate, 0, n)
+        velocity_gradients(self.state, self.pairs, terms, gradient, 0, n)
+        keep_strain_rate(terms.residual_viscosity, self.pairs, self.state.density, gradient, strain_rate, 0, n)
+        stress_accelerations(self.state, self.pairs, terms, strain_rate, 0, n)
         return np.array([self.state.viscous_x, self.state.viscous_y])
 
 

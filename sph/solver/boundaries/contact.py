@@ -12,7 +12,9 @@ no energy, but for the power of the one step in which it lets go.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.slots import slot
@@ -20,6 +22,10 @@ from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.walls import detached
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.state import State
 
 
 class Contact(NamedTuple):
@@ -32,49 +38,49 @@ class Contact(NamedTuple):
 
 
 @slot
-def contact_part(term, j, gx, gy, sum_x, sum_y):  # type: ignore[no-untyped-def]
+def contact_part(contact: Contact | None, j: int, gx: float, gy: float, sum_x: float, sum_y: float) -> tuple[float, float]:
     """Sums of gradients over contact walls with that of wall particle j."""
     return sum_x, sum_y
 
 
 @contact_part.of(Contact)
-def _contact_part(term, j, gx, gy, sum_x, sum_y):  # type: ignore[no-untyped-def]
-    touches = 1.0 if j >= term.first else 0.0
+def _contact_part(contact: Contact, j: int, gx: float, gy: float, sum_x: float, sum_y: float) -> tuple[float, float]:
+    touches = 1.0 if j >= contact.first else 0.0
     return sum_x + touches * gx, sum_y + touches * gy
 
 
 @slot
-def keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
+def keep_contact(contact: Contact | None, parts: np.ndarray, i: int, sum_x: float, sum_y: float) -> None:
     """Keep the sums of particle i in ``contact`` (n, 3); its third column says which share of them is let go."""
 
 
 @keep_contact.of(Contact)
-def _keep_contact(term, contact, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
-    contact[i, 0] = sum_x
-    contact[i, 1] = sum_y
-    contact[i, 2] = 0.0
+def _keep_contact(contact: Contact, parts: np.ndarray, i: int, sum_x: float, sum_y: float) -> None:
+    parts[i, 0] = sum_x
+    parts[i, 1] = sum_y
+    parts[i, 2] = 0.0
 
 
 @slot
-def detach(term, state, contact, i):  # type: ignore[no-untyped-def]
+def detach(contact: Contact | None, state: State, parts: np.ndarray, i: int) -> tuple[float, float]:
     """Note whether contact lets particle i go in this step; returns the part of the wall's b that it then does not see, kg/m4."""
     return 0.0, 0.0
 
 
 @detach.of(Contact)
-def _detach(term, state, contact, i):  # type: ignore[no-untyped-def]
-    bx, by = contact[i, 0], contact[i, 1]
+def _detach(contact: Contact, state: State, parts: np.ndarray, i: int) -> tuple[float, float]:
+    bx, by = parts[i, 0], parts[i, 1]
     pull = state.sxx[i] * bx * bx + 2.0 * state.sxy[i] * bx * by + state.syy[i] * by * by
     leaves = state.vx[i] * bx + state.vy[i] * by < 0.0
-    share = 1.0 if leaves and pull > term.tension * (bx * bx + by * by) else 0.0
-    contact[i, 2] = share
+    share = 1.0 if leaves and pull > contact.tension * (bx * bx + by * by) else 0.0
+    parts[i, 2] = share
     return share * bx, share * by
 
 
 @detached.of(Contact)
-def _detached(term, pairs, i):  # type: ignore[no-untyped-def]
-    contact = pairs.contact
-    return contact[i, 2] * contact[i, 0], contact[i, 2] * contact[i, 1]
+def _detached(contact: Contact, pairs: Pairs, i: int) -> tuple[float, float]:
+    parts = pairs.contact
+    return parts[i, 2] * parts[i, 0], parts[i, 2] * parts[i, 1]
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Contact:
@@ -82,5 +88,9 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Cont
 
 
 TERM = Term(
-    "contact", "walls.base, walls.sides, walls.top: contact", lambda scene: any(kind.unilateral for kind in scene.walls.kinds), _make
+    "contact",
+    "walls.base, walls.sides, walls.top: contact",
+    lambda scene: any(kind.unilateral for kind in scene.walls.kinds),
+    _make,
+    in_pairs=True,
 )

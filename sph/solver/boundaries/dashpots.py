@@ -39,7 +39,7 @@ soil that still swings then leaves a small false load.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -63,6 +63,11 @@ from sph.solver.particles import BASE, Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.rayleigh_damping import mass_damping
 from sph.solver.physics.seepage import with_seepage
+
+if TYPE_CHECKING:
+    from sph.solver.integration import Loads
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 
 @by_reference
@@ -111,26 +116,30 @@ def make_absorbing(scene: Scene, particles: Particles, kernel: Kernel, dt: float
 
 
 @jit
-def _whole_column(term, b):  # type: ignore[no-untyped-def]
+def _whole_column(walls: AbsorbingWalls, b: int) -> int:
     """First boundary particle from b on with which a column begins."""
-    return -(-b // term.layers) * term.layers if 0 < b < term.in_base else b
+    return -(-b // walls.layers) * walls.layers if 0 < b < walls.in_base else b
 
 
 @jit
-def _moves(term, state, b, end, n_soil, ground, vertical, dt):  # type: ignore[no-untyped-def]
+def _moves(
+    walls: AbsorbingWalls, state: State, b: int, end: int, n_soil: int, ground: float, vertical: float, dt: float
+) -> tuple[float, float]:
     """How far (m, along x and y) the column of the base of boundary particles b to end goes in a step."""
     vx = vy = ax = ay = 0.0
     for c in range(b, end):
-        i, weight = n_soil + c, term.weight[c]
+        i, weight = n_soil + c, walls.weight[c]
         vx += weight * state.vx[i]
         vy += weight * state.vy[i]
         ax += weight * (state.ax[i] - state.reaction_x[c] - ground)
         ay += weight * (state.ay[i] - state.reaction_y[c] - vertical)
-    return move(vx, ax, term.rate[0, b], dt), move(vy, ay, term.rate[1, b], dt)
+    return move(vx, ax, walls.rate[0, b], dt), move(vy, ay, walls.rate[1, b], dt)
 
 
 @slot
-def kick_boundary(term, state, terms, mass, loads, first, last):  # type: ignore[no-untyped-def]
+def kick_boundary(
+    walls: AbsorbingWalls | None, state: State, terms: Terms, mass: np.ndarray, loads: Loads, first: int, last: int
+) -> tuple[float, float, float, float]:
     """Move the absorbing boundary particles among first to last by one step; in the gravity stage only sides, and these up and down.
 
     Returns the works of the shaking and of gravity or the static reactions, and the
@@ -140,14 +149,16 @@ def kick_boundary(term, state, terms, mass, loads, first, last):  # type: ignore
 
 
 @kick_boundary.of(AbsorbingWalls)
-def _kick_boundary(term, state, terms, mass, loads, first, last):  # type: ignore[no-untyped-def]
+def _kick_boundary(
+    walls: AbsorbingWalls, state: State, terms: Terms, mass: np.ndarray, loads: Loads, first: int, last: int
+) -> tuple[float, float, float, float]:
     shaking = held = viscous = taken = 0.0
     dt, ground, vertical, gravity = terms.dt, loads.ground, loads.vertical, loads.gravity
     rate = mass_damping(terms.rayleigh_damping) + loads.extra_damping
     if loads.time < terms.armed_from:
         for i in range(max(first, terms.n_soil), min(last, terms.n_moving)):
             b = i - terms.n_soil
-            if term.side[0, b] > 0.0 and term.base[0, b] == 0.0:
+            if walls.side[0, b] > 0.0 and walls.base[0, b] == 0.0:
                 vy_old, weight = state.vy[i], gravity * terms.down_y
                 fall = with_seepage(terms.seepage, state.x[i], state.y[i], mass[i], gravity, 0.0, weight)[1]
                 keep, acting = decay(rate, dt)
@@ -161,23 +172,23 @@ def _kick_boundary(term, state, terms, mass, loads, first, last):  # type: ignor
     else:
         begin, end = max(first - terms.n_soil, 0), min(last, terms.n_moving) - terms.n_soil
         base_x = base_y = 0.0
-        for b in range(_whole_column(term, begin), _whole_column(term, end)):
+        for b in range(_whole_column(walls, begin), _whole_column(walls, end)):
             i = b + terms.n_soil
-            if b % term.layers == 0 or b >= term.in_base:
-                members = term.layers if b < term.in_base else 1
+            if b % walls.layers == 0 or b >= walls.in_base:
+                members = walls.layers if b < walls.in_base else 1
                 if math.isnan(state.reaction_x[b]):
                     for c in range(b, b + members):
                         state.reaction_x[c] = state.ax[terms.n_soil + c]
                         state.reaction_y[c] = state.ay[terms.n_soil + c]
-                base_x, base_y = _moves(term, state, b, b + members, terms.n_soil, ground, vertical, dt)
-            free_vx, free_vy, free_xx, free_xy = free_field_beside(terms.free_field, state, term.node[b])
+                base_x, base_y = _moves(walls, state, b, b + members, terms.n_soil, ground, vertical, dt)
+            free_vx, free_vy, free_xx, free_xy = free_field_beside(terms.free_field, state, walls.node[b])
             ax = state.ax[i] - state.reaction_x[b] - ground
             ay = state.ay[i] - state.reaction_y[b] - vertical
             vx_old, vy_old = state.vx[i], state.vy[i]
-            keep, acting = decay(rate + term.side[0, b], dt)
-            vx = vx_old * keep + (ax + term.side[0, b] * free_vx + term.outward[b] * free_xx) * acting - term.base[0, b] * base_x
-            keep, acting = decay(rate + term.side[1, b], dt)
-            vy = vy_old * keep + (ay + term.side[1, b] * free_vy + term.outward[b] * free_xy) * acting - term.base[1, b] * base_y
+            keep, acting = decay(rate + walls.side[0, b], dt)
+            vx = vx_old * keep + (ax + walls.side[0, b] * free_vx + walls.outward[b] * free_xx) * acting - walls.base[0, b] * base_x
+            keep, acting = decay(rate + walls.side[1, b], dt)
+            vy = vy_old * keep + (ay + walls.side[1, b] * free_vy + walls.outward[b] * free_xy) * acting - walls.base[1, b] * base_y
             state.vx[i] = vx
             state.vy[i] = vy
             state.x[i] += vx * dt
@@ -187,8 +198,8 @@ def _kick_boundary(term, state, terms, mass, loads, first, last):  # type: ignor
             held -= mass[i] * (state.reaction_x[b] * mean_x + state.reaction_y[b] * mean_y)
             viscous -= mass[i] * (state.viscous_x[i] * mean_x + state.viscous_y[i] * mean_y)
             taken += mass[i] * ((ax - (vx - vx_old) / dt) * mean_x + (ay - (vy - vy_old) / dt) * mean_y)
-            state.reaction_x[b] += term.spring[0, b] * (mean_x - free_vx) * dt
-            state.reaction_y[b] += term.spring[1, b] * (mean_y - free_vy) * dt
+            state.reaction_x[b] += walls.spring[0, b] * (mean_x - free_vx) * dt
+            state.reaction_y[b] += walls.spring[1, b] * (mean_y - free_vy) * dt
     return shaking * dt, held * dt, viscous * dt, taken * dt
 
 

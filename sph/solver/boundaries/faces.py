@@ -10,7 +10,9 @@ and feels nothing; in the paper's scene no soil ever reaches a face.  Friction c
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.boundaries.friction import add_push
@@ -19,6 +21,10 @@ from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+
+if TYPE_CHECKING:
+    from sph.solver.boundaries.friction import WallFriction
+    from sph.solver.state import State
 
 STIFFNESS = 0.2
 """Stiffness of a face's push over the soil's constrained modulus: it adds a fortieth to the square of the stiffest mode's frequency."""
@@ -49,35 +55,35 @@ class WallFaces(NamedTuple):
 
 
 @slot
-def push_from_faces(term, friction, state, mass, first, last):  # type: ignore[no-untyped-def]
+def push_from_faces(faces: WallFaces | None, friction: WallFriction | None, state: State, mass: np.ndarray, first: int, last: int) -> float:
     """Add the push of the walls' faces to soil particles first to last, and its friction; returns the energy it stores, J/m."""
     return 0.0
 
 
 @push_from_faces.of(WallFaces)
-def _push_from_faces(term, friction, state, mass, first, last):  # type: ignore[no-untyped-def]
+def _push_from_faces(faces: WallFaces, friction: WallFriction | None, state: State, mass: np.ndarray, first: int, last: int) -> float:
     energy = 0.0
     for i in rows(first, last):
         x, y = state.x[i], state.y[i]
         across = up = 0.0  # how far the particle is in a contact, m, with the sign of the push
-        if y <= term.height:
-            across = _overlap(term, x - term.left, term.right - x, term.side_contact, term.side_contact)
-        if term.begin <= x <= term.end:
-            up = _overlap(term, y - term.bottom, term.top - y, term.bottom_contact, term.top_contact)
+        if y <= faces.height:
+            across = _overlap(faces, x - faces.left, faces.right - x, faces.side_contact, faces.side_contact)
+        if faces.begin <= x <= faces.end:
+            up = _overlap(faces, y - faces.bottom, faces.top - y, faces.bottom_contact, faces.top_contact)
         if across != 0.0 or up != 0.0:
-            energy += 0.5 * term.stiffness * (across * across + up * up)
-            state.ax[i] += term.stiffness * across / mass[i]
-            state.ay[i] += term.stiffness * up / mass[i]
-            add_push(friction, state, i, term.stiffness * abs(across) / mass[i], term.stiffness * abs(up) / mass[i])
+            energy += 0.5 * faces.stiffness * (across * across + up * up)
+            state.ax[i] += faces.stiffness * across / mass[i]
+            state.ay[i] += faces.stiffness * up / mass[i]
+            add_push(friction, state, i, faces.stiffness * abs(across) / mass[i], faces.stiffness * abs(up) / mass[i])
     return energy
 
 
 @jit
-def _overlap(term, low, high, low_contact, high_contact):  # type: ignore[no-untyped-def]
+def _overlap(faces: WallFaces, low: float, high: float, low_contact: float, high_contact: float) -> float:
     """Overlap with the contact of the face below (positive) or above (negative) at these distances, m."""
-    if -term.thickness < low < low_contact:
+    if -faces.thickness < low < low_contact:
         return low_contact - low
-    if -term.thickness < high < high_contact:
+    if -faces.thickness < high < high_contact:
         return high - high_contact
     return 0.0
 

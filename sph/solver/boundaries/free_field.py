@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import functools
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -32,6 +32,12 @@ from sph.solver.particles import Particles, layer_index
 from sph.solver.physics.artificial_viscosity import TERM as ARTIFICIAL_VISCOSITY
 from sph.solver.physics.kernels import Kernel, evaluate
 from sph.solver.physics.rayleigh_damping import mass_damping, stiffness_damping
+
+if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
+    from sph.solver.integration import Loads
+    from sph.solver.physics.rayleigh_damping import RayleighDamping
+    from sph.solver.state import State
 
 VELOCITY, MEAN_VELOCITY, ELASTIC_STRESS, STRESS, ACCELERATION = range(5)
 """Second index of ``State.free_field``, after the direction of motion (0: x, 1: y): velocity (m/s) half a step behind, its mean over the
@@ -193,7 +199,7 @@ def _correction(scene: Scene, rows: Rows, count: int) -> np.ndarray:
 
 
 @jit
-def decay(rate, dt):  # type: ignore[no-untyped-def]
+def decay(rate: float, dt: float) -> tuple[float, float]:
     """What is left of a velocity after dt, and the time for which a constant force acts on it, s."""
     x = rate * dt
     keep = math.exp(-x)
@@ -201,19 +207,19 @@ def decay(rate, dt):  # type: ignore[no-untyped-def]
 
 
 @jit
-def move(speed, push, rate, dt):  # type: ignore[no-untyped-def]
+def move(speed: float, push: float, rate: float, dt: float) -> float:
     """How far (m) a dashpot that slows at this rate lets go in dt what has this speed, under a constant acceleration."""
     keep, acting = decay(rate, dt)
     return (speed * (1.0 - keep) + push * (dt - acting)) / rate if rate * dt > 1e-6 else speed * dt
 
 
 @slot
-def kick_free_field(term, rayleigh, state, dt, loads, team):  # type: ignore[no-untyped-def]
+def kick_free_field(ground: FreeField | None, rayleigh: RayleighDamping | None, state: State, dt: float, loads: Loads, team: Team) -> None:
     """Kick the columns by one step, by the first of a team's threads."""
 
 
 @kick_free_field.of(FreeField)
-def _kick_free_field(term, rayleigh, state, dt, loads, team):  # type: ignore[no-untyped-def]
+def _kick_free_field(ground: FreeField, rayleigh: RayleighDamping | None, state: State, dt: float, loads: Loads, team: Team) -> None:
     if team.rank == 0:
         rate = mass_damping(rayleigh) + loads.extra_damping
         for direction in range(2):
@@ -221,69 +227,69 @@ def _kick_free_field(term, rayleigh, state, dt, loads, team):  # type: ignore[no
             shaking = loads.ground if direction == 0 else loads.vertical
             for side in range(2):
                 speed = push = slowed = 0.0
-                for k in range(term.begin[side], term.begin[side + 1]):
-                    speed += term.weight[k] * column[VELOCITY, k]
-                    push += term.weight[k] * (column[ACCELERATION, k] - shaking)
-                    slowed += term.weight[k] * term.drag[direction, k]
+                for k in range(ground.begin[side], ground.begin[side + 1]):
+                    speed += ground.weight[k] * column[VELOCITY, k]
+                    push += ground.weight[k] * (column[ACCELERATION, k] - shaking)
+                    slowed += ground.weight[k] * ground.drag[direction, k]
                 base = move(speed, push, slowed, dt)
                 keep, acting = decay(rate, dt)
-                for k in range(term.begin[side], term.begin[side + 1]):
+                for k in range(ground.begin[side], ground.begin[side + 1]):
                     old = column[VELOCITY, k]
-                    new = old * keep + (column[ACCELERATION, k] - shaking) * acting - term.drag[direction, k] * base
-                    new *= term.mobile[k]
+                    new = old * keep + (column[ACCELERATION, k] - shaking) * acting - ground.drag[direction, k] * base
+                    new *= ground.mobile[k]
                     column[VELOCITY, k] = new
                     column[MEAN_VELOCITY, k] = 0.5 * (old + new)
     wait(team)
 
 
 @slot
-def strain_free_field(term, rayleigh, state, dt, team):  # type: ignore[no-untyped-def]
+def strain_free_field(ground: FreeField | None, rayleigh: RayleighDamping | None, state: State, dt: float, team: Team) -> None:
     """Bring stresses and accelerations of the columns up to the velocities, by the first of a team's threads."""
 
 
 @strain_free_field.of(FreeField)
-def _strain_free_field(term, rayleigh, state, dt, team):  # type: ignore[no-untyped-def]
+def _strain_free_field(ground: FreeField, rayleigh: RayleighDamping | None, state: State, dt: float, team: Team) -> None:
     if team.rank == 0:
-        reach = term.gradient.size // 2
+        reach = ground.gradient.size // 2
         damping = stiffness_damping(rayleigh)
         for direction in range(2):
             column = state.free_field[direction]
             for side in range(2):
-                first, last = term.begin[side], term.begin[side + 1]
+                first, last = ground.begin[side], ground.begin[side + 1]
                 for k in range(first, last):
-                    strain_rate = -column[VELOCITY, k] * term.wall[k]
+                    strain_rate = -column[VELOCITY, k] * ground.wall[k]
                     viscous = 0.0
                     for j in range(max(first, k - reach), min(last, k + reach + 1)):
                         dv = column[VELOCITY, j] - column[VELOCITY, k]
-                        g = term.gradient[j - k + reach]
+                        g = ground.gradient[j - k + reach]
                         strain_rate += dv * g
                         if direction == 0 or dv * g < 0.0:  # pairs of particles that part do not feel the viscosity
-                            viscous += 0.5 * (term.impedance[k] + term.impedance[j]) * dv * term.viscosity[direction, j - k + reach]
-                    stress_rate = term.modulus[direction, k] * strain_rate * term.correction[k]
+                            viscous += 0.5 * (ground.impedance[k] + ground.impedance[j]) * dv * ground.viscosity[direction, j - k + reach]
+                    stress_rate = ground.modulus[direction, k] * strain_rate * ground.correction[k]
                     column[ELASTIC_STRESS, k] += stress_rate * dt
                     column[STRESS, k] = column[ELASTIC_STRESS, k] + damping * stress_rate
-                    column[ACCELERATION, k] = viscous / term.density[k]
+                    column[ACCELERATION, k] = viscous / ground.density[k]
                 for k in range(first, last):
-                    force = column[STRESS, k] * term.correction[k] * term.wall[k]
+                    force = column[STRESS, k] * ground.correction[k] * ground.wall[k]
                     for j in range(max(first, k - reach), min(last, k + reach + 1)):
-                        stress = column[STRESS, k] * term.correction[k] + column[STRESS, j] * term.correction[j]
-                        force += stress * term.gradient[j - k + reach]
-                    column[ACCELERATION, k] += force / term.density[k]
+                        stress = column[STRESS, k] * ground.correction[k] + column[STRESS, j] * ground.correction[j]
+                        force += stress * ground.gradient[j - k + reach]
+                    column[ACCELERATION, k] += force / ground.density[k]
 
 
 @slot
-def free_field_beside(term, state, node):  # type: ignore[no-untyped-def]
+def free_field_beside(ground: FreeField | None, state: State, node: int) -> tuple[float, float, float, float]:
     """Mean velocity over the step (x and y, m/s), and stress on an upright plane (xx and xy, Pa), of the free field."""
     return 0.0, 0.0, 0.0, 0.0
 
 
 @free_field_beside.of(FreeField)
-def _free_field_beside(term, state, node):  # type: ignore[no-untyped-def]
+def _free_field_beside(ground: FreeField, state: State, node: int) -> tuple[float, float, float, float]:
     column = state.free_field
     return (
         column[0, MEAN_VELOCITY, node],
         column[1, MEAN_VELOCITY, node],
-        term.beside[node] * column[1, STRESS, node],
+        ground.beside[node] * column[1, STRESS, node],
         column[0, STRESS, node],
     )
 

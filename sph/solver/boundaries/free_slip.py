@@ -9,18 +9,24 @@ gradient; any positive weight would do.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import jit, neighbours_of
 from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
-from sph.solver.physics.gradient_correction import power
+from sph.solver.physics.gradient_correction import power, transposed_shear
 from sph.solver.physics.kernels import Kernel
-from sph.solver.physics.material import lightness
-from sph.solver.physics.momentum import stress_accelerations
+
+if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
+    from sph.solver.neighbours import Pairs
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 
 class FreeSlip(NamedTuple):
@@ -33,9 +39,9 @@ class FreeSlip(NamedTuple):
 
 
 @jit
-def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
+def _mean_of_soil(pairs: Pairs, i: int, n_soil: int, values: np.ndarray) -> float:
     total = weights = 0.0
-    for k in range(pairs.start[i], pairs.end[i]):
+    for k in neighbours_of(pairs.start[i], pairs.end[i]):
         j = pairs.neighbour[k]
         if j < n_soil and pairs.inverse_norm[k] > 0.0:
             weight = 1.0 / pairs.inverse_norm[k]
@@ -45,34 +51,34 @@ def _mean_of_soil(pairs, i, n_soil, values):  # type: ignore[no-untyped-def]
 
 
 @slot
-def mirror_velocity(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
+def mirror_velocity(walls: FreeSlip | None, state: State, pairs: Pairs, n_soil: int, first: int, last: int, team: Team) -> None:
     """Velocity along the wall of the wall particles among first to last, from the soil beside them, m/s."""
 
 
 @mirror_velocity.of(FreeSlip)
-def _mirror_velocity(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
-    for i in range(max(term.first, first), min(term.first_side, last)):
+def _mirror_velocity(walls: FreeSlip, state: State, pairs: Pairs, n_soil: int, first: int, last: int, team: Team) -> None:
+    for i in range(max(walls.first, first), min(walls.first_side, last)):
         state.vx[i] = _mean_of_soil(pairs, i, n_soil, state.vx)
-    for i in range(max(term.first_side, first), last):
+    for i in range(max(walls.first_side, first), last):
         state.vy[i] = _mean_of_soil(pairs, i, n_soil, state.vy)
     wait(team)
 
 
 @slot
-def mirror_stress(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
+def mirror_stress(walls: FreeSlip | None, state: State, pairs: Pairs, n_soil: int, first: int, last: int, team: Team) -> None:
     """Normal stresses of the wall particles among first to last from the soil beside them; no shear."""
 
 
 @mirror_stress.of(FreeSlip)
-def _mirror_stress(term, state, pairs, n_soil, first, last, team):  # type: ignore[no-untyped-def]
-    for i in range(max(term.first, first), last):
+def _mirror_stress(walls: FreeSlip, state: State, pairs: Pairs, n_soil: int, first: int, last: int, team: Team) -> None:
+    for i in range(max(walls.first, first), last):
         state.sxx[i] = _mean_of_soil(pairs, i, n_soil, state.sxx)
         state.syy[i] = _mean_of_soil(pairs, i, n_soil, state.syy)
     wait(team)
 
 
 @slot
-def wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first, last):  # type: ignore[no-untyped-def]
+def wall_work(walls: FreeSlip | None, terms: Terms, state: State, pairs: Pairs, gradient: np.ndarray, first: int, last: int) -> float:
     """Energy that the walls among particles first to last take from the soil, over dt (W/m, negative: give).
 
     A frictionless wall should take none.  This one's particles stay where they are while the soil slides
@@ -82,15 +88,18 @@ def wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first
 
 
 @wall_work.of(FreeSlip)
-def _wall_work(term, layers, state, pairs, correction, cell_mass, gradient, first, last):  # type: ignore[no-untyped-def]
-    taken = 0.0
-    for i in range(max(term.first, first), last):
-        stress_accelerations(state, pairs, correction, None, layers, None, None, None, i, i + 1)
-        taken += cell_mass * (
-            power(correction, state, gradient, i)
-            + (state.ax[i] - state.viscous_x[i]) / lightness(layers, i) * state.vx[i]
-            + (state.ay[i] - state.viscous_y[i]) / lightness(layers, i) * state.vy[i]
-        )
+def _wall_work(walls: FreeSlip, terms: Terms, state: State, pairs: Pairs, gradient: np.ndarray, first: int, last: int) -> float:
+    correction, taken = terms.gradient_correction, 0.0
+    sxx, syy, sxy = state.sxx, state.syy, state.sxy
+    for i in range(max(walls.first, first), last):
+        syx = transposed_shear(correction, state, i)
+        ax, ay = sxx[i] * pairs.sum_x[i] + sxy[i] * pairs.sum_y[i], syx * pairs.sum_x[i] + syy[i] * pairs.sum_y[i]
+        for k in neighbours_of(pairs.start[i], pairs.end[i]):
+            j = pairs.neighbour[k]
+            gx, gy = pairs.gx[k], pairs.gy[k]
+            ax += sxx[j] * gx + sxy[j] * gy
+            ay += transposed_shear(correction, state, j) * gx + syy[j] * gy
+        taken += terms.cell_mass * (power(correction, state, gradient, i) + ax * state.vx[i] + ay * state.vy[i])
     return taken
 
 

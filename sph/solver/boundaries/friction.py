@@ -14,16 +14,23 @@ stiff soil begins to hum after some tenths of a second, lifts off and slides wro
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import jit, neighbours_of
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import lightness
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 
 class WallFriction(NamedTuple):
@@ -42,41 +49,41 @@ class WallFriction(NamedTuple):
 
 
 @jit
-def _held(limit, v, dt):  # type: ignore[no-untyped-def]
+def _held(limit: float, v: float, dt: float) -> float:
     """Velocity (m/s) after friction of at most ``limit`` (m/s2) has opposed it for a step."""
     return math.copysign(max(abs(v) - limit * dt, 0.0), v)
 
 
 @slot
-def apply_wall_friction(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+def apply_wall_friction(friction: WallFriction | None, state: State, i: int, vx: float, vy: float, dt: float) -> tuple[float, float]:
     """Velocity of particle i after the friction of the walls."""
     return vx, vy
 
 
 @apply_wall_friction.of(WallFriction)
-def _apply_wall_friction(term, state, i, vx, vy, dt):  # type: ignore[no-untyped-def]
+def _apply_wall_friction(friction: WallFriction, state: State, i: int, vx: float, vy: float, dt: float) -> tuple[float, float]:
     return _held(state.friction_x[i], vx, dt), _held(state.friction_y[i], vy, dt)
 
 
 @jit
-def _strength(friction, cohesion, normal, room):  # type: ignore[no-untyped-def]
+def _strength(friction: float, cohesion: float, normal: float, room: float) -> float:
     """Of the interface to a wall that presses with ``normal`` (m/s2) by kernel gradients of the sum ``room`` (kg/m4), m/s2."""
     return friction * normal + 2.0 * cohesion * room if normal > 0.0 else 0.0
 
 
 @slot
-def add_push(term, state, i, push_x, push_y):  # type: ignore[no-untyped-def]
+def add_push(friction: WallFriction | None, state: State, i: int, push_x: float, push_y: float) -> None:
     """Add the friction that the push (m/s2) of a wall's face gives particle i."""
 
 
 @add_push.of(WallFriction)
-def _add_push(term, state, i, push_x, push_y):  # type: ignore[no-untyped-def]
-    state.friction_x[i] += term.base * push_y
-    state.friction_y[i] += term.sides * push_x
+def _add_push(friction: WallFriction, state: State, i: int, push_x: float, push_y: float) -> None:
+    state.friction_x[i] += friction.base * push_y
+    state.friction_y[i] += friction.sides * push_x
 
 
 @slot
-def set_friction(term, layers, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
+def set_friction(friction: WallFriction | None, terms: Terms, state: State, pairs: Pairs, mass: np.ndarray, first: int, last: int) -> float:
     """Largest acceleration that the walls' friction can give soil particles first to last (m/s2), in place of the walls' shear.
 
     Returns the energy over dt that goes with the shear taken away, W/m.
@@ -85,19 +92,19 @@ def set_friction(term, layers, correction, state, pairs, mass, first, last):  # 
 
 
 @set_friction.of(WallFriction)
-def _set_friction(term, layers, correction, state, pairs, mass, first, last):  # type: ignore[no-untyped-def]
-    taken = 0.0
+def _set_friction(friction: WallFriction, terms: Terms, state: State, pairs: Pairs, mass: np.ndarray, first: int, last: int) -> float:
+    correction, layers, taken = terms.gradient_correction, terms.layers, 0.0
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
-    syx = transposed_shear(correction, state)
     for i in range(first, last):
         base = side = base_shear = side_shear = base_room = side_room = 0.0
-        for k in range(pairs.start[i], pairs.end[i]):
+        for k in neighbours_of(pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
             gx, gy = pairs.gx[k], pairs.gy[k]  # towards the wall, compression is negative
-            if j >= term.first:
+            if j >= friction.first:
+                shear = transposed_shear(correction, state, i) + transposed_shear(correction, state, j)
                 ax = (sxx[i] + sxx[j]) * gx + (sxy[i] + sxy[j]) * gy
-                ay = (syx[i] + syx[j]) * gx + (syy[i] + syy[j]) * gy
-                if j >= term.first_side:
+                ay = shear * gx + (syy[i] + syy[j]) * gy
+                if j >= friction.first_side:
                     side -= math.copysign(1.0, gx) * ax
                     side_shear += ay
                     side_room += abs(gx)
@@ -107,8 +114,8 @@ def _set_friction(term, layers, correction, state, pairs, mass, first, last):  #
                     base_room += abs(gy)
         base_shear *= lightness(layers, i)
         side_shear *= lightness(layers, i)
-        state.friction_x[i] = _strength(term.base, term.base_cohesion, base, base_room) * lightness(layers, i)
-        state.friction_y[i] = _strength(term.sides, term.sides_cohesion, side, side_room) * lightness(layers, i)
+        state.friction_x[i] = _strength(friction.base, friction.base_cohesion, base, base_room) * lightness(layers, i)
+        state.friction_y[i] = _strength(friction.sides, friction.sides_cohesion, side, side_room) * lightness(layers, i)
         state.ax[i] -= base_shear
         state.ay[i] -= side_shear
         taken += mass[i] * (base_shear * state.vx[i] + side_shear * state.vy[i])

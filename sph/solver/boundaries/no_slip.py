@@ -15,7 +15,7 @@ gradient is exact for such a field.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.boundaries.contact import contact_part, detach, keep_contact
@@ -25,7 +25,14 @@ from sph.solver.particles import Particles
 from sph.solver.physics.gradient_correction import Sums
 from sph.solver.physics.initial_arrangement import is_intact, offset
 from sph.solver.physics.kernels import Kernel, support, value_and_slope
+from sph.solver.physics.sums import GradientSums
 from sph.solver.physics.walls import add_wall, add_wall_gradient, in_wall, paired
+
+if TYPE_CHECKING:
+    from sph.solver.boundaries.contact import Contact
+    from sph.solver.neighbours import Candidates, Pairs, Places
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 
 class NoSlip(NamedTuple):
@@ -44,43 +51,45 @@ class NoSlip(NamedTuple):
 
 
 @in_wall.of(NoSlip)
-def _in_wall(term, i):  # type: ignore[no-untyped-def]
-    return (i >= term.first) & (i < term.end)
+def _in_wall(no_slip: NoSlip, i: int) -> bool:
+    return (i >= no_slip.first) & (i < no_slip.end)
 
 
 @paired.of(NoSlip)
-def _paired(term, i, j):  # type: ignore[no-untyped-def]
-    return not (in_wall(term, i) | in_wall(term, j))
+def _paired(no_slip: NoSlip, i: int, j: int) -> bool:
+    return not (in_wall(no_slip, i) | in_wall(no_slip, j))
 
 
 @jit
-def _from_image(term, x_i, y_i, x_j, y_j):  # type: ignore[no-untyped-def]
+def _from_image(no_slip: NoSlip, x_i: float, y_i: float, x_j: float, y_j: float) -> tuple[float, float]:
     """Vector to particle i from its image behind the face of the wall of particle j, m."""
-    if y_j < term.bottom:
-        return 0.0, 2.0 * max(y_i - term.bottom, 0.0)
-    if y_j > term.top:
-        return 0.0, 2.0 * min(y_i - term.top, 0.0)
-    if x_j < term.left:
-        return 2.0 * max(x_i - term.left, 0.0), 0.0
-    return 2.0 * min(x_i - term.right, 0.0), 0.0
+    if y_j < no_slip.bottom:
+        return 0.0, 2.0 * max(y_i - no_slip.bottom, 0.0)
+    if y_j > no_slip.top:
+        return 0.0, 2.0 * min(y_i - no_slip.top, 0.0)
+    if x_j < no_slip.left:
+        return 2.0 * max(x_i - no_slip.left, 0.0), 0.0
+    return 2.0 * min(x_i - no_slip.right, 0.0), 0.0
 
 
 @add_wall.of(NoSlip)
-def _add_wall(term, terms, beside, pairs, candidates, places, i, sums):  # type: ignore[no-untyped-def]
+def _add_wall(
+    no_slip: NoSlip, terms: Terms, beside: bool, pairs: Pairs, candidates: Candidates, places: Places, i: int, sums: Sums
+) -> Sums:
     kernel, contact, arrangement, x, y = terms.kernel, terms.contact, terms.initial_arrangement, places.x, places.y
     reach = support(kernel)
     b_x = b_y = contact_x = contact_y = 0.0
     m_xx, m_xy, m_yy = sums.m_xx, sums.m_xy, sums.m_yy
-    if beside and not in_wall(term, i):
+    if beside and not in_wall(no_slip, i):
         intact = is_intact(arrangement, pairs, i)
         for k in rows(candidates.start[i], candidates.start[i + 1]):
             j = candidates.neighbour[k]
             dx, dy, _ = offset(arrangement, intact, terms.periodic, pairs, places, i, j)
             r_square = dx * dx + dy * dy
-            if in_wall(term, j) and r_square < reach * reach:
+            if in_wall(no_slip, j) and r_square < reach * reach:
                 slope = value_and_slope(kernel, math.sqrt(r_square))[1]
                 gx, gy = 2.0 * terms.gradient_mass * slope * dx, 2.0 * terms.gradient_mass * slope * dy
-                across, up = _from_image(term, x[j] + dx, y[j] + dy, x[j], y[j])
+                across, up = _from_image(no_slip, x[j] + dx, y[j] + dy, x[j], y[j])
                 b_x += gx
                 b_y += gy
                 contact_x, contact_y = contact_part(contact, j, gx, gy, contact_x, contact_y)
@@ -94,10 +103,11 @@ def _add_wall(term, terms, beside, pairs, candidates, places, i, sums):  # type:
 
 
 @add_wall_gradient.of(NoSlip)
-def _add_wall_gradient(term, contact, state, pairs, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+def _add_wall_gradient(no_slip: NoSlip, contact: Contact | None, state: State, pairs: Pairs, i: int, sums: GradientSums) -> GradientSums:
     detached_x, detached_y = detach(contact, state, pairs.contact, i)
     b_x, b_y = pairs.wall[i, 0] - detached_x, pairs.wall[i, 1] - detached_y
-    return l_xx - vx * b_x, l_xy - vx * b_y, l_yx - vy * b_x, l_yy - vy * b_y
+    vx, vy = state.vx[i], state.vy[i]
+    return GradientSums(sums.xx - vx * b_x, sums.xy - vx * b_y, sums.yx - vy * b_x, sums.yy - vy * b_y, sums.viscous_x, sums.viscous_y)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> NoSlip:
@@ -114,4 +124,6 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> NoSl
     )
 
 
-TERM = Term("no_slip", "walls.base, walls.sides, walls.top", lambda scene: any(kind.reflects for kind in scene.walls.kinds), _make)
+TERM = Term(
+    "no_slip", "walls.base, walls.sides, walls.top", lambda scene: any(kind.reflects for kind in scene.walls.kinds), _make, in_pairs=True
+)

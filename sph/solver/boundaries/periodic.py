@@ -23,7 +23,7 @@ class Periodic(NamedTuple):
 
 
 @wrap.of(Periodic)
-def _wrap(period, dx):  # type: ignore[no-untyped-def]
+def _wrap(period: Periodic, dx: float) -> float:
     return dx - period.length * math.floor(dx / period.length + 0.5)
 
 
@@ -38,13 +38,13 @@ def columns_of_cells(period: Periodic | None, x: np.ndarray, reach: float) -> tu
 
 
 @slot
-def columns_around(period, column, columns):  # type: ignore[no-untyped-def]
+def columns_around(period: Periodic | None, column: int, columns: int) -> tuple[int, int]:
     """First and last column to look at, each once; on periodic sides to be taken modulo their number."""
     return max(column - 1, 0), min(column + 2, columns)
 
 
 @columns_around.of(Periodic)
-def _columns_around(period, column, columns):  # type: ignore[no-untyped-def]
+def _columns_around(period: Periodic, column: int, columns: int) -> tuple[int, int]:
     return column - 1, column - 1 + min(columns, 3)
 
 
@@ -53,4 +53,4 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Peri
     return Periodic(round(scene.geometry.width / dx) * dx)
 
 
-TERM = Term("periodic", "walls.sides", lambda scene: scene.walls.kinds.sides.periodic, _make)
+TERM = Term("periodic", "walls.sides", lambda scene: scene.walls.kinds.sides.periodic, _make, in_pairs=True)

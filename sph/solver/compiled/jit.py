@@ -160,9 +160,18 @@ def _compile_times() -> dict[str, float]:
 
 
 @jit
-def rows(first, last):  # type: ignore[no-untyped-def]
+def rows(first: int, last: int) -> range:
     """Range of rows as unsigned numbers: signed indices are tested for wrap-around, and loops with that test do not vectorise."""
     return range(np.uint64(first), np.uint64(max(first, last)))
+
+
+@jit
+def neighbours_of(start: int, end: int) -> range:
+    """Places of a row's neighbours in the lists: one after the other, for a thread that takes whole rows.
+
+    The one place that says so: rows that lie side by side, for as many threads, would have a stride.
+    """
+    return range(start, end)
 
 
 _locked = False
@@ -209,7 +218,7 @@ def _kept(variant: str) -> Iterator[None]:
                 tempfile.TemporaryFile(dir=place).close()
             stack.enter_context(for_user_alone())
             earlier, numba.config.CACHE_DIR = numba.config.CACHE_DIR, str(folder)  # type: ignore[attr-defined]
-            stack.callback(setattr, numba.config, "CACHE_DIR", earlier)  # type: ignore[attr-defined]
+            stack.callback(setattr, numba.config, "CACHE_DIR", earlier)
             for compiled in _entries:
                 compiled.enable_caching()
             stack.enter_context(_no_collection())

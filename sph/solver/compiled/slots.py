@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Protocol, cast
 
 import numba
+import numpy as np
 from numba import types
 from numba.extending import overload
 
@@ -20,7 +21,17 @@ from sph.solver.compiled.jit import OPTIONS, jit
 Function = Callable[..., Any]
 
 
-def slot(function: Function) -> Any:
+class Slot(Protocol):
+    """A function whose first argument chooses its body."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        """The result of the body for the first argument's type."""
+
+    def of(self, *records: type) -> Callable[[Function], Function]:
+        """Mark the body for a record, or for several."""
+
+
+def slot(function: Function) -> Slot:
     """A function of a record and more.
 
     Its own body is the case without a record, None; ``@function.of(Record)`` gives that of a record, or of several, with the same
@@ -45,9 +56,9 @@ def slot(function: Function) -> Any:
 
         return give
 
-    overload(from_python, jit_options=OPTIONS)(choose)  # type: ignore[arg-type]
+    overload(from_python, jit_options=OPTIONS, strict=False)(choose)  # type: ignore[arg-type]
     from_python.of = of  # type: ignore[attr-defined]
-    return from_python
+    return cast(Slot, from_python)
 
 
 def record_of(kind: Any) -> type:
@@ -67,5 +78,5 @@ def fields_of(kind: Any) -> dict[str, Any]:
 
 
 @slot
-def with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+def with_numbers(record: Any, table: np.ndarray, k: int, first: int) -> Any:
     """A record of the same type with the numbers of row k of a table from column ``first`` on."""

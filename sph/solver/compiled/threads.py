@@ -76,7 +76,7 @@ _let_others_run = types.ExternalFunction("sched_yield", types.int32())
 
 
 @jit
-def wait(team):  # type: ignore[no-untyped-def]
+def wait(team: Team) -> None:
     """Return once every thread of the team has come here."""
     if team.size > 1:
         barrier = team.barrier
@@ -93,14 +93,14 @@ def wait(team):  # type: ignore[no-untyped-def]
 
 
 @jit
-def own_blocks(team):  # type: ignore[no-untyped-def]
+def own_blocks(team: Team) -> tuple[int, int]:
     """First and last block of this thread."""
     blocks = team.sums.shape[1]
     return team.rank * blocks // team.size, (team.rank + 1) * blocks // team.size
 
 
 @jit
-def own_rows(team, n):  # type: ignore[no-untyped-def]
+def own_rows(team: Team, n: int) -> tuple[int, int]:
     """First and last row of this thread among the first n."""
     first, last = own_blocks(team)
     return min(n, first * BLOCK), min(n, last * BLOCK)

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import compile_lock, rows
+from sph.solver.compiled.jit import compile_lock, neighbours_of, rows
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, evaluate
 from sph.solver.physics.material import lightness
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.physics.material import Layers
+    from sph.solver.state import State
 
 
 class ArtificialStress(NamedTuple):
@@ -24,29 +31,29 @@ class ArtificialStress(NamedTuple):
 
 
 @slot
-def keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
+def keep_nearness(tension: ArtificialStress | None, nearness: np.ndarray, k: int, value: float) -> None:
     """Keep (W(r) / W(spacing)) to the term's exponent of pair k, from its W(r)."""
 
 
 @keep_nearness.of(ArtificialStress)
-def _keep_nearness(term, nearness, k, value):  # type: ignore[no-untyped-def]
-    nearness[k] = (value * term.inverse_kernel) ** term.exponent
+def _keep_nearness(tension: ArtificialStress, nearness: np.ndarray, k: int, value: float) -> None:
+    nearness[k] = (value * tension.inverse_kernel) ** tension.exponent
 
 
 @slot
-def set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
+def set_artificial_stress(tension: ArtificialStress | None, state: State, first: int, last: int) -> None:
     """Artificial stress of particles first to last: minus a share of each principal tension."""
 
 
 @set_artificial_stress.of(ArtificialStress)
-def _set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped-def]
+def _set_artificial_stress(tension: ArtificialStress, state: State, first: int, last: int) -> None:
     for i in rows(first, last):
         mean = 0.5 * (state.sxx[i] + state.syy[i])
         diff = 0.5 * (state.sxx[i] - state.syy[i])
         shear = state.sxy[i]
         radius = math.sqrt(diff * diff + shear * shear)
-        first_principal = -term.factor * max(mean + radius, 0.0)
-        second_principal = -term.factor * max(mean - radius, 0.0)
+        first_principal = -tension.factor * max(mean + radius, 0.0)
+        second_principal = -tension.factor * max(mean - radius, 0.0)
         middle, half = 0.5 * (first_principal + second_principal), 0.5 * (first_principal - second_principal)
         cosine, sine = (diff / radius, shear / radius) if radius > 0.0 else (1.0, 0.0)
         state.tension_xx[i] = middle + half * cosine
@@ -55,15 +62,17 @@ def _set_artificial_stress(term, state, first, last):  # type: ignore[no-untyped
 
 
 @slot
-def add_artificial_stress(term, layers, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def add_artificial_stress(
+    tension: ArtificialStress | None, layers: Layers | None, state: State, pairs: Pairs, first: int, last: int
+) -> None:
     """Add the artificial stress' acceleration to particles first to last; equal and opposite for a pair."""
 
 
 @add_artificial_stress.of(ArtificialStress)
-def _add_artificial_stress(term, layers, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def _add_artificial_stress(tension: ArtificialStress, layers: Layers | None, state: State, pairs: Pairs, first: int, last: int) -> None:
     for i in rows(first, last):
         ax = ay = 0.0
-        for k in range(pairs.start[i], pairs.end[i]):
+        for k in neighbours_of(pairs.start[i], pairs.end[i]):
             j = pairs.neighbour[k]
             xy = state.tension_xy[i] + state.tension_xy[j]
             ax += pairs.nearness[k] * ((state.tension_xx[i] + state.tension_xx[j]) * pairs.gx[k] + xy * pairs.gy[k])
@@ -89,4 +98,5 @@ TERM = Term(
     "numerics.artificial_stress: prevents numerical fracture",
     lambda scene: scene.numerics.artificial_stress is not None,
     _make,
+    in_pairs=True,
 )

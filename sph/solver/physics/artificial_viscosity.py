@@ -7,7 +7,7 @@ It acts along the line between two approaching particles, with alpha V_p times t
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +18,9 @@ from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, Lattice, lattice_of
 from sph.solver.physics.material import mean_impedance
 
+if TYPE_CHECKING:
+    from sph.solver.physics.material import Layers
+
 
 class ArtificialViscosity(NamedTuple):
     """Coefficients of the term."""
@@ -27,26 +30,25 @@ class ArtificialViscosity(NamedTuple):
 
 
 @slot
-def add_dissipation(term, layers, i, j, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
-    """Add one pair's artificial viscosity; only approaching pairs (opening < 0) dissipate."""
-    return sum_x, sum_y
+def dissipation(viscosity: ArtificialViscosity | None, layers: Layers | None, i: int, j: int, opening: float, inverse_norm: float) -> float:
+    """What a pair adds to the sum for artificial viscosity, over its g; only approaching pairs (opening < 0) dissipate."""
+    return 0.0
 
 
-@add_dissipation.of(ArtificialViscosity)
-def _add_dissipation(term, layers, i, j, sum_x, sum_y, opening, inverse_norm, gx, gy):  # type: ignore[no-untyped-def]
-    strength = mean_impedance(layers, i, j, min(opening, 0.0) * inverse_norm)
-    return sum_x + strength * gx, sum_y + strength * gy
+@dissipation.of(ArtificialViscosity)
+def _dissipation(viscosity: ArtificialViscosity, layers: Layers | None, i: int, j: int, opening: float, inverse_norm: float) -> float:
+    return mean_impedance(layers, i, j, min(opening, 0.0) * inverse_norm)
 
 
 @slot
-def viscous_acceleration(term, value):  # type: ignore[no-untyped-def]
+def viscous_acceleration(viscosity: ArtificialViscosity | None, value: float) -> float:
     """Acceleration (m/s2) of a sum over pairs."""
     return 0.0
 
 
 @viscous_acceleration.of(ArtificialViscosity)
-def _viscous_acceleration(term, value):  # type: ignore[no-untyped-def]
-    return term.speed * value
+def _viscous_acceleration(viscosity: ArtificialViscosity, value: float) -> float:
+    return viscosity.speed * value
 
 
 def viscous_rate(scene: Scene, lattice: Lattice | None = None) -> float:
@@ -80,5 +82,5 @@ TERM = Term(
     "numerics.artificial_viscosity",
     lambda scene: scene.numerics.artificial_viscosity is not None and scene.numerics.artificial_viscosity.reconstruction == "none",
     _make,
-    damping,
+    damping=damping,
 )

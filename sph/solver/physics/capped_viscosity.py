@@ -6,7 +6,9 @@ At rest it creeps at tau / cap, for ever; kept so that this difference to the el
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
 from sph.scene.soil import CappedViscosity as Section
@@ -15,6 +17,10 @@ from sph.solver.optional import Limit
 from sph.solver.physics.elasticity import deviator_square, elastic_rate, scaled
 from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
 from sph.solver.physics.yield_surface import strength
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator, Strain
+    from sph.solver.physics.mohr_coulomb import MohrCoulomb
 
 
 class CappedViscosity(NamedTuple):
@@ -27,7 +33,7 @@ class CappedViscosity(NamedTuple):
 
 
 @fluid_deviator.of(CappedViscosity)
-def _deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
+def _deviator(law: CappedViscosity, surface: MohrCoulomb, p: float, s: Deviator, strain: Strain) -> Deviator:
     rate = elastic_rate(1.0, strain)
     shear_rate = math.sqrt(0.5 * deviator_square(rate))
     viscosity = law.cap
@@ -37,7 +43,7 @@ def _deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
 
 
 @with_numbers.of(CappedViscosity)
-def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+def _with_numbers(record: CappedViscosity, table: np.ndarray, k: int, first: int) -> Any:
     return CappedViscosity(table[k, first], table[k, first + 1])
 
 

@@ -17,6 +17,10 @@ because the wall carries them and not because the slope does not stand: such a o
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
+
 from sph.solver.compiled.jit import entry, jit, rows
 from sph.solver.compiled.slots import slot
 from sph.solver.physics.dilation import dilate
@@ -35,6 +39,13 @@ from sph.solver.physics.strength_loss import remaining_weight
 from sph.solver.physics.yield_surface import limit_tension, return_factor, shear_demand, strength
 from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
 
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.physics.material import Material
+    from sph.solver.physics.mohr_coulomb import MohrCoulomb
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
+
 BETA_ZERO = 1e-16
 """Below this weight the solid state no longer shows in the sum and is dropped."""
 OFF_THE_SURFACE = 0.95
@@ -46,25 +57,25 @@ CHUNK = 64
 
 
 @jit
-def blend(beta, solid, fluid):  # type: ignore[no-untyped-def]
+def blend(beta: float, solid: float, fluid: float) -> float:
     """Eq. 8 for one component; with beta = 1, before failure, exactly that of the solid state."""
     return beta * solid + (1.0 - beta) * fluid
 
 
 @jit
-def blend_deviators(beta, solid, fluid):  # type: ignore[no-untyped-def]
+def blend_deviators(beta: float, solid: Deviator, fluid: Deviator) -> Deviator:
     """Eq. 8 for deviators, Pa."""
     return Deviator(blend(beta, solid.diff, fluid.diff), blend(beta, solid.xy, fluid.xy), blend(beta, solid.zz, fluid.zz))
 
 
 @jit
-def solid_deviator(state, i):  # type: ignore[no-untyped-def]
+def solid_deviator(state: State, i: int) -> Deviator:
     """Deviator of the solid state of particle i, Pa."""
     return Deviator(state.solid_diff[i], state.solid_xy[i], state.solid_zz[i])
 
 
 @jit
-def store_fluid(state, i, s):  # type: ignore[no-untyped-def]
+def store_fluid(state: State, i: int, s: Deviator) -> None:
     """Store the deviator (Pa) of the fluid state of particle i."""
     state.fluid_diff[i] = s.diff
     state.fluid_xy[i] = s.xy
@@ -72,7 +83,7 @@ def store_fluid(state, i, s):  # type: ignore[no-untyped-def]
 
 
 @jit
-def blended(state, terms, i):  # type: ignore[no-untyped-def]
+def blended(state: State, terms: Terms, i: int) -> tuple[float, Deviator]:
     """Pressure and deviator of Eq. 8, Pa."""
     soil = material_of(terms.layers, terms.soil, i)
     p = pressure(soil.bulk_modulus, state.density[i], terms.reference_density)
@@ -83,24 +94,24 @@ def blended(state, terms, i):  # type: ignore[no-untyped-def]
 
 
 @slot
-def _of_particle(surface, own):  # type: ignore[no-untyped-def]
+def _of_particle(surface: MohrCoulomb | None, own: MohrCoulomb) -> MohrCoulomb | None:
     """A particle's ``own`` yield surface of a state that some particle of a chunk needs; None where no ``surface`` is given."""
     return None
 
 
 @_of_particle.of(YieldSurface)
-def _own(surface, own):  # type: ignore[no-untyped-def]
+def _own(surface: MohrCoulomb, own: MohrCoulomb) -> MohrCoulomb:
     return own
 
 
 @slot
-def _update_beta(fluid, terms, soil, state, i):  # type: ignore[no-untyped-def]
+def _update_beta(fluid: MohrCoulomb | None, terms: Terms, soil: Material, state: State, i: int) -> float:
     """New weight of the solid state of particle i."""
     return 1.0
 
 
 @_update_beta.of(YieldSurface)
-def _lose(fluid, terms, soil, state, i):  # type: ignore[no-untyped-def]
+def _lose(fluid: MohrCoulomb, terms: Terms, soil: Material, state: State, i: int) -> float:
     beta = remaining_weight(soil.loss, state.beta[i], mean_strain(terms.slip, state, i))
     beta = beta if beta > BETA_ZERO else 0.0
     state.beta[i] = beta if state.phase[i] == FAILED else 1.0
@@ -108,13 +119,17 @@ def _lose(fluid, terms, soil, state, i):  # type: ignore[no-untyped-def]
 
 
 @slot
-def _update_fluid(fluid, terms, soil, state, i, p, strain, time):  # type: ignore[no-untyped-def]
+def _update_fluid(
+    fluid: MohrCoulomb | None, terms: Terms, soil: Material, state: State, i: int, p: float, strain: Strain, time: float
+) -> tuple[float, Deviator]:
     """New pressure and deviator of the fluid state of particle i, Pa, from its elastic pressure p."""
     return 0.0, Deviator(0.0, 0.0, 0.0)
 
 
 @_update_fluid.of(YieldSurface)
-def _flow(fluid, terms, soil, state, i, p, strain, time):  # type: ignore[no-untyped-def]
+def _flow(
+    fluid: MohrCoulomb, terms: Terms, soil: Material, state: State, i: int, p: float, strain: Strain, time: float
+) -> tuple[float, Deviator]:
     p = limit_tension(fluid, p)
     before = Deviator(state.fluid_diff[i], state.fluid_xy[i], state.fluid_zz[i])
     s = fluid_deviator(soil.fluid_law, fluid, p, before, strain)
@@ -126,13 +141,17 @@ def _flow(fluid, terms, soil, state, i, p, strain, time):  # type: ignore[no-unt
 
 
 @slot
-def _update_solid(solid, terms, soil, state, i, p, rate, strain, time):  # type: ignore[no-untyped-def]
+def _update_solid(
+    solid: MohrCoulomb | None, terms: Terms, soil: Material, state: State, i: int, p: float, rate: Deviator, strain: Strain, time: float
+) -> tuple[float, Deviator, bool]:
     """That of the solid state, from the elastic ``rate`` of its deviator (Pa/s), and whether it reached its surface."""
     return 0.0, Deviator(0.0, 0.0, 0.0), False
 
 
 @_update_solid.of(YieldSurface)
-def _yield(solid, terms, soil, state, i, p, rate, strain, time):  # type: ignore[no-untyped-def]
+def _yield(
+    solid: MohrCoulomb, terms: Terms, soil: Material, state: State, i: int, p: float, rate: Deviator, strain: Strain, time: float
+) -> tuple[float, Deviator, bool]:
     trial = strained(solid_deviator(state, i), rate, strain)
     bounded = yields(terms.elastic_after_failure, state, i)
     p_limited = limit_tension(solid, p) if bounded else p
@@ -147,7 +166,18 @@ def _yield(solid, terms, soil, state, i, p, rate, strain, time):  # type: ignore
 
 
 @jit
-def _advance_chunk(solid, fluid, state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
+def _advance_chunk(
+    solid: MohrCoulomb | None,
+    fluid: MohrCoulomb | None,
+    state: State,
+    pairs: Pairs,
+    terms: Terms,
+    gradient: np.ndarray,
+    reached: np.ndarray,
+    time: float,
+    first: int,
+    last: int,
+) -> float:
     """Density, both states, beta and stress of particles first to last; a state whose yield surface is None does not matter to any.
 
     Notes in ``reached`` (n,) who reached the failure surface; returns the internal work over dt, W/m.
@@ -183,12 +213,12 @@ def _advance_chunk(solid, fluid, state, pairs, terms, gradient, reached, time, f
 
 
 @jit
-def _has_slipped(terms, state, i):  # type: ignore[no-untyped-def]
+def _has_slipped(terms: Terms, state: State, i: int) -> bool:
     return has_slipped(terms.slip, state, i, material_of(terms.layers, terms.soil, i).peak_strain)
 
 
 @jit
-def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-untyped-def]
+def _arm_and_fail(state: State, terms: Terms, reached: np.ndarray, first: int, last: int, time: float) -> int:
     """Arm particles, and let fail those armed that reached the surface; returns how many failed."""
     newly_failed = 0
     for i in range(first, min(last, terms.n_failing)):
@@ -210,7 +240,7 @@ def _arm_and_fail(state, terms, reached, first, last, time):  # type: ignore[no-
 
 
 @jit
-def _any_reached(reached, first, last):  # type: ignore[no-untyped-def]
+def _any_reached(reached: np.ndarray, first: int, last: int) -> bool:
     """Whether one of particles first to last is at the yield surface."""
     some = False
     for i in rows(first, last):
@@ -219,7 +249,9 @@ def _any_reached(reached, first, last):  # type: ignore[no-untyped-def]
 
 
 @jit
-def update_stress(state, pairs, terms, gradient, reached, time, first, last):  # type: ignore[no-untyped-def]
+def update_stress(
+    state: State, pairs: Pairs, terms: Terms, gradient: np.ndarray, reached: np.ndarray, time: float, first: int, last: int
+) -> tuple[int, float]:
     """Advance density, both states and beta of particles first to last to ``time`` (s).
 
     ``gradient`` (4, n) holds sums of (v_j - v_i) times g: xx, xy (dv_x/dy), yx, yy.  Notes in ``reached`` (n,)
@@ -248,7 +280,7 @@ def update_stress(state, pairs, terms, gradient, reached, time, first, last):  #
 
 
 @entry
-def elastic_energy(state, terms):  # type: ignore[no-untyped-def]
+def elastic_energy(state: State, terms: Terms) -> float:
     """Energy stored in the blended stress, J/m: sum of V (p^2 / 2K + s:s / 4G)."""
     total = 0.0
     for i in range(state.x.size):
@@ -260,7 +292,7 @@ def elastic_energy(state, terms):  # type: ignore[no-untyped-def]
 
 
 @entry
-def cauchy_stress(state, terms, out):  # type: ignore[no-untyped-def]
+def cauchy_stress(state: State, terms: Terms, out: np.ndarray) -> None:
     """Fill ``out`` (n, 4) with the stress xx, yy, zz, xy of Eq. 8 (Pa, tension positive)."""
     for i in range(state.x.size):
         p, s = blended(state, terms, i)

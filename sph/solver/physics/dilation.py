@@ -13,7 +13,7 @@ at the pressure found.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -23,6 +23,11 @@ from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.yield_surface import shear_demand, strength
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator
+    from sph.solver.physics.material import Material
+    from sph.solver.state import State
 
 
 class Dilation(NamedTuple):
@@ -35,15 +40,15 @@ class Dilation(NamedTuple):
 
 
 @slot
-def dilate(term, state, soil, i, p, s):  # type: ignore[no-untyped-def]
+def dilate(dilation: Dilation | None, state: State, soil: Material, i: int, p: float, s: Deviator) -> float:
     """Pressure (Pa) after the dilation of particle i in a step, from its pressure p and trial deviator s (Pa); notes the density."""
     return p
 
 
 @dilate.of(Dilation)
-def _dilate(term, state, soil, i, p, s):  # type: ignore[no-untyped-def]
+def _dilate(dilation: Dilation, state: State, soil: Material, i: int, p: float, s: Deviator) -> float:
     excess = max(shear_demand(soil.solid, s) - strength(soil.solid, p), 0.0)
-    growth = state.beta[i] * excess * term.flow[i] / (soil.shear_modulus + soil.bulk_modulus * term.friction[i] * term.flow[i])
+    growth = state.beta[i] * excess * dilation.flow[i] / (soil.shear_modulus + soil.bulk_modulus * dilation.friction[i] * dilation.flow[i])
     state.density[i] *= 1.0 + growth
     return p + (soil.bulk_modulus + p) * growth
 

@@ -10,12 +10,18 @@ above it the backward Euler step of ds/dt = 2 G (d - d_viscoplastic) has the clo
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.physics.elasticity import elastic_rate, scaled, strained
 from sph.solver.physics.fluid_law import FluidLaw, fluid_deviator
 from sph.solver.physics.yield_surface import shear_demand, strength
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator, Strain
+    from sph.solver.physics.mohr_coulomb import MohrCoulomb
 
 
 class ElasticViscoplastic(NamedTuple):
@@ -28,7 +34,7 @@ class ElasticViscoplastic(NamedTuple):
 
 
 @fluid_deviator.of(ElasticViscoplastic)
-def _deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
+def _deviator(law: ElasticViscoplastic, surface: MohrCoulomb, p: float, s: Deviator, strain: Strain) -> Deviator:
     trial = strained(s, elastic_rate(law.shear_modulus, strain), strain)
     demand = shear_demand(surface, trial)
     yield_stress = strength(surface, p)
@@ -40,7 +46,7 @@ def _deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
 
 
 @with_numbers.of(ElasticViscoplastic)
-def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+def _with_numbers(record: ElasticViscoplastic, table: np.ndarray, k: int, first: int) -> Any:
     return ElasticViscoplastic(table[k, first], table[k, first + 1])
 
 

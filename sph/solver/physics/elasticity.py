@@ -39,7 +39,7 @@ class Strain(NamedTuple):
 
 
 @jit
-def pressure(bulk_modulus, density, reference_density):  # type: ignore[no-untyped-def]
+def pressure(bulk_modulus: float, density: float, reference_density: float) -> float:
     """p (Pa), compression positive, Eq. 11.
 
     Because it depends on the density and not on the history, soil that has been pulled apart
@@ -49,7 +49,7 @@ def pressure(bulk_modulus, density, reference_density):  # type: ignore[no-untyp
 
 
 @jit
-def rotate(s, angle):  # type: ignore[no-untyped-def]
+def rotate(s: Deviator, angle: float) -> Deviator:
     """Turn a deviator by the spin increment ``angle``.
 
     Midpoint form (Hughes and Winget 1980): to first order the Jaumann terms, and exact in norm.
@@ -61,7 +61,7 @@ def rotate(s, angle):  # type: ignore[no-untyped-def]
 
 
 @jit
-def elastic_rate(shear_modulus, strain):  # type: ignore[no-untyped-def]
+def elastic_rate(shear_modulus: float, strain: Strain) -> Deviator:
     """Rate of the deviator (Pa/s) for the rates of a plane strain, without that of its spin."""
     return Deviator(
         shear_modulus * (strain.xx - strain.yy),
@@ -71,19 +71,19 @@ def elastic_rate(shear_modulus, strain):  # type: ignore[no-untyped-def]
 
 
 @jit
-def strained(s, rate, strain):  # type: ignore[no-untyped-def]
+def strained(s: Deviator, rate: Deviator, strain: Strain) -> Deviator:
     """Deviator after a step: turned by the spin, then changed at an elastic ``rate`` (Pa/s)."""
     turned = rotate(s, strain.spin)
     return Deviator(turned.diff + rate.diff * strain.dt, turned.xy + rate.xy * strain.dt, turned.zz + rate.zz * strain.dt)
 
 
 @jit
-def scaled(s, factor):  # type: ignore[no-untyped-def]
+def scaled(s: Deviator, factor: float) -> Deviator:
     """A deviator times a number."""
     return Deviator(s.diff * factor, s.xy * factor, s.zz * factor)
 
 
 @jit
-def deviator_square(s):  # type: ignore[no-untyped-def]
+def deviator_square(s: Deviator) -> float:
     """s : s, Pa2."""
     return 2.0 * (s.diff * s.diff + s.xy * s.xy) + 1.5 * s.zz * s.zz

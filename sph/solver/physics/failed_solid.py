@@ -8,7 +8,7 @@ strain since t_f, is bounded by beta alone.  Soil is then let go exponentially s
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.slots import slot
@@ -17,19 +17,22 @@ from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.state import FAILED
 
+if TYPE_CHECKING:
+    from sph.solver.state import State
+
 
 class ElasticAfterFailure(NamedTuple):
     """The term; it has no coefficients."""
 
 
 @slot
-def yields(term, state, i):  # type: ignore[no-untyped-def]
+def yields(elastic: ElasticAfterFailure | None, state: State, i: int) -> bool:
     """Whether the solid state of particle i is bounded by its yield surface."""
     return True
 
 
 @yields.of(ElasticAfterFailure)
-def _yields(term, state, i):  # type: ignore[no-untyped-def]
+def _yields(elastic: ElasticAfterFailure, state: State, i: int) -> bool:
     return state.phase[i] != FAILED
 
 

@@ -6,12 +6,16 @@ A law is a record of coefficients, which the solver knows by its type, with the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Limit
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator, Strain
+    from sph.solver.physics.mohr_coulomb import MohrCoulomb
 
 
 class FluidLaw(NamedTuple):
@@ -26,5 +30,6 @@ class FluidLaw(NamedTuple):
 
 
 @slot
-def fluid_deviator(law, surface, p, s, strain):  # type: ignore[no-untyped-def]
+def fluid_deviator(law: Any, surface: MohrCoulomb, p: float, s: Deviator, strain: Strain) -> Deviator:
     """New deviator (Pa) of the fluid state after a step, from its pressure p and deviator s (Pa)."""
+    raise NotImplementedError

@@ -16,7 +16,7 @@ Total Lagrangian particles have no tensile instability and no such modes: Belyts
 Engng. 48, 1359-1400; Bonet and Kulasegaram (2001), ibid. 52, 1203-1220.
 
 Pairs as they lie are made at the middle of a step, so that the strain that they give is of second order in it.  Made at its end, as without
-this term, they overstate the rate of compression by dt/2 sum_j m_j/rho (v_j - v_i) . grad grad W . (v_j - v_i), which is
+this arrangement, they overstate the rate of compression by dt/2 sum_j m_j/rho (v_j - v_i) . grad grad W . (v_j - v_i), which is
 positive on average where particles keep their distance: density runs ahead of them, pressure pushes them apart, and a flow swells, lifts
 off its base and speeds up without end (``docs/evidence/validation.md``, V25).
 
@@ -27,7 +27,7 @@ when soil has deformed so much that this moves soil ``ARM`` spacings away by as 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -40,6 +40,10 @@ from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.walls import wrap
 from sph.solver.state import FAILED
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs, Places
+    from sph.solver.state import State
 
 FAR_OFF = 0.2
 """Distance between where a neighbour lies and where the deformation puts it, over its distance at the start, from which on it counts as it
@@ -70,18 +74,20 @@ class InitialArrangement(NamedTuple):
 
 
 @slot
-def is_intact(term, pairs, i):  # type: ignore[no-untyped-def]
+def is_intact(arrangement: InitialArrangement | None, pairs: Pairs, i: int) -> bool:
     """Whether particle i is intact, so that neighbours may be as at the start."""
     return False
 
 
 @is_intact.of(InitialArrangement)
-def _is_intact(term, pairs, i):  # type: ignore[no-untyped-def]
+def _is_intact(arrangement: InitialArrangement, pairs: Pairs, i: int) -> bool:
     return pairs.stretch[i, 0] == pairs.stretch[i, 0]
 
 
 @slot
-def offset(term, intact, period, pairs, places, i, j):  # type: ignore[no-untyped-def]
+def offset(
+    arrangement: InitialArrangement | None, intact: bool, period: Any, pairs: Pairs, places: Places, i: int, j: int
+) -> tuple[float, float, bool]:
     """Vector from particle j to i (m) that the pair has, and whether it is that of the start; ``intact`` says whether i is.
 
     The same for all of a row, so that a loop over it is compiled once for either.
@@ -90,38 +96,40 @@ def offset(term, intact, period, pairs, places, i, j):  # type: ignore[no-untype
 
 
 @offset.of(InitialArrangement)
-def _offset(term, intact, period, pairs, places, i, j):  # type: ignore[no-untyped-def]
+def _offset(
+    arrangement: InitialArrangement, intact: bool, period: Any, pairs: Pairs, places: Places, i: int, j: int
+) -> tuple[float, float, bool]:
     dx, dy = wrap(period, places.x[i] - places.x[j]), places.y[i] - places.y[j]
     if not intact:
         return dx, dy, False
-    first_x, first_y = wrap(period, term.x[i] - term.x[j]), term.y[i] - term.y[j]
+    first_x, first_y = wrap(period, arrangement.x[i] - arrangement.x[j]), arrangement.y[i] - arrangement.y[j]
     f = pairs.stretch
     new_x = (f[i, 0] + f[j, 0]) * first_x + (f[i, 1] + f[j, 1]) * first_y
     new_y = (f[i, 2] + f[j, 2]) * first_x + (f[i, 3] + f[j, 3]) * first_y
     first_square, off_square = first_x * first_x + first_y * first_y, (new_x - dx) ** 2 + (new_y - dy) ** 2
     # The vector of those that are not intact is NaN, and so is how far off it is.
-    allowed = term.slide_square if max(i, j) >= term.first_slip else FAR_OFF**2 * first_square
-    kept = (first_square < term.reach_square) & (off_square <= allowed)
+    allowed = arrangement.slide_square if max(i, j) >= arrangement.first_slip else FAR_OFF**2 * first_square
+    kept = (first_square < arrangement.reach_square) & (off_square <= allowed)
     return new_x if kept else dx, new_y if kept else dy, kept
 
 
 @slot
-def keep_whether_all(term, pairs, i, as_they_lie):  # type: ignore[no-untyped-def]
+def keep_whether_all(arrangement: InitialArrangement | None, pairs: Pairs, i: int, as_they_lie: int) -> None:
     """Keep whether particle i has neighbours, ``as_they_lie`` of them, that are not as at the start."""
 
 
 @keep_whether_all.of(InitialArrangement)
-def _keep_whether_all(term, pairs, i, as_they_lie):  # type: ignore[no-untyped-def]
+def _keep_whether_all(arrangement: InitialArrangement, pairs: Pairs, i: int, as_they_lie: int) -> None:
     pairs.changing[i] = as_they_lie > np.uint64(0)
 
 
 @slot
-def start_pairs(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def start_pairs(arrangement: InitialArrangement | None, state: State, pairs: Pairs, first: int, last: int) -> None:
     """Set the deformation with which the pairs of particles first to last are made, from what was last noted of it."""
 
 
 @start_pairs.of(InitialArrangement)
-def _start_pairs(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def _start_pairs(arrangement: InitialArrangement, state: State, pairs: Pairs, first: int, last: int) -> None:
     for i in range(first, last):
         half = 0.5 if state.intact[i] else math.nan
         for k in range(4):
@@ -129,37 +137,37 @@ def _start_pairs(term, state, pairs, first, last):  # type: ignore[no-untyped-de
 
 
 @slot
-def note_intact(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def note_intact(arrangement: InitialArrangement | None, state: State, pairs: Pairs, first: int, last: int) -> None:
     """Note which of particles first to last are intact now, and how they are deformed."""
 
 
 @note_intact.of(InitialArrangement)
-def _note_intact(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def _note_intact(arrangement: InitialArrangement, state: State, pairs: Pairs, first: int, last: int) -> None:
     for i in range(first, last):
         state.intact[i] = state.intact[i] & (state.phase[i] != FAILED)
         for k in range(4):
             state.stretch_pairs[k, i] = state.stretch[k, i]
-    start_pairs(term, state, pairs, first, last)
+    start_pairs(arrangement, state, pairs, first, last)
 
 
 @slot
-def place_of_pairs(term, state, dt, i):  # type: ignore[no-untyped-def]
+def place_of_pairs(arrangement: InitialArrangement | None, state: State, dt: float, i: int) -> tuple[float, float]:
     """Place (m) of particle i, which has moved for a step ``dt`` (s; 0 if it is held), at which its pairs are made."""
     return state.x[i], state.y[i]
 
 
 @place_of_pairs.of(InitialArrangement)
-def _half_way(term, state, dt, i):  # type: ignore[no-untyped-def]
+def _half_way(arrangement: InitialArrangement, state: State, dt: float, i: int) -> tuple[float, float]:
     return state.x[i] - 0.5 * dt * state.vx[i], state.y[i] - 0.5 * dt * state.vy[i]
 
 
 @slot
-def deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
+def deform(arrangement: InitialArrangement | None, state: State, i: int, xx: float, xy: float, yx: float, yy: float) -> None:
     """Deform particle i by the increment of a displacement gradient."""
 
 
 @deform.of(InitialArrangement)
-def _deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
+def _deform(arrangement: InitialArrangement, state: State, i: int, xx: float, xy: float, yx: float, yy: float) -> None:
     f = state.stretch
     f_xx, f_xy, f_yx, f_yy = 1.0 + f[0, i], f[1, i], f[2, i], 1.0 + f[3, i]
     f[0, i] += xx * f_xx + xy * f_yx
@@ -169,7 +177,9 @@ def _deform(term, state, i, xx, xy, yx, yy):  # type: ignore[no-untyped-def]
 
 
 @slot
-def largest_changes(term, state, pairs, step, first, last):  # type: ignore[no-untyped-def]
+def largest_changes(
+    arrangement: InitialArrangement | None, state: State, pairs: Pairs, step: int, first: int, last: int
+) -> tuple[float, float]:
     """Largest squared moves (m2) of particles first to last that their pairs see, and that their pairs do not see and the candidates would.
 
     They are NaN if any is NaN or infinite.
@@ -178,7 +188,7 @@ def largest_changes(term, state, pairs, step, first, last):  # type: ignore[no-u
 
 
 @largest_changes.of(InitialArrangement)
-def _largest_changes(term, state, pairs, step, first, last):  # type: ignore[no-untyped-def]
+def _largest_changes(arrangement: InitialArrangement, state: State, pairs: Pairs, step: int, first: int, last: int) -> tuple[float, float]:
     seen = far = total = 0.0
     for i in range(first, last):
         square = (state.x[i] - state.x_pairs[i]) ** 2 + (state.y[i] - state.y_pairs[i]) ** 2
@@ -191,7 +201,7 @@ def _largest_changes(term, state, pairs, step, first, last):  # type: ignore[no-
             strain = 0.0
             for k in range(4):
                 strain += (state.stretch[k, i] - state.stretch_pairs[k, i]) ** 2
-            seen = max(seen, term.arm_square * strain if state.intact[i] else 0.0)
+            seen = max(seen, arrangement.arm_square * strain if state.intact[i] else 0.0)
     return seen + 0.0 * total, far + 0.0 * total
 
 
@@ -206,4 +216,4 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Init
     )
 
 
-TERM = Term("initial_arrangement", "numerics.reference: initial", lambda scene: scene.numerics.reference == "initial", _make)
+TERM = Term("initial_arrangement", "numerics.reference: initial", lambda scene: scene.numerics.reference == "initial", _make, in_pairs=True)

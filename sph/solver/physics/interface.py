@@ -36,23 +36,32 @@ which took a tenth of the acceleration of a sliding layer.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import jit
+from sph.solver.compiled.jit import jit, neighbours_of
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import wait
 from sph.solver.optional import Term
 from sph.solver.particles import Particles, overburden
-from sph.solver.physics.artificial_viscosity import add_dissipation
+from sph.solver.physics.artificial_viscosity import dissipation
 from sph.solver.physics.elasticity import pressure
+from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import material_of, materials_of
-from sph.solver.physics.residual_viscosity import add_residual
+from sph.solver.physics.residual_viscosity import residual_dissipation
 from sph.solver.physics.seams import across
+from sph.solver.physics.sums import ForceSums, GradientSums
+
+if TYPE_CHECKING:
+    from sph.solver.compiled.threads import Team
+    from sph.solver.neighbours import Pairs
+    from sph.solver.physics.seams import Seams
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 NO_SOIL = np.uint8(255)
 """Number of what has no interface: walls."""
@@ -79,28 +88,46 @@ class Interface(NamedTuple):
 
 
 @slot
-def alike_end(term, pairs, i):  # type: ignore[no-untyped-def]
+def alike_end(interface: Interface | None, pairs: Pairs, i: int) -> int:
     """End of the pairs of particle i whose soils weigh the same; those across an interface come after them."""
     return pairs.end[i]
 
 
 @alike_end.of(Interface)
-def _alike_end(term, pairs, i):  # type: ignore[no-untyped-def]
+def _alike_end(interface: Interface, pairs: Pairs, i: int) -> int:
     return pairs.alike_end[i]
 
 
 @slot
-def part_unlike(term, seams, pairs, i, begin, count, row_dx, row_dy):  # type: ignore[no-untyped-def]
+def part_unlike(
+    interface: Interface | None,
+    seams: Seams | None,
+    pairs: Pairs,
+    i: int,
+    begin: np.uint64,
+    count: np.uint64,
+    row_dx: np.ndarray,
+    row_dy: np.ndarray,
+) -> None:
     """Put those last, among the ``count`` pairs of particle i from ``begin`` on, that lie across an interface and not across a seam."""
 
 
 @part_unlike.of(Interface)
-def _part_unlike(term, seams, pairs, i, begin, count, row_dx, row_dy):  # type: ignore[no-untyped-def]
-    own, k, end = term.soil[i], np.uint64(0), count if term.soil[i] != NO_SOIL else np.uint64(0)
+def _part_unlike(
+    interface: Interface,
+    seams: Seams | None,
+    pairs: Pairs,
+    i: int,
+    begin: np.uint64,
+    count: np.uint64,
+    row_dx: np.ndarray,
+    row_dy: np.ndarray,
+) -> None:
+    own, k, end = interface.soil[i], np.uint64(0), count if interface.soil[i] != NO_SOIL else np.uint64(0)
     alike = count
     while k < end:
         j = pairs.neighbour[begin + k]
-        if term.soil[j] == own or term.soil[j] == NO_SOIL or across(seams, i, j):
+        if interface.soil[j] == own or interface.soil[j] == NO_SOIL or across(seams, i, j):
             k += np.uint64(1)
         else:
             end -= np.uint64(1)
@@ -112,95 +139,104 @@ def _part_unlike(term, seams, pairs, i, begin, count, row_dx, row_dy):  # type: 
 
 
 @slot
-def weigh_soils(term, terms, state, pairs, first, last, team):  # type: ignore[no-untyped-def]
+def weigh_soils(interface: Interface | None, terms: Terms, state: State, pairs: Pairs, first: int, last: int, team: Team) -> None:
     """Note what the weights of this step are made of, for soil particles first to last beside an interface."""
 
 
 @weigh_soils.of(Interface)
-def _weigh_soils(term, terms, state, pairs, first, last, team):  # type: ignore[no-untyped-def]
+def _weigh_soils(interface: Interface, terms: Terms, state: State, pairs: Pairs, first: int, last: int, team: Team) -> None:
     for i in range(first, min(last, terms.n_soil)):
         if pairs.alike_end[i] < pairs.end[i]:
             soil, beta = material_of(terms.layers, terms.soil, i), state.beta[i]
-            term.cohesion[i] = beta * soil.solid.cohesion_term + (1.0 - beta) * soil.fluid.cohesion_term
-            term.sine[i] = beta * soil.solid.sine + (1.0 - beta) * soil.fluid.sine
-            term.pressure[i] = max(pressure(soil.bulk_modulus, state.density[i], terms.reference_density), 0.0)
-            term.lost[i] = 1.0 - beta
+            interface.cohesion[i] = beta * soil.solid.cohesion_term + (1.0 - beta) * soil.fluid.cohesion_term
+            interface.sine[i] = beta * soil.solid.sine + (1.0 - beta) * soil.fluid.sine
+            interface.pressure[i] = max(pressure(soil.bulk_modulus, state.density[i], terms.reference_density), 0.0)
+            interface.lost[i] = 1.0 - beta
     wait(team)
 
 
 @slot
-def keep_water(term, i, value):  # type: ignore[no-untyped-def]
+def keep_water(interface: Interface | None, i: int, value: float) -> None:
     """Keep the pore pressure over density squared of particle i."""
 
 
 @keep_water.of(Interface)
-def _keep_water(term, i, value):  # type: ignore[no-untyped-def]
-    term.water[i] = value
+def _keep_water(interface: Interface, i: int, value: float) -> None:
+    interface.water[i] = value
 
 
 @jit
-def weights(term, i, j):  # type: ignore[no-untyped-def]
+def weights(interface: Interface, i: int, j: int) -> tuple[float, float]:
     """Weights of the soils of particles i and j in their pair."""
-    p = 0.5 * (term.pressure[i] + term.pressure[j])
-    strength_i = term.cohesion[i] + p * term.sine[i] + STRENGTHLESS
-    strength_j = term.cohesion[j] + p * term.sine[j] + STRENGTHLESS
+    p = 0.5 * (interface.pressure[i] + interface.pressure[j])
+    strength_i = interface.cohesion[i] + p * interface.sine[i] + STRENGTHLESS
+    strength_j = interface.cohesion[j] + p * interface.sine[j] + STRENGTHLESS
     fourth_i, fourth_j = strength_i * strength_i * strength_i * strength_i, strength_j * strength_j * strength_j * strength_j
-    lost = term.lost[i] if strength_i < strength_j else term.lost[j]
+    lost = interface.lost[i] if strength_i < strength_j else interface.lost[j]
     weight_i = 1.0 + lost * (fourth_j - fourth_i) / (fourth_j + fourth_i)
     return weight_i, 2.0 - weight_i
 
 
 @slot
-def add_unlike_gradients(term, viscosity, layers, state, pairs, i, l_xx, l_xy, l_yx, l_yy, sum_x, sum_y):  # type: ignore[no-untyped-def]
+def add_unlike_gradients(interface: Interface | None, terms: Terms, state: State, pairs: Pairs, i: int, sums: GradientSums) -> GradientSums:
     """Sums of velocity differences times g of particle i, and of artificial viscosity, with those of its pairs across an interface."""
-    return l_xx, l_xy, l_yx, l_yy, sum_x, sum_y
+    return sums
 
 
 @add_unlike_gradients.of(Interface)
-def _add_unlike_gradients(term, viscosity, layers, state, pairs, i, l_xx, l_xy, l_yx, l_yy, sum_x, sum_y):  # type: ignore[no-untyped-def]
-    for k in range(pairs.alike_end[i], pairs.end[i]):
+def _add_unlike_gradients(interface: Interface, terms: Terms, state: State, pairs: Pairs, i: int, sums: GradientSums) -> GradientSums:
+    xx, xy, yx, yy, viscous_x, viscous_y = sums
+    for k in neighbours_of(pairs.alike_end[i], pairs.end[i]):
         j = pairs.neighbour[k]
-        own, other = weights(term, i, j)
+        own, other = weights(interface, i, j)
         gx, gy = pairs.gx[k], pairs.gy[k]
         dvx, dvy = state.vx[j] - state.vx[i], state.vy[j] - state.vy[i]
-        l_xx += own * dvx * gx
-        l_xy += own * dvx * gy
-        l_yx += own * dvy * gx
-        l_yy += own * dvy * gy
+        xx += own * dvx * gx
+        xy += own * dvx * gy
+        yx += own * dvy * gx
+        yy += own * dvy * gy
         opening = min(own, other) * (dvx * gx + dvy * gy)
-        sum_x, sum_y = add_dissipation(viscosity, layers, i, j, sum_x, sum_y, opening, pairs.inverse_norm[k], gx, gy)
-    return l_xx, l_xy, l_yx, l_yy, sum_x, sum_y
+        strength = dissipation(terms.artificial_viscosity, terms.layers, i, j, opening, pairs.inverse_norm[k])
+        viscous_x += strength * gx
+        viscous_y += strength * gy
+    return GradientSums(xx, xy, yx, yy, viscous_x, viscous_y)
 
 
 @slot
-def add_unlike_stresses(term, viscosity, layers, strain_rate, state, pairs, syx, i, ax, ay, sum_x, sum_y):  # type: ignore[no-untyped-def]
+def add_unlike_stresses(
+    interface: Interface | None, terms: Terms, state: State, pairs: Pairs, strain_rate: np.ndarray, i: int, sums: ForceSums
+) -> ForceSums:
     """Sums of stresses times g of particle i, and of residual viscosity, with those of its pairs across an interface.
 
     Its own stress enters with its weight less 1, since the sum of g over all pairs holds it once.
     """
-    return ax, ay, sum_x, sum_y
+    return sums
 
 
 @add_unlike_stresses.of(Interface)
-def _add_unlike_stresses(term, viscosity, layers, strain_rate, state, pairs, syx, i, ax, ay, sum_x, sum_y):  # type: ignore[no-untyped-def]
+def _add_unlike_stresses(
+    interface: Interface, terms: Terms, state: State, pairs: Pairs, strain_rate: np.ndarray, i: int, sums: ForceSums
+) -> ForceSums:
+    ax, ay, viscous_x, viscous_y = sums
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
-    for k in range(pairs.alike_end[i], pairs.end[i]):
+    syx = transposed_shear(terms.gradient_correction, state, i)
+    for k in neighbours_of(pairs.alike_end[i], pairs.end[i]):
         j = pairs.neighbour[k]
-        own, other = weights(term, i, j)
+        own, other = weights(interface, i, j)
         gx, gy = pairs.gx[k], pairs.gy[k]
         more = own - 1.0
-        u = more * term.water[i] + (other - 1.0) * term.water[j]
+        u = more * interface.water[i] + (other - 1.0) * interface.water[j]
         ax += (more * sxx[i] + other * sxx[j] + u) * gx + (more * sxy[i] + other * sxy[j]) * gy
-        ay += (more * syx[i] + other * syx[j]) * gx + (more * syy[i] + other * syy[j] + u) * gy
-        viscous_x, viscous_y = add_residual(viscosity, layers, state, pairs, strain_rate, i, j, k, 0.0, 0.0)
-        sum_x += min(own, other) * viscous_x
-        sum_y += min(own, other) * viscous_y
-    return ax, ay, sum_x, sum_y
+        ay += (more * syx + other * transposed_shear(terms.gradient_correction, state, j)) * gx + (more * syy[i] + other * syy[j] + u) * gy
+        strength = residual_dissipation(terms.residual_viscosity, terms.layers, state, pairs, strain_rate, i, j, k)
+        viscous_x += min(own, other) * (strength * gx)
+        viscous_y += min(own, other) * (strength * gy)
+    return ForceSums(ax, ay, viscous_x, viscous_y)
 
 
-def once_lost(term: Interface | None) -> Interface | None:
+def once_lost(interface: Interface | None) -> Interface | None:
     """The term as if all soil beside an interface had lost its solid state: then it is stiffest."""
-    return term if term is None else term._replace(lost=np.ones_like(term.lost))
+    return interface if interface is None else interface._replace(lost=np.ones_like(interface.lost))
 
 
 def soil_numbers(scene: Scene) -> list[int]:
@@ -232,4 +268,5 @@ TERM = Term(
     "numerics.interfaces: weaker; soils of unlike strength",
     lambda scene: scene.numerics.interfaces == "weaker" and len(set(soil_numbers(scene))) > 1,
     _make,
+    in_pairs=True,
 )

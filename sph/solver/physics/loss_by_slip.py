@@ -15,6 +15,8 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.physics.strength_loss import StrengthLoss, remaining_weight
 
@@ -42,22 +44,22 @@ class ExponentialLossBySlip(NamedTuple):
 
 
 @remaining_weight.of(LinearLossBySlip)
-def _linear(law, beta, strain):  # type: ignore[no-untyped-def]
+def _linear(law: LinearLossBySlip, beta: float, strain: float) -> float:
     return min(beta * law.decay, max(1.0 - (strain - law.peak) / law.span, 0.0))
 
 
 @remaining_weight.of(ExponentialLossBySlip)
-def _exponential(law, beta, strain):  # type: ignore[no-untyped-def]
+def _exponential(law: ExponentialLossBySlip, beta: float, strain: float) -> float:
     return min(beta * law.decay, math.exp(-3.0 * max(strain - law.peak, 0.0) / law.span))
 
 
 @with_numbers.of(LinearLossBySlip)
-def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+def _with_numbers(record: LinearLossBySlip, table: np.ndarray, k: int, first: int) -> Any:
     return LinearLossBySlip(table[k, first], table[k, first + 1], table[k, first + 2])
 
 
 @with_numbers.of(ExponentialLossBySlip)
-def _with_numbers_too(record, table, k, first):  # type: ignore[no-untyped-def]
+def _with_numbers_too(record: ExponentialLossBySlip, table: np.ndarray, k: int, first: int) -> Any:
     return ExponentialLossBySlip(table[k, first], table[k, first + 1], table[k, first + 2])
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.physics.strength_loss import StrengthLoss, remaining_weight
@@ -16,12 +18,12 @@ class LossByTime(NamedTuple):
 
 
 @remaining_weight.of(LossByTime)
-def _remaining_weight(law, beta, strain):  # type: ignore[no-untyped-def]
+def _remaining_weight(law: LossByTime, beta: float, strain: float) -> float:
     return beta * law.decay
 
 
 @with_numbers.of(LossByTime)
-def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+def _with_numbers(record: LossByTime, table: np.ndarray, k: int, first: int) -> Any:
     return LossByTime(table[k, first])
 
 

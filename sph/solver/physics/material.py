@@ -134,13 +134,13 @@ TERM = Term(
 
 
 @slot
-def material_of(layers, soil, i):  # type: ignore[no-untyped-def]
+def material_of(layers: Layers | None, soil: Material, i: int) -> Material:
     """Coefficients of particle i: those of ``soil`` where there are no layers."""
     return soil
 
 
 @material_of.of(Layers)
-def _material_of(layers, soil, i):  # type: ignore[no-untyped-def]
+def _material_of(layers: Layers, soil: Material, i: int) -> Material:
     t, k = layers.table, layers.layer[i]
     fluid = 2 + len(soil.solid)
     law = fluid + len(soil.fluid)
@@ -156,22 +156,22 @@ def _material_of(layers, soil, i):  # type: ignore[no-untyped-def]
 
 
 @slot
-def lightness(layers, i):  # type: ignore[no-untyped-def]
+def lightness(layers: Layers | None, i: int) -> float:
     """Density of the scene's own soil over that of particle i's."""
     return 1.0
 
 
 @lightness.of(Layers)
-def _lightness(layers, i):  # type: ignore[no-untyped-def]
+def _lightness(layers: Layers, i: int) -> float:
     return layers.lightness[i]
 
 
 @slot
-def mean_impedance(layers, i, j, value):  # type: ignore[no-untyped-def]
+def mean_impedance(layers: Layers | None, i: int, j: int, value: float) -> float:
     """A value times the mean impedance of particles i and j over that of the scene's own soil."""
     return value
 
 
 @mean_impedance.of(Layers)
-def _mean_impedance(layers, i, j, value):  # type: ignore[no-untyped-def]
+def _mean_impedance(layers: Layers, i: int, j: int, value: float) -> float:
     return value * 0.5 * (layers.impedance[i] + layers.impedance[j])

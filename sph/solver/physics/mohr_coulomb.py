@@ -12,10 +12,15 @@ In tension the surface ends at its apex, p = -c cot(phi).
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from sph.solver.compiled.slots import with_numbers
 from sph.solver.physics.yield_surface import limit_tension, shear_demand, strength
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator
 
 
 class MohrCoulomb(NamedTuple):
@@ -42,22 +47,22 @@ def make_mohr_coulomb(cohesion: float, friction_angle: float, tension_limit: flo
 
 
 @limit_tension.of(MohrCoulomb)
-def _limit_tension(surface, p):  # type: ignore[no-untyped-def]
+def _limit_tension(surface: MohrCoulomb, p: float) -> float:
     return max(p, -surface.tension_limit)
 
 
 @strength.of(MohrCoulomb)
-def _strength(surface, p):  # type: ignore[no-untyped-def]
+def _strength(surface: MohrCoulomb, p: float) -> float:
     """c cos(phi) + p sin(phi)."""
     return max(surface.cohesion_term + p * surface.sine, 0.0)
 
 
 @shear_demand.of(MohrCoulomb)
-def _shear_demand(surface, s):  # type: ignore[no-untyped-def]
+def _shear_demand(surface: MohrCoulomb, s: Deviator) -> float:
     """Radius - s_zz/2 sin(phi)."""
     return math.sqrt(s.diff * s.diff + s.xy * s.xy) - 0.5 * s.zz * surface.sine
 
 
 @with_numbers.of(MohrCoulomb)
-def _with_numbers(record, table, k, first):  # type: ignore[no-untyped-def]
+def _with_numbers(record: MohrCoulomb, table: np.ndarray, k: int, first: int) -> Any:
     return MohrCoulomb(table[k, first], table[k, first + 1], table[k, first + 2])

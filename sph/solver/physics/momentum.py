@@ -12,63 +12,77 @@ needs no loop, because sum_j g_ij is kept with the pairs.
 
 from __future__ import annotations
 
-from sph.solver.compiled.jit import jit, rows
-from sph.solver.physics.artificial_viscosity import add_dissipation, viscous_acceleration
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sph.solver.compiled.jit import jit, neighbours_of, rows
+from sph.solver.physics.artificial_viscosity import dissipation, viscous_acceleration
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.interface import add_unlike_gradients, add_unlike_stresses, alike_end
 from sph.solver.physics.material import lightness
-from sph.solver.physics.residual_viscosity import add_residual, keep_residual
+from sph.solver.physics.residual_viscosity import keep_residual, residual_dissipation
+from sph.solver.physics.sums import ForceSums, GradientSums
 from sph.solver.physics.walls import add_wall_gradient, detached
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 
 @jit
-def velocity_gradients(state, pairs, term, walls, contact, layers, interface, gradient, first, last):  # type: ignore[no-untyped-def]
+def velocity_gradients(state: State, pairs: Pairs, terms: Terms, gradient: np.ndarray, first: int, last: int) -> None:
     """Sums of (v_j - v_i) g into ``gradient`` (4, n), and the artificial viscosity's acceleration, of particles first to last."""
+    viscosity, layers, interface = terms.artificial_viscosity, terms.layers, terms.interface
     vx, vy = state.vx, state.vy
     for i in rows(first, last):
         vx_i = vx[i]
         vy_i = vy[i]
-        l_xx = l_xy = l_yx = l_yy = 0.0
-        sum_x = sum_y = 0.0
-        for k in range(pairs.start[i], alike_end(interface, pairs, i)):
+        xx = xy = yx = yy = 0.0
+        viscous_x = viscous_y = 0.0
+        for k in neighbours_of(pairs.start[i], alike_end(interface, pairs, i)):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]
             dvx = vx[j] - vx_i
             dvy = vy[j] - vy_i
-            l_xx += dvx * gx
-            l_xy += dvx * gy
-            l_yx += dvy * gx
-            l_yy += dvy * gy
-            sum_x, sum_y = add_dissipation(term, layers, i, j, sum_x, sum_y, dvx * gx + dvy * gy, pairs.inverse_norm[k], gx, gy)
-        l_xx, l_xy, l_yx, l_yy, sum_x, sum_y = add_unlike_gradients(
-            interface, term, layers, state, pairs, i, l_xx, l_xy, l_yx, l_yy, sum_x, sum_y
-        )
-        gradient[0, i], gradient[1, i], gradient[2, i], gradient[3, i] = add_wall_gradient(
-            walls, contact, state, pairs, i, vx_i, vy_i, l_xx, l_xy, l_yx, l_yy
-        )
-        state.viscous_x[i] = viscous_acceleration(term, sum_x) * lightness(layers, i)
-        state.viscous_y[i] = viscous_acceleration(term, sum_y) * lightness(layers, i)
+            xx += dvx * gx
+            xy += dvx * gy
+            yx += dvy * gx
+            yy += dvy * gy
+            strength = dissipation(viscosity, layers, i, j, dvx * gx + dvy * gy, pairs.inverse_norm[k])
+            viscous_x += strength * gx
+            viscous_y += strength * gy
+        sums = GradientSums(xx, xy, yx, yy, viscous_x, viscous_y)
+        sums = add_unlike_gradients(interface, terms, state, pairs, i, sums)
+        sums = add_wall_gradient(terms.no_slip, terms.contact, state, pairs, i, sums)
+        gradient[0, i], gradient[1, i], gradient[2, i], gradient[3, i] = sums.xx, sums.xy, sums.yx, sums.yy
+        state.viscous_x[i] = viscous_acceleration(viscosity, sums.viscous_x) * lightness(layers, i)
+        state.viscous_y[i] = viscous_acceleration(viscosity, sums.viscous_y) * lightness(layers, i)
 
 
 @jit
-def stress_accelerations(state, pairs, term, contact, layers, interface, viscosity, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def stress_accelerations(state: State, pairs: Pairs, terms: Terms, strain_rate: np.ndarray, first: int, last: int) -> None:
     """Acceleration of particles first to last by stress and artificial viscosity into ``state.ax``, ``state.ay``."""
+    correction, viscosity, layers, interface = terms.gradient_correction, terms.residual_viscosity, terms.layers, terms.interface
     sxx, syy, sxy = state.sxx, state.syy, state.sxy
-    syx = transposed_shear(term, state)
     for i in rows(first, last):
-        detached_x, detached_y = detached(contact, pairs, i)
-        ax = sxx[i] * (pairs.sum_x[i] - detached_x) + sxy[i] * (pairs.sum_y[i] - detached_y)
-        ay = syx[i] * (pairs.sum_x[i] - detached_x) + syy[i] * (pairs.sum_y[i] - detached_y)
-        sum_x = sum_y = 0.0
-        for k in range(pairs.start[i], alike_end(interface, pairs, i)):
+        detached_x, detached_y = detached(terms.contact, pairs, i)
+        whole_x, whole_y = pairs.sum_x[i] - detached_x, pairs.sum_y[i] - detached_y
+        ax = sxx[i] * whole_x + sxy[i] * whole_y
+        ay = transposed_shear(correction, state, i) * whole_x + syy[i] * whole_y
+        viscous_x = viscous_y = 0.0
+        for k in neighbours_of(pairs.start[i], alike_end(interface, pairs, i)):
             j = pairs.neighbour[k]
             gx = pairs.gx[k]
             gy = pairs.gy[k]
             ax += sxx[j] * gx + sxy[j] * gy
-            ay += syx[j] * gx + syy[j] * gy
-            sum_x, sum_y = add_residual(viscosity, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y)
-        ax, ay, sum_x, sum_y = add_unlike_stresses(interface, viscosity, layers, strain_rate, state, pairs, syx, i, ax, ay, sum_x, sum_y)
-        keep_residual(viscosity, layers, state, i, sum_x, sum_y)
-        state.ax[i] = ax * lightness(layers, i) + state.viscous_x[i]
-        state.ay[i] = ay * lightness(layers, i) + state.viscous_y[i]
+            ay += transposed_shear(correction, state, j) * gx + syy[j] * gy
+            strength = residual_dissipation(viscosity, layers, state, pairs, strain_rate, i, j, k)
+            viscous_x += strength * gx
+            viscous_y += strength * gy
+        sums = add_unlike_stresses(interface, terms, state, pairs, strain_rate, i, ForceSums(ax, ay, viscous_x, viscous_y))
+        keep_residual(viscosity, layers, state, i, sums.viscous_x, sums.viscous_y)
+        state.ax[i] = sums.x * lightness(layers, i) + state.viscous_x[i]
+        state.ay[i] = sums.y * lightness(layers, i) + state.viscous_y[i]

@@ -8,7 +8,7 @@ with the vertical stress sigma_v of the soil above (r_u: Bishop and Morgenstern 
 and deviator, is the effective stress (Terzaghi 1943), and both yield surfaces take that; so failed soil below water keeps its pore
 pressure, and c_f and phi_f are strengths on effective stress as c_s and phi_s are.
 
-This term is for ``water.pressure: carried``.  A particle keeps the u of its initial place and the momentum equation gets the total stress,
+This water is for ``water.pressure: carried``.  A particle keeps the u of its initial place and the momentum equation gets the total stress,
 
     sigma = sigma' - u I.
 
@@ -22,7 +22,7 @@ the water on changes of volume counts as dissipated energy.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,9 @@ from sph.solver.optional import Term
 from sph.solver.particles import Particles, layer_index, overburden
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.yield_surface import limit_tension
+
+if TYPE_CHECKING:
+    from sph.solver.physics.material import Material
 
 
 @by_reference
@@ -46,16 +49,16 @@ class PorePressure(NamedTuple):
 
 
 @slot
-def carried_pressure(term, soil, i, beta, p, time):  # type: ignore[no-untyped-def]
+def carried_pressure(water: PorePressure | None, soil: Material, i: int, beta: float, p: float, time: float) -> float:
     """Pore pressure (Pa) of particle i at a time (s), from its weight beta and its pressure p before the cut-off in tension."""
     return 0.0
 
 
 @carried_pressure.of(PorePressure)
-def _carried_pressure(term, soil, i, beta, p, time):  # type: ignore[no-untyped-def]
-    grown = time / term.ramp if time < term.ramp else 1.0
+def _carried_pressure(water: PorePressure, soil: Material, i: int, beta: float, p: float, time: float) -> float:
+    grown = time / water.ramp if time < water.ramp else 1.0
     opened = beta * (limit_tension(soil.solid, p) - p) + (1.0 - beta) * (limit_tension(soil.fluid, p) - p)
-    return max(term.pressure[i] * grown - opened, 0.0)
+    return max(water.pressure[i] * grown - opened, 0.0)
 
 
 def pore_pressure(scene: Scene, x: np.ndarray, y: np.ndarray) -> np.ndarray:

@@ -21,19 +21,19 @@ class PrescribedMotion(NamedTuple):
 
 
 @slot
-def drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
+def drive(motion: PrescribedMotion | None, x: float, y: float, vx: float, vy: float) -> tuple[float, float]:
     """Velocity of a particle in the prescribed motion; without one as it is."""
     return vx, vy
 
 
 @drive.of(PrescribedMotion)
-def _drive(term, x, y, vx, vy):  # type: ignore[no-untyped-def]
-    return term.xx * x + term.xy * y, term.yx * x + term.yy * y
+def _drive(motion: PrescribedMotion, x: float, y: float, vx: float, vy: float) -> tuple[float, float]:
+    return motion.xx * x + motion.xy * y, motion.yx * x + motion.yy * y
 
 
-def stopped(term: PrescribedMotion | None) -> PrescribedMotion | None:
+def stopped(motion: PrescribedMotion | None) -> PrescribedMotion | None:
     """The motion with the velocity zero everywhere; None without one."""
-    return None if term is None else PrescribedMotion(0.0, 0.0, 0.0, 0.0)
+    return None if motion is None else PrescribedMotion(0.0, 0.0, 0.0, 0.0)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> PrescribedMotion:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Damping, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, Lattice
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator
 
 
 class RayleighDamping(NamedTuple):
@@ -21,29 +24,31 @@ class RayleighDamping(NamedTuple):
 
 
 @slot
-def mass_damping(term):  # type: ignore[no-untyped-def]
+def mass_damping(damping: RayleighDamping | None) -> float:
     """Rate of the mass-proportional part, 1/s."""
     return 0.0
 
 
 @mass_damping.of(RayleighDamping)
-def _mass_damping(term):  # type: ignore[no-untyped-def]
-    return term.mass
+def _mass_damping(damping: RayleighDamping) -> float:
+    return damping.mass
 
 
 @slot
-def stiffness_damping(term):  # type: ignore[no-untyped-def]
+def stiffness_damping(damping: RayleighDamping | None) -> float:
     """Time of the stiffness-proportional part, s."""
     return 0.0
 
 
 @stiffness_damping.of(RayleighDamping)
-def _stiffness_damping(term):  # type: ignore[no-untyped-def]
-    return term.stiffness
+def _stiffness_damping(damping: RayleighDamping) -> float:
+    return damping.stiffness
 
 
 @slot
-def damping_stress(term, beta, bulk_modulus, rate, trace):  # type: ignore[no-untyped-def]
+def damping_stress(
+    damping: RayleighDamping | None, beta: float, bulk_modulus: float, rate: Deviator, trace: float
+) -> tuple[float, float, float]:
     """Stiffness-proportional damping: (xx, yy, xy) of beta beta_R times the elastic stress rate, Pa.
 
     The rate is that of a deviator (Pa/s) and of a volume, whose strain rate is ``trace`` (1/s).
@@ -52,8 +57,8 @@ def damping_stress(term, beta, bulk_modulus, rate, trace):  # type: ignore[no-un
 
 
 @damping_stress.of(RayleighDamping)
-def _damping_stress(term, beta, bulk_modulus, rate, trace):  # type: ignore[no-untyped-def]
-    scale = beta * term.stiffness
+def _damping_stress(damping: RayleighDamping, beta: float, bulk_modulus: float, rate: Deviator, trace: float) -> tuple[float, float, float]:
+    scale = beta * damping.stiffness
     mean = bulk_modulus * trace - 0.5 * rate.zz
     return scale * (mean + rate.diff), scale * (mean - rate.diff), scale * rate.xy
 
@@ -69,4 +74,4 @@ def _damping(scene: Scene, lattice: Lattice, omega: float) -> Damping:
     return Damping(beta * omega, "stiffness damping", f"beta_R = {beta:.3g} s")
 
 
-TERM = Term("rayleigh_damping", "damping (Sec. 2.5)", lambda scene: scene.damping is not None, _make, _damping)
+TERM = Term("rayleigh_damping", "damping (Sec. 2.5)", lambda scene: scene.damping is not None, _make, damping=_damping)

@@ -13,7 +13,9 @@ artificial viscosity: Frontiere, Raskin and Owen (2017), Rosswog (2020).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import rows
@@ -24,6 +26,11 @@ from sph.solver.physics import artificial_viscosity
 from sph.solver.physics.gradient_correction import correct_gradient, corrected, inverse, invert, velocity_gradient
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.material import lightness, mean_impedance
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.physics.material import Layers
+    from sph.solver.state import State
 
 
 class ResidualViscosity(NamedTuple):
@@ -42,56 +49,69 @@ MIN_DETERMINANT = 0.1
 
 
 @slot
-def keep_distance(term, distance, k, r):  # type: ignore[no-untyped-def]
+def keep_distance(viscosity: ResidualViscosity | None, distance: np.ndarray, k: int, r: float) -> None:
     """Keep the distance of pair k, m."""
 
 
 @keep_distance.of(ResidualViscosity)
-def _keep_distance(term, distance, k, r):  # type: ignore[no-untyped-def]
+def _keep_distance(viscosity: ResidualViscosity, distance: np.ndarray, k: int, r: float) -> None:
     distance[k] = r
 
 
 @slot
-def keep_strain_rate(term, pairs, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def keep_strain_rate(
+    viscosity: ResidualViscosity | None,
+    pairs: Pairs,
+    density: np.ndarray,
+    gradient: np.ndarray,
+    strain_rate: np.ndarray,
+    first: int,
+    last: int,
+) -> None:
     """Strain rates of particles first to last into ``strain_rate`` (3, n): xx, yy and twice xy, 1/s."""
 
 
 @keep_strain_rate.of(ResidualViscosity)
-def _keep_strain_rate(term, pairs, density, gradient, strain_rate, first, last):  # type: ignore[no-untyped-def]
+def _keep_strain_rate(
+    viscosity: ResidualViscosity, pairs: Pairs, density: np.ndarray, gradient: np.ndarray, strain_rate: np.ndarray, first: int, last: int
+) -> None:
     for i in rows(first, last):
-        l_xx, l_xy, l_yx, l_yy = velocity_gradient(term, pairs, density, gradient, i)
+        l_xx, l_xy, l_yx, l_yy = velocity_gradient(viscosity, pairs, density, gradient, i)
         strain_rate[0, i] = l_xx
         strain_rate[1, i] = l_yy
         strain_rate[2, i] = l_xy + l_yx
 
 
 @slot
-def add_residual(term, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y):  # type: ignore[no-untyped-def]
-    """Add the viscosity of pair k, of particles i and j, to the sums of i."""
-    return sum_x, sum_y
+def residual_dissipation(
+    viscosity: ResidualViscosity | None, layers: Layers | None, state: State, pairs: Pairs, strain_rate: np.ndarray, i: int, j: int, k: int
+) -> float:
+    """What pair k, of particles i and j, adds to the sum for the viscosity of i, over its g."""
+    return 0.0
 
 
-@add_residual.of(ResidualViscosity)
-def _add_residual(term, layers, state, pairs, strain_rate, i, j, k, sum_x, sum_y):  # type: ignore[no-untyped-def]
+@residual_dissipation.of(ResidualViscosity)
+def _residual_dissipation(
+    viscosity: ResidualViscosity, layers: Layers | None, state: State, pairs: Pairs, strain_rate: np.ndarray, i: int, j: int, k: int
+) -> float:
     gx, gy = pairs.gx[k], pairs.gy[k]
     inverse_norm = pairs.inverse_norm[k]
     opening = (state.vx[j] - state.vx[i]) * gx + (state.vy[j] - state.vy[i]) * gy
     explained = (strain_rate[0, i] + strain_rate[0, j]) * gx * gx + (strain_rate[1, i] + strain_rate[1, j]) * gy * gy
     explained += (strain_rate[2, i] + strain_rate[2, j]) * gx * gy
     left = opening - 0.5 * pairs.distance[k] * inverse_norm * explained
-    strength = mean_impedance(layers, i, j, min(max(opening, left), 0.0) * inverse_norm)
-    return sum_x + strength * gx, sum_y + strength * gy
+    return mean_impedance(layers, i, j, min(max(opening, left), 0.0) * inverse_norm)
 
 
 @slot
-def keep_residual(term, layers, state, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
+def keep_residual(viscosity: ResidualViscosity | None, layers: Layers | None, state: State, i: int, sum_x: float, sum_y: float) -> None:
     """Keep the acceleration of the sums of particle i, m/s2."""
 
 
 @keep_residual.of(ResidualViscosity)
-def _keep_residual(term, layers, state, i, sum_x, sum_y):  # type: ignore[no-untyped-def]
-    state.viscous_x[i] = term.speed * sum_x * lightness(layers, i)
-    state.viscous_y[i] = term.speed * sum_y * lightness(layers, i)
+def _keep_residual(viscosity: ResidualViscosity, layers: Layers | None, state: State, i: int, sum_x: float, sum_y: float) -> None:
+    state.viscous_x[i] = viscosity.speed * sum_x * lightness(layers, i)
+    state.viscous_y[i] = viscosity.speed * sum_y * lightness(layers, i)
 
 
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ResidualViscosity:
@@ -103,5 +123,6 @@ TERM = Term(
     "numerics.artificial_viscosity.reconstruction: leaves linear motion alone",
     lambda scene: scene.numerics.artificial_viscosity is not None and scene.numerics.artificial_viscosity.reconstruction == "linear",
     _make,
-    artificial_viscosity.damping,
+    damping=artificial_viscosity.damping,
+    in_pairs=True,
 )

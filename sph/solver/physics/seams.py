@@ -26,7 +26,7 @@ does not dilate: Davis (1968), by whom an isotropic band with the same c and phi
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import scipy.spatial  # type: ignore[import-untyped]
@@ -40,6 +40,10 @@ from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.elasticity import Deviator, rotate
 from sph.solver.physics.kernels import Kernel, evaluate
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.state import State
 
 OPENING = 0.99
 """Part of the tension that a seam bears, c / tan(phi), at which it opens."""
@@ -94,34 +98,34 @@ class Seams(NamedTuple):
 
 
 @jit
-def _soil_row(term, i):  # type: ignore[no-untyped-def]
+def _soil_row(seams: Seams, i: int) -> int:
     """Row of particle i among those of soil at seams; -1 for one that is not there."""
-    k = term.row[i]
-    return k if k < term.soil_rows else -1
+    k = seams.row[i]
+    return k if k < seams.soil_rows else -1
 
 
 @slot
-def slide(term, state, i, p, s, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
+def slide(seams: Seams | None, state: State, i: int, p: float, s: Deviator, weight: float, shear_modulus: float, time: float) -> Deviator:
     """Deviator (Pa) of a state of particle i, with its weight, whose stress on the seam is at most the seam's strength."""
     return s
 
 
 @slide.of(Seams)
-def _slide(term, state, i, p, s, weight, shear_modulus, time):  # type: ignore[no-untyped-def]
-    k = _soil_row(term, i)
+def _slide(seams: Seams, state: State, i: int, p: float, s: Deviator, weight: float, shear_modulus: float, time: float) -> Deviator:
+    k = _soil_row(seams, i)
     if k < 0:
         return s
-    cosine, sine = term.cosine[k], term.sine[k]
+    cosine, sine = seams.cosine[k], seams.sine[k]
     in_plane = p + 0.5 * s.zz
     along, shear = s.diff * cosine + s.xy * sine, s.xy * cosine - s.diff * sine
     own = in_plane + along
     normal = state.seam_normal[i] if state.seam_normal[i] != 0.0 else own  # 0 before the first step only
-    lost = min(max((state.seam_slip[i] - term.slip_at_peak[k]) / term.span[k], 0.0), 1.0)
-    cohesion = term.cohesion[k, 0] - lost * term.cohesion[k, 1]
-    friction = term.friction[k, 0] - lost * term.friction[k, 1]
+    lost = min(max((state.seam_slip[i] - seams.slip_at_peak[k]) / seams.span[k], 0.0), 1.0)
+    cohesion = seams.cohesion[k, 0] - lost * seams.cohesion[k, 1]
+    friction = seams.friction[k, 0] - lost * seams.friction[k, 1]
     limit = max(cohesion + normal * friction, 0.0)
     held = min(max(shear, -limit), limit)
-    if time >= term.armed_from:
+    if time >= seams.armed_from:
         state.seam_strain[i] += weight * abs(shear - held) / shear_modulus
     turned = rotate(Deviator(along, held, s.zz), 0.5 * (held - shear) / shear_modulus)  # back by the spin of the slip
     along, held = turned.diff, min(max(turned.xy, -limit), limit)
@@ -131,99 +135,99 @@ def _slide(term, state, i, p, s, weight, shear_modulus, time):  # type: ignore[n
 
 
 @slot
-def keep_normal_stress(term, i, p, s):  # type: ignore[no-untyped-def]
+def keep_normal_stress(seams: Seams | None, i: int, p: float, s: Deviator) -> None:
     """Keep the effective normal stress of particle i on its seam."""
 
 
 @keep_normal_stress.of(Seams)
-def _keep_normal_stress(term, i, p, s):  # type: ignore[no-untyped-def]
-    k = _soil_row(term, i)
+def _keep_normal_stress(seams: Seams, i: int, p: float, s: Deviator) -> None:
+    k = _soil_row(seams, i)
     if k >= 0:
-        term.normal[k] = p + 0.5 * s.zz + s.diff * term.cosine[k] + s.xy * term.sine[k]
-        term.shear[k] = s.xy * term.cosine[k] - s.diff * term.sine[k]
+        seams.normal[k] = p + 0.5 * s.zz + s.diff * seams.cosine[k] + s.xy * seams.sine[k]
+        seams.shear[k] = s.xy * seams.cosine[k] - s.diff * seams.sine[k]
 
 
 @slot
-def without_slip(term, i, rate):  # type: ignore[no-untyped-def]
+def without_slip(seams: Seams | None, i: int, rate: Deviator) -> Deviator:
     """Rate of the deviator of particle i without that of shear along its seam."""
     return rate
 
 
 @without_slip.of(Seams)
-def _without_slip(term, i, rate):  # type: ignore[no-untyped-def]
-    k = _soil_row(term, i)
+def _without_slip(seams: Seams, i: int, rate: Deviator) -> Deviator:
+    k = _soil_row(seams, i)
     if k < 0:
         return rate
-    along = rate.diff * term.cosine[k] + rate.xy * term.sine[k]
-    return Deviator(along * term.cosine[k], along * term.sine[k], rate.zz)
+    along = rate.diff * seams.cosine[k] + rate.xy * seams.sine[k]
+    return Deviator(along * seams.cosine[k], along * seams.sine[k], rate.zz)
 
 
 @slot
-def average_seams(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def average_seams(seams: Seams | None, state: State, pairs: Pairs, first: int, last: int) -> None:
     """Slip and mean normal stress of the particles first to last that lie at seams."""
 
 
 @average_seams.of(Seams)
-def _average_seams(term, state, pairs, first, last):  # type: ignore[no-untyped-def]
+def _average_seams(seams: Seams, state: State, pairs: Pairs, first: int, last: int) -> None:
     for i in range(first, last):
-        k = term.row[i]
+        k = seams.row[i]
         if k >= 0:
             slip = normal = shear = grip = 0.0
-            for m in range(term.first[k], term.first[k + 1]):
-                j = term.near[m]
-                met = term.weight[m] * pairs.grip[term.particle[j]]
-                slip += term.to_slip[m] * state.seam_strain[term.particle[j]]
-                normal += met * term.normal[j]
-                shear += met * term.shear[j]
+            for m in range(seams.first[k], seams.first[k + 1]):
+                j = seams.near[m]
+                met = seams.weight[m] * pairs.grip[seams.particle[j]]
+                slip += seams.to_slip[m] * state.seam_strain[seams.particle[j]]
+                normal += met * seams.normal[j]
+                shear += met * seams.shear[j]
                 grip += met
-            state.seam_speed[i] = math.copysign((slip - state.seam_slip[i]) / term.dt, shear)
+            state.seam_speed[i] = math.copysign((slip - state.seam_slip[i]) / seams.dt, shear)
             state.seam_slip[i] = slip
             state.seam_normal[i] = normal / grip if grip > 0.0 else 0.0
 
 
 @slot
-def not_slip(term, state, i):  # type: ignore[no-untyped-def]
+def not_slip(seams: Seams | None, state: State, i: int) -> float:
     """Weight of particle i's mass-proportional damping: 1 if it does not slide on a seam, 0 if its velocity is slip by half or more."""
     return 1.0
 
 
 @not_slip.of(Seams)
-def _not_slip(term, state, i):  # type: ignore[no-untyped-def]
+def _not_slip(seams: Seams, state: State, i: int) -> float:
     vx, vy = state.vx[i], state.vy[i]
     slip = 0.0
-    for m in range(term.foot.shape[1]):
-        k = term.foot[i, m]
+    for m in range(seams.foot.shape[1]):
+        k = seams.foot[i, m]
         if k < 0:
             break
-        slip += state.seam_speed[term.particle[k]] * (vx * term.along[k, 0] + vy * term.along[k, 1])
+        slip += state.seam_speed[seams.particle[k]] * (vx * seams.along[k, 0] + vy * seams.along[k, 1])
     return 1.0 if slip <= 0.0 else max(1.0 - 2.0 * slip / (vx * vx + vy * vy), 0.0)
 
 
 @slot
-def across(term, i, j):  # type: ignore[no-untyped-def]
+def across(seams: Seams | None, i: int, j: int) -> bool:
     """Whether particles i and j lie on the two sides of a seam."""
     return False
 
 
 @across.of(Seams)
-def _across(term, i, j):  # type: ignore[no-untyped-def]
-    return term.side[i] != 0 and term.side[i] == -term.side[j]
+def _across(seams: Seams, i: int, j: int) -> bool:
+    return seams.side[i] != 0 and seams.side[i] == -seams.side[j]
 
 
 @slot
-def turn_gradients(term, pairs, i, begin, count):  # type: ignore[no-untyped-def]
+def turn_gradients(seams: Seams | None, pairs: Pairs, i: int, begin: int, count: int) -> None:
     """Turn the gradients of particle i's pairs across a seam, among the ``count`` from ``begin`` on, normal to it."""
 
 
 @turn_gradients.of(Seams)
-def _turn_gradients(term, pairs, i, begin, count):  # type: ignore[no-untyped-def]
-    if term.side[i] != 0:
+def _turn_gradients(seams: Seams, pairs: Pairs, i: int, begin: int, count: int) -> None:
+    if seams.side[i] != 0:
         grip = 0.0
         for k in range(begin, begin + count):
             j = pairs.neighbour[k]
-            if across(term, i, j):
-                a, b = term.row[i], term.row[j]
-                c, s = 0.5 * (term.cosine[a] + term.cosine[b]), 0.5 * (term.sine[a] + term.sine[b])  # the same for both directions
+            if across(seams, i, j):
+                a, b = seams.row[i], seams.row[j]
+                c, s = 0.5 * (seams.cosine[a] + seams.cosine[b]), 0.5 * (seams.sine[a] + seams.sine[b])  # the same for both directions
                 gx, gy = np.float64(pairs.gx[k]), np.float64(pairs.gy[k])
                 nx, ny = 0.5 * ((1.0 - c) * gx - s * gy), 0.5 * ((1.0 + c) * gy - s * gx)
                 pairs.gx[k] = nx
@@ -334,4 +338,4 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seam
     )
 
 
-TERM = Term("seams", "seams: weak planes in the soil", lambda scene: bool(scene.seams), _make)
+TERM = Term("seams", "seams: weak planes in the soil", lambda scene: bool(scene.seams), _make, in_pairs=True)

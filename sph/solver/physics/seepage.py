@@ -43,15 +43,19 @@ class Seepage(NamedTuple):
 
 
 @slot
-def with_seepage(term, x, y, mass, gravity, weight_x, weight_y):  # type: ignore[no-untyped-def]
+def with_seepage(
+    seepage: Seepage | None, x: float, y: float, mass: np.ndarray, gravity: float, weight_x: float, weight_y: float
+) -> tuple[float, float]:
     """Acceleration (m/s2) by weight and water of a particle of a mass (kg/m) at a place, under the present gravity (m/s2)."""
     return weight_x, weight_y
 
 
 @with_seepage.of(Seepage)
-def _with_seepage(term, x, y, mass, gravity, weight_x, weight_y):  # type: ignore[no-untyped-def]
-    u = term.push
-    across, up = (x - term.left) / term.spacing, (y - term.bottom) / term.spacing
+def _with_seepage(
+    seepage: Seepage, x: float, y: float, mass: np.ndarray, gravity: float, weight_x: float, weight_y: float
+) -> tuple[float, float]:
+    u = seepage.push
+    across, up = (x - seepage.left) / seepage.spacing, (y - seepage.bottom) / seepage.spacing
     k = min(max(int(across), 0), u.shape[0] - 2)
     m = min(max(int(up), 0), u.shape[1] - 2)
     right, above = min(max(across - k, 0.0), 1.0), min(max(up - m, 0.0), 1.0)

@@ -7,16 +7,23 @@ the cubic spline fades at short distance.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
-from sph.solver.compiled.jit import rows
+from sph.solver.compiled.jit import neighbours_of, rows
 from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.seams import across
 from sph.solver.physics.walls import wrap
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Pairs
+    from sph.solver.physics.seams import Seams
+    from sph.solver.state import State
 
 
 class ShortRangeRepulsion(NamedTuple):
@@ -29,7 +36,17 @@ class ShortRangeRepulsion(NamedTuple):
 
 
 @slot
-def add_repulsion(term, period, seams, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
+def add_repulsion(
+    repulsion: ShortRangeRepulsion | None,
+    period: Any,
+    seams: Seams | None,
+    state: State,
+    pairs: Pairs,
+    mass: np.ndarray,
+    n_moving: int,
+    first: int,
+    last: int,
+) -> float:
     """Add the repulsion's acceleration to particles first to last; returns the energy it stores in them, J/m.
 
     What moves shares a spring's energy with what moves, and has that with what stands still.
@@ -38,18 +55,28 @@ def add_repulsion(term, period, seams, state, pairs, mass, n_moving, first, last
 
 
 @add_repulsion.of(ShortRangeRepulsion)
-def _add_repulsion(term, period, seams, state, pairs, mass, n_moving, first, last):  # type: ignore[no-untyped-def]
+def _add_repulsion(
+    repulsion: ShortRangeRepulsion,
+    period: Any,
+    seams: Seams | None,
+    state: State,
+    pairs: Pairs,
+    mass: np.ndarray,
+    n_moving: int,
+    first: int,
+    last: int,
+) -> float:
     energy = 0.0
     for i in rows(first, last):
-        for k in range(pairs.start[i], pairs.close_end[i]):
+        for k in neighbours_of(pairs.start[i], pairs.close_end[i]):
             j = pairs.close[k]
             dx = wrap(period, state.x[i] - state.x[j])
             dy = state.y[i] - state.y[j]
             r = math.sqrt(dx * dx + dy * dy)
-            if 0.0 < r < term.range and not across(seams, i, j):
-                overlap = term.range - r
-                force = term.stiffness * overlap / r
-                energy += (0.25 if j < n_moving else 0.5) * term.stiffness * overlap * overlap
+            if 0.0 < r < repulsion.range and not across(seams, i, j):
+                overlap = repulsion.range - r
+                force = repulsion.stiffness * overlap / r
+                energy += (0.25 if j < n_moving else 0.5) * repulsion.stiffness * overlap * overlap
                 state.ax[i] += force * dx / mass[i]
                 state.ay[i] += force * dy / mass[i]
     return energy

@@ -24,7 +24,7 @@ softens: Bazant and Jirasek (2002); slip before the loss of strength: Palmer and
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -34,6 +34,10 @@ from sph.solver.compiled.slots import slot
 from sph.solver.optional import Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+
+if TYPE_CHECKING:
+    from sph.solver.physics.elasticity import Deviator
+    from sph.solver.state import State
 
 NONE, WALL = np.int32(-1), np.int32(-2)
 """Places of the grid without soil: free, or of a wall that holds the soil."""
@@ -58,57 +62,59 @@ class Slip(NamedTuple):
 
 
 @slot
-def gather_plastic_strain(term, state, i, factor, s, opening, shear_modulus):  # type: ignore[no-untyped-def]
+def gather_plastic_strain(
+    slip: Slip | None, state: State, i: int, factor: float, s: Deviator, opening: float, shear_modulus: float
+) -> None:
     """Gather the plastic strain of a step of particle i, from its trial deviator s, its return factor and its opening strain."""
 
 
 @gather_plastic_strain.of(Slip)
-def _gather_plastic_strain(term, state, i, factor, s, opening, shear_modulus):  # type: ignore[no-untyped-def]
+def _gather_plastic_strain(slip: Slip, state: State, i: int, factor: float, s: Deviator, opening: float, shear_modulus: float) -> None:
     slipped = state.plastic_strain[i] + (1.0 - factor) * math.sqrt(s.diff * s.diff + s.xy * s.xy) / shear_modulus
     carries = state.beta[i] > 0.0
     state.plastic_strain[i] = max(slipped, opening) if carries else state.plastic_strain[i]
-    term.at_yield[i] = carries and (factor < 1.0 or opening > 0.0)
+    slip.at_yield[i] = carries and (factor < 1.0 or opening > 0.0)
 
 
 @slot
-def average_plastic_strain(term, state, first, last):  # type: ignore[no-untyped-def]
+def average_plastic_strain(slip: Slip | None, state: State, first: int, last: int) -> None:
     """Average the plastic strain around those of soil particles first to last whose solid state has a weight and is at yield."""
 
 
 @average_plastic_strain.of(Slip)
-def _average_plastic_strain(term, state, first, last):  # type: ignore[no-untyped-def]
+def _average_plastic_strain(slip: Slip, state: State, first: int, last: int) -> None:
     for i in range(first, last):
-        if state.beta[i] > 0.0 and term.at_yield[i]:  # what is left of a step in which it had a weight says nothing
+        if state.beta[i] > 0.0 and slip.at_yield[i]:  # what is left of a step in which it had a weight says nothing
             total = weight = 0.0
-            for k in range(term.step.size):
-                j = term.grid[term.place[i] + term.step[k]]
+            for k in range(slip.step.size):
+                j = slip.grid[slip.place[i] + slip.step[k]]
                 if j >= 0:
-                    weight += term.weight[k]
-                    total += term.weight[k] * state.plastic_strain[j] if term.soil[j] == term.soil[i] else 0.0
+                    weight += slip.weight[k]
+                    total += slip.weight[k] * state.plastic_strain[j] if slip.soil[j] == slip.soil[i] else 0.0
                 elif j == WALL:
-                    weight += term.weight[k]
+                    weight += slip.weight[k]
             state.mean_plastic_strain[i] = total / weight
 
 
 @slot
-def mean_strain(term, state, i):  # type: ignore[no-untyped-def]
+def mean_strain(slip: Slip | None, state: State, i: int) -> float:
     """Mean plastic strain of particle i; 0 without the term."""
     return 0.0
 
 
 @mean_strain.of(Slip)
-def _mean_strain(term, state, i):  # type: ignore[no-untyped-def]
+def _mean_strain(slip: Slip, state: State, i: int) -> float:
     return state.mean_plastic_strain[i]
 
 
 @slot
-def has_slipped(term, state, i, peak_strain):  # type: ignore[no-untyped-def]
+def has_slipped(slip: Slip | None, state: State, i: int, peak_strain: float) -> bool:
     """Whether particle i, at yield, fails; without the term at once."""
     return True
 
 
 @has_slipped.of(Slip)
-def _has_slipped(term, state, i, peak_strain):  # type: ignore[no-untyped-def]
+def _has_slipped(slip: Slip, state: State, i: int, peak_strain: float) -> bool:
     return state.mean_plastic_strain[i] >= peak_strain
 
 

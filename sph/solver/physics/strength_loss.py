@@ -18,5 +18,6 @@ class StrengthLoss(NamedTuple):
 
 
 @slot
-def remaining_weight(law, beta, strain):  # type: ignore[no-untyped-def]
+def remaining_weight(law: Any, beta: float, strain: float) -> float:
     """Weight of the solid state of a failed particle after a step, from that before and its mean plastic strain."""
+    raise NotImplementedError

@@ -6,29 +6,38 @@ Physics knows walls as arguments of these functions, whose own bodies are the ca
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from sph.solver.compiled.slots import slot
+
+if TYPE_CHECKING:
+    from sph.solver.neighbours import Candidates, Pairs, Places
+    from sph.solver.physics.gradient_correction import Sums
+    from sph.solver.physics.sums import GradientSums
+    from sph.solver.state import State
+    from sph.solver.terms import Terms
 
 
 @slot
-def wrap(period, dx):  # type: ignore[no-untyped-def]
+def wrap(period: Any, dx: float) -> float:
     """Horizontal distance to the nearest image of a neighbour, m."""
     return dx
 
 
 @slot
-def in_wall(term, i):  # type: ignore[no-untyped-def]
+def in_wall(no_slip: Any, i: int) -> bool:
     """Whether particle i belongs to a no-slip wall."""
     return False
 
 
 @slot
-def paired(term, i, j):  # type: ignore[no-untyped-def]
+def paired(no_slip: Any, i: int, j: int) -> bool:
     """Whether particles i and j act on each other as a pair: those of a no-slip wall do not."""
     return True
 
 
 @slot
-def add_wall(term, terms, beside, pairs, candidates, places, i, sums):  # type: ignore[no-untyped-def]
+def add_wall(no_slip: Any, terms: Terms, beside: bool, pairs: Pairs, candidates: Candidates, places: Places, i: int, sums: Sums) -> Sums:
     """Sums over the pairs of particle i (``sph.solver.physics.gradient_correction.Sums``) with the part of no-slip walls, which is kept.
 
     ``beside`` says whether it has candidates in them.
@@ -37,12 +46,12 @@ def add_wall(term, terms, beside, pairs, candidates, places, i, sums):  # type: 
 
 
 @slot
-def add_wall_gradient(term, contact, state, pairs, i, vx, vy, l_xx, l_xy, l_yx, l_yy):  # type: ignore[no-untyped-def]
+def add_wall_gradient(no_slip: Any, contact: Any, state: State, pairs: Pairs, i: int, sums: GradientSums) -> GradientSums:
     """Sums of velocity differences times g of particle i with the part of no-slip walls."""
-    return l_xx, l_xy, l_yx, l_yy
+    return sums
 
 
 @slot
-def detached(term, pairs, i):  # type: ignore[no-untyped-def]
+def detached(contact: Any, pairs: Pairs, i: int) -> tuple[float, float]:
     """The part of the sum of g that particle i does not see in this step, because contact has let it go, kg/m4."""
     return 0.0, 0.0
