@@ -9,7 +9,7 @@ import xarray as xr
 
 from sph.solver.particles import Particles
 from sph.solver.run import Result
-from sph.solver.state import State
+from sph.solver.terms import State
 from sph.storage.trajectory import read, read_restart
 
 VARIANTS = {

@@ -16,7 +16,8 @@ import numpy as np
 
 from sph.scene.motion import NoMotion
 from sph.scene.schema import Scene
-from sph.solver.state import FAILED, State
+from sph.solver.state import FAILED
+from sph.solver.terms import State
 
 
 def quiet_from(scene: Scene) -> float:

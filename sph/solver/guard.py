@@ -17,7 +17,7 @@ import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.particles import Particles
-from sph.solver.state import State
+from sph.solver.terms import State
 from sph.storage.sources import words
 
 MAX_SPEED_RATIO = 1.0

@@ -25,7 +25,7 @@ from sph.scene.schema import Scene
 from sph.scene.soil import Soil
 from sph.solver.particles import Particles, overburden, peak_strength
 from sph.solver.physics.pore_pressure import pore_pressure
-from sph.solver.state import State
+from sph.solver.terms import State
 
 NO_LOADING = Loading(*(np.zeros(1) for _ in Loading._fields))
 """Loads of a step in which nothing moves."""

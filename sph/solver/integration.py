@@ -44,8 +44,7 @@ from sph.solver.terms import active_terms, add_forces
 if TYPE_CHECKING:
     from sph.solver.compiled.threads import Team
     from sph.solver.neighbours import Candidates, Pairs
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 by_reference(Loading)
 

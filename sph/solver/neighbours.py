@@ -15,6 +15,7 @@ loops, so that momentum and energy are conserved as before.
 from __future__ import annotations
 
 import math
+from collections import namedtuple
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -30,9 +31,7 @@ from sph.solver.physics.kernels import support, value_and_slope
 from sph.solver.physics.residual_viscosity import keep_distance
 from sph.solver.physics.seams import turn_gradients
 from sph.solver.physics.walls import add_wall, in_wall, paired, wrap
-
-if TYPE_CHECKING:
-    from sph.solver.terms import Terms
+from sph.solver.terms import TERMS, Terms
 
 SMALLEST_NORM = 1e-30
 """kg/m4: below this a gradient counts as zero, because one over its norm would exceed what single precision holds (3e38)."""
@@ -46,9 +45,8 @@ class Candidates(NamedTuple):
     neighbour: np.ndarray  # (m,) uint32
 
 
-@by_reference
-class Pairs(NamedTuple):
-    """Neighbours within the support, by rows start[i] to end[i], and their gradients."""
+class CorePairs(NamedTuple):
+    """Neighbours within the support, by rows start[i] to end[i], and their gradients.  What a term keeps says its file."""
 
     start: np.ndarray  # (n,) uint32
     end: np.ndarray  # (n,) uint32
@@ -61,15 +59,18 @@ class Pairs(NamedTuple):
     correction: np.ndarray  # (n, 3) xx, xy, yy of the inverse of sum_j g_ij (x_j - x_i) / rho_i
     close: np.ndarray  # (m,) uint32, rows start[i] to close_end[i]: neighbours that can come within the short range
     close_end: np.ndarray  # (n,) uint32
-    wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m4; without such walls empty
-    contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step; likewise
-    grip: np.ndarray  # (n,) sum of |g| across a seam, kg/m4: how much of its other side a particle meets; without seams empty
-    distance: np.ndarray  # (m,) m, for the viscosity with linear reconstruction; without it empty
-    stretch: np.ndarray  # (n, 4) half of the deformation gradient of intact particles, NaN for others; see
-    # sph.solver.physics.initial_arrangement, empty without that term as is the next
-    changing: np.ndarray  # (n,) uint8: has a neighbour that is not as at the start
-    alike_end: np.ndarray  # (n,) uint32, rows start[i] to alike_end[i]: pairs of soils that weigh the same; without interfaces empty
-    nearness: np.ndarray  # (m,) for artificial stress (W(r) / W(spacing)) to its exponent; without it empty
+
+
+if TYPE_CHECKING:
+
+    class Pairs(CorePairs):
+        """``CorePairs``, and the arrays that the optional terms keep."""
+
+        def __getattr__(self, name: str) -> Any: ...
+        def _replace(self, **changes: Any) -> Pairs: ...
+else:
+    _own = (name for term in TERMS if term.pairs for name in term.pairs.record._fields)
+    Pairs = by_reference(namedtuple("Pairs", (*CorePairs._fields, *_own)))
 
 
 def find_candidates(x: np.ndarray, y: np.ndarray, reach: float, period: Periodic | None) -> Candidates:
@@ -134,30 +135,28 @@ class Places(NamedTuple):
     density: np.ndarray  # (n,) kg/m3
 
 
-def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Any) -> Pairs:
-    """Room for the pairs of a candidate list ; gradients get the type of the number ``zero``."""
+def allocate_pairs(candidates: Candidates, zero: np.floating[Any], terms: Terms) -> Pairs:
+    """Room for the pairs of a candidate list; gradients get the type of the number ``zero``, what absent terms keep is empty."""
     n, size = candidates.start.size - 1, candidates.neighbour.size
-    return Pairs(
-        np.zeros(n, np.uint32),
-        np.zeros(n, np.uint32),
-        np.empty(size, np.uint32),
-        np.empty(size, zero.dtype),
-        np.empty(size, zero.dtype),
-        np.empty(size, zero.dtype),
-        np.empty(n),
-        np.empty(n),
-        np.empty((n, 3)),
-        np.empty(size, np.uint32),
-        np.zeros(n, np.uint32),
-        np.zeros((0 if terms.no_slip is None else n, 2)),
-        np.zeros((0 if terms.contact is None else n, 3)),
-        np.zeros(0 if terms.seams is None else n),
-        np.empty(0 if terms.residual_viscosity is None else size, zero.dtype),
-        np.zeros((0 if terms.initial_arrangement is None else n, 4)),
-        np.ones(0 if terms.initial_arrangement is None else n, np.uint8),
-        np.zeros(0 if terms.interface is None else n, np.uint32),
-        np.empty(0 if terms.artificial_stress is None else size, zero.dtype),
+    core = CorePairs(
+        start=np.zeros(n, np.uint32),
+        end=np.zeros(n, np.uint32),
+        neighbour=np.empty(size, np.uint32),
+        gx=np.empty(size, zero.dtype),
+        gy=np.empty(size, zero.dtype),
+        inverse_norm=np.empty(size, zero.dtype),
+        sum_x=np.empty(n),
+        sum_y=np.empty(n),
+        correction=np.empty((n, 3)),
+        close=np.empty(size, np.uint32),
+        close_end=np.zeros(n, np.uint32),
     )
+    own: list[np.ndarray] = []
+    for term in TERMS:
+        if term.pairs is not None:
+            held = getattr(terms, term.name) is not None
+            own += term.pairs.make(*((n, size) if held else (0, 0)), zero.dtype)
+    return Pairs(*core, *own)
 
 
 class Offsets(NamedTuple):

@@ -32,6 +32,18 @@ class Damping(NamedTuple):
     reason: str
 
 
+class Arrays(NamedTuple):
+    """Arrays that a term keeps, under their own names, in the state of a run or with the pairs."""
+
+    record: Any
+    """named tuple of them, which says what they are"""
+    make: Callable[..., Any]
+    """they themselves: of the state at the start, from the scene and its particles; of the pairs, from the numbers of particles and
+    pairs and the type of kernel gradients"""
+    dims: tuple[str, ...] = ("particle",)
+    """names of their dimensions in a restart, the last of these for arrays of fewer"""
+
+
 class Term(NamedTuple):
     """An optional term; its name is that of its field in ``Terms``, and stands in files and messages."""
 
@@ -42,6 +54,10 @@ class Term(NamedTuple):
     make: Callable[[Scene, Particles, Kernel, float], Any]
     """its coefficients for a scene that wants it, its particles, its kernel and a time step (s); all floats or arrays, so that one scene
     compiles one variant"""
+    state: Arrays | None = None
+    """what it keeps of the state: saved, copied, restarted with it; empty in a scene without the term"""
+    pairs: Arrays | None = None
+    """what it keeps with the pairs, likewise"""
     in_pairs: bool = False
     """whether the lists of neighbours depend on it"""
     damping: Callable[[Scene, Lattice, float], Damping] | None = None

@@ -15,7 +15,7 @@ from sph.solver.compiled.threads import own_rows, wait
 from sph.solver.moves import largest_move
 from sph.solver.neighbours import Candidates, Pairs, Places, allocate_pairs, find_candidates, update_pairs
 from sph.solver.physics.initial_arrangement import largest_changes, note_intact, place_of_pairs, start_pairs
-from sph.solver.state import State
+from sph.solver.terms import State
 
 if TYPE_CHECKING:
     from sph.solver.compiled.threads import Team

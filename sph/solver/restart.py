@@ -18,6 +18,7 @@ from sph.scene.schema import Scene
 from sph.solver.early_stop import quiet_from
 from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED
+from sph.solver.terms import restart_dims
 from sph.storage import trajectory
 
 BRANCH_KEYS = (
@@ -32,22 +33,14 @@ BRANCH_KEYS = (
     "layers.*.slip_at_residual",
 )
 """Keys without effect before the first failure; * stands for a name."""
-RESTART_DIMS = {
-    "work": ("row",),
-    "reaction_x": ("moving_boundary",),
-    "reaction_y": ("moving_boundary",),
-    "free_field": ("direction", "quantity", "node"),
-    "stretch": ("component", "particle"),
-    "stretch_pairs": ("component", "particle"),
-}
-"""Dimensions of the state's arrays in a restart; the others go over the particles."""
 FREE_KEYS = ("name", "title", "duration")
 """Keys that a restarted run may change at any time."""
 
 
 def restart_of(simulation: Simulation) -> xr.Dataset:
     """What a run needs in order to go on from here."""
-    restart = xr.Dataset({name: (RESTART_DIMS.get(name, ("particle",)), a) for name, a in _kept(simulation).items()})
+    dims = {"work": ("row",)} | restart_dims()
+    restart = xr.Dataset({name: (dims.get(name, ("particle",))[-a.ndim :], a) for name, a in _kept(simulation).items()})
     restart.attrs |= {"step": simulation.step, "substeps": simulation.substeps}
     return restart
 

@@ -20,8 +20,8 @@ from sph.solver.physics.coupling import cauchy_stress, elastic_energy
 from sph.solver.physics.interface import once_lost
 from sph.solver.physics.prescribed_motion import stopped
 from sph.solver.renewal import make_lists, renew_candidates
-from sph.solver.state import FAILURES, INTERNAL, State
-from sph.solver.terms import Terms, make_terms, of_pairs, only, wanted_terms
+from sph.solver.state import FAILURES, INTERNAL
+from sph.solver.terms import State, Terms, make_terms, of_pairs, only, wanted_terms
 from sph.solver.time_step import PresentLimit, check_time_step, mode_of, stiffest_frequency
 
 FIRST_POWER_ITERATIONS, POWER_ITERATIONS = 60, 6

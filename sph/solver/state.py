@@ -1,12 +1,10 @@
-"""The state of a run: everything that changes, so that saving it saves the run."""
+"""The state of a run: everything that changes, so that saving it saves the run (``sph.solver.terms.State``)."""
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
 import numpy as np
-
-from sph.solver.compiled.records import by_reference
 
 UNARMED, ARMED, FAILED, HELD, YIELDED = range(5)
 """Phases of a particle: the failure criterion does not count yet, counts, was met; it will count once the particle has come off the
@@ -21,9 +19,8 @@ FAILURES = REPULSION + 1
 """Column of ``Team.sums`` after those of the works: particles that failed in the step."""
 
 
-@by_reference
-class State(NamedTuple):
-    """Arrays over all n particles unless said otherwise; SI units."""
+class Core(NamedTuple):
+    """What every run has; arrays over all n particles unless said otherwise, SI units.  What a term keeps says its file."""
 
     x: np.ndarray
     y: np.ndarray
@@ -47,29 +44,11 @@ class State(NamedTuple):
     syx: np.ndarray
     viscous_x: np.ndarray  # acceleration by artificial viscosity, artificial stress and other forces that dissipate
     viscous_y: np.ndarray
-    tension_xx: np.ndarray  # artificial stress over density squared
-    tension_yy: np.ndarray
-    tension_xy: np.ndarray
-    friction_x: np.ndarray  # largest acceleration that friction on base and top can give, m/s2
-    friction_y: np.ndarray  # that of the side walls
-    plastic_strain: np.ndarray  # gathered by the solid state at yield, see sph.solver.physics.slip; without that term empty
-    mean_plastic_strain: np.ndarray  # its average around the particle
-    seam_strain: np.ndarray  # plastic shear along a seam since the gravity stage, see sph.solver.physics.seams; without seams empty
-    seam_slip: np.ndarray  # displacement across the seam, m
-    seam_normal: np.ndarray  # mean normal stress on it, Pa
-    seam_speed: np.ndarray  # velocity of the soil above it over that below by the slip of the step, to the right, m/s
     x_pairs: np.ndarray  # positions at which the pairs were made
     y_pairs: np.ndarray
     density_pairs: np.ndarray  # and densities
-    intact: np.ndarray  # uint8: not failed when the pairs were made, and not of a wall on which soil slides; for this and the next two see
-    # sph.solver.physics.initial_arrangement, empty without that term
-    stretch: np.ndarray  # (4, n) deformation gradient less the identity: xx, xy, yx, yy
-    stretch_pairs: np.ndarray  # (4, n) that when the pairs were made
     x_candidates: np.ndarray  # positions at which the candidates were made
     y_candidates: np.ndarray
     mode_x: np.ndarray  # shape of the stiffest mode, see sph.solver.time_step
     mode_y: np.ndarray
-    reaction_x: np.ndarray  # (boundary that moves,) acceleration that fixing balanced, m/s2; NaN in the gravity stage
-    reaction_y: np.ndarray
-    free_field: np.ndarray  # (2, 5, nodes) see sph.solver.boundaries.free_field
     work: np.ndarray  # (7,)

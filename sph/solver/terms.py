@@ -43,10 +43,10 @@ from sph.solver.physics.artificial_stress import add_artificial_stress
 from sph.solver.physics.kernels import KERNELS, Kernel, central_value, kernel_of
 from sph.solver.physics.material import FLUID_LAWS, STRENGTH_LOSSES, Material, loss_of, make_material
 from sph.solver.physics.short_range_repulsion import add_repulsion
+from sph.solver.state import Core
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
-    from sph.solver.state import State
 
 TERMS: tuple[Term, ...] = (
     rayleigh_damping.TERM,
@@ -109,6 +109,34 @@ if TYPE_CHECKING:
         def _replace(self, **changes: Any) -> Terms: ...
 else:
     Terms = by_reference(namedtuple("Terms", (*Always._fields, *(term.name for term in TERMS))))
+
+
+if TYPE_CHECKING:
+
+    class State(Core):
+        """``Core``, and the arrays that the optional terms keep."""
+
+        def __getattr__(self, name: str) -> Any: ...
+        def _replace(self, **changes: Any) -> State: ...
+else:
+    State = by_reference(
+        namedtuple("State", (*Core._fields, *(name for term in TERMS if term.state for name in term.state.record._fields)))
+    )
+
+
+def own_state(scene: Scene, particles: Particles) -> dict[str, np.ndarray]:
+    """The arrays of the state that terms keep, by name, at the start; those of terms that the scene does not want are empty."""
+    found: dict[str, np.ndarray] = {}
+    for term in TERMS:
+        if term.state is not None:
+            arrays, wanted = term.state.make(scene, particles)._asdict(), term.wanted(scene)
+            found |= {name: array if wanted else array[..., :0].copy() for name, array in arrays.items()}
+    return found
+
+
+def restart_dims() -> dict[str, tuple[str, ...]]:
+    """Names of the dimensions of what terms keep in the state, by the names of the arrays."""
+    return {name: term.state.dims for term in TERMS if term.state is not None for name in term.state.record._fields}
 
 
 def make_terms(scene: Scene, particles: Particles, substeps: int = 1) -> Terms:

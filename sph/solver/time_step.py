@@ -34,8 +34,7 @@ from sph.solver.physics.gradient_correction import store_stress, velocity_gradie
 from sph.solver.physics.kernels import Lattice, lattice_of
 from sph.solver.physics.material import FLUID_LAWS, material_of
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
-from sph.solver.state import State
-from sph.solver.terms import TERMS
+from sph.solver.terms import TERMS, State
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs

@@ -31,7 +31,7 @@ from sph.solver.physics.short_range_repulsion import add_repulsion
 from sph.solver.renewal import make_lists
 from sph.solver.run import Progress, Run
 from sph.solver.simulation import Simulation
-from sph.solver.state import State
+from sph.solver.terms import State
 
 LOOPS = ("velocity_gradients", "stress_accelerations")
 PARTS = (*LOOPS, "update_stress", "kick_soil", "add_repulsion", "update_pairs")

@@ -14,8 +14,8 @@ from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, cauchy_stress, update_stress
 from sph.solver.renewal import make_lists
-from sph.solver.state import ARMED, FAILED, HELD, YIELDED, State
-from sph.solver.terms import make_terms
+from sph.solver.state import ARMED, FAILED, HELD, YIELDED
+from sph.solver.terms import State, make_terms
 
 DT = 1e-3
 NOT_SOFTENING = {"coupling.gamma": 0.0, "coupling.solid_after_failure": "elastic_plastic"}

@@ -11,7 +11,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.solver.particles import place_particles
 from sph.solver.physics.kernels import evaluate, make_kernel
 from sph.solver.simulation import Simulation
-from sph.solver.state import State
+from sph.solver.terms import State
 
 PULSE_WIDTH = 7.0
 """Standard deviation of the Gaussian, m."""

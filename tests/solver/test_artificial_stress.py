@@ -17,8 +17,7 @@ from sph.solver.particles import place_particles
 from sph.solver.physics.artificial_stress import add_artificial_stress, set_artificial_stress
 from sph.solver.physics.kernels import evaluate
 from sph.solver.renewal import make_lists
-from sph.solver.state import State
-from sph.solver.terms import make_terms
+from sph.solver.terms import State, make_terms
 
 BASE: dict[str, Any] = {
     "scheme": "paper",

@@ -12,8 +12,8 @@ from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
 from sph.solver.physics.coupling import CHUNK, update_stress
 from sph.solver.renewal import make_lists
-from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED, State
-from sph.solver.terms import make_terms
+from sph.solver.state import ARMED, FAILED, HELD, UNARMED, YIELDED
+from sph.solver.terms import State, make_terms
 
 TIME = 0.5
 """s, after the gravity stage."""

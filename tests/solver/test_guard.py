@@ -12,7 +12,7 @@ from sph.scene.schema import Scene
 from sph.solver.guard import PARTS, Fault, Trouble, likely_cause, trouble
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import locate_probes, place_particles
-from sph.solver.state import State
+from sph.solver.terms import State
 
 BOXED = {"walls.base": "fixed", "walls.sides": "fixed", "walls.layers": 2}
 AT_REST = {name: [0.0, 0.0, 0.0] for name in (*PARTS, "shaking_work")}

@@ -15,7 +15,7 @@ from sph.solver.particles import place_particles
 from sph.solver.physics.artificial_viscosity import ArtificialViscosity
 from sph.solver.physics.kernels import make_kernel
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
-from sph.solver.state import State
+from sph.solver.terms import State
 
 MASS, H = 2.0, 1.0
 SLOPE = 10.0 / (28.0 * math.pi) * (12.0 * 0.5**2 - 3.0 * 1.5**2) / 0.5

@@ -14,8 +14,7 @@ from sph.solver.particles import place_particles
 from sph.solver.physics.momentum import stress_accelerations, velocity_gradients
 from sph.solver.physics.residual_viscosity import keep_strain_rate
 from sph.solver.renewal import make_lists
-from sph.solver.state import State
-from sph.solver.terms import make_terms, only
+from sph.solver.terms import State, make_terms, only
 
 BLOCK = {
     "scheme": "paper",

@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 from sph.scene.schema import Scene
-from sph.solver.state import State
+from sph.solver.terms import State
 from sph.storage import trajectory
 from sph.study.tables import read_study
 

@@ -12,20 +12,20 @@ no energy, but for the power of the one step in which it lets go.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.walls import detached
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class Contact(NamedTuple):
@@ -87,10 +87,21 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Cont
     return Contact(particles.first_contact, 1e3 * scene.walls.tension / scene.soil.density**2)
 
 
+class ContactPairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    contact: np.ndarray  # (n, 3) the part of that of contact walls, and which share of it is let go in a step
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> ContactPairs:
+    return ContactPairs(np.zeros((n, 3)))
+
+
 TERM = Term(
     "contact",
     "walls.base, walls.sides, walls.top: contact",
     lambda scene: any(kind.unilateral for kind in scene.walls.kinds),
     _make,
     in_pairs=True,
+    pairs=Arrays(ContactPairs, _room),
 )

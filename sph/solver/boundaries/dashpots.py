@@ -58,7 +58,7 @@ from sph.solver.boundaries.free_field import (
 from sph.solver.compiled.jit import jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import BASE, Particles
 from sph.solver.physics.kernels import Kernel
 from sph.solver.physics.rayleigh_damping import mass_damping
@@ -66,8 +66,7 @@ from sph.solver.physics.seepage import with_seepage
 
 if TYPE_CHECKING:
     from sph.solver.integration import Loads
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 
 @by_reference
@@ -203,4 +202,22 @@ def _kick_boundary(
     return shaking * dt, held * dt, viscous * dt, taken * dt
 
 
-TERM = Term("absorbing_walls", "walls.base, walls.sides", lambda scene: any(kind.absorbs for kind in scene.walls.kinds), make_absorbing)
+class Reactions(NamedTuple):
+    """What the term keeps of the state."""
+
+    reaction_x: np.ndarray  # (boundary that moves,) acceleration that fixing balanced, m/s2; NaN in the gravity stage
+    reaction_y: np.ndarray  # likewise
+
+
+def _start(scene: Scene, particles: Particles) -> Reactions:
+    nothing = np.full(particles.first_fixed - particles.n_soil, np.nan)
+    return Reactions(nothing, nothing.copy())
+
+
+TERM = Term(
+    "absorbing_walls",
+    "walls.base, walls.sides",
+    lambda scene: any(kind.absorbs for kind in scene.walls.kinds),
+    make_absorbing,
+    state=Arrays(Reactions, _start, ("moving_boundary",)),
+)

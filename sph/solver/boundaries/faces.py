@@ -24,7 +24,7 @@ from sph.solver.physics.kernels import Kernel
 
 if TYPE_CHECKING:
     from sph.solver.boundaries.friction import WallFriction
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 STIFFNESS = 0.2
 """Stiffness of a face's push over the soil's constrained modulus: it adds a fortieth to the square of the stiffest mode's frequency."""

@@ -27,7 +27,7 @@ from sph.solver.compiled.jit import compile_lock, jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import wait
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, layer_index
 from sph.solver.physics.artificial_viscosity import TERM as ARTIFICIAL_VISCOSITY
 from sph.solver.physics.kernels import Kernel, evaluate
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from sph.solver.compiled.threads import Team
     from sph.solver.integration import Loads
     from sph.solver.physics.rayleigh_damping import RayleighDamping
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 VELOCITY, MEAN_VELOCITY, ELASTIC_STRESS, STRESS, ACCELERATION = range(5)
 """Second index of ``State.free_field``, after the direction of motion (0: x, 1: y): velocity (m/s) half a step behind, its mean over the
@@ -294,4 +294,20 @@ def _free_field_beside(ground: FreeField, state: State, node: int) -> tuple[floa
     )
 
 
-TERM = Term("free_field", "walls.sides", lambda scene: scene.walls.kinds.sides.absorbs, make_free_field)
+class FreeFieldState(NamedTuple):
+    """What the term keeps of the state."""
+
+    free_field: np.ndarray  # (2, 5, nodes) by direction of motion and ``VELOCITY`` to ``ACCELERATION``
+
+
+def _start(scene: Scene, particles: Particles) -> FreeFieldState:
+    return FreeFieldState(np.zeros((2, 5, sum(free_field_nodes(scene, particles)))))
+
+
+TERM = Term(
+    "free_field",
+    "walls.sides",
+    lambda scene: scene.walls.kinds.sides.absorbs,
+    make_free_field,
+    state=Arrays(FreeFieldState, _start, ("direction", "quantity", "node")),
+)

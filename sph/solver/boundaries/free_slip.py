@@ -25,8 +25,7 @@ from sph.solver.physics.kernels import Kernel
 if TYPE_CHECKING:
     from sph.solver.compiled.threads import Team
     from sph.solver.neighbours import Pairs
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 
 class FreeSlip(NamedTuple):

@@ -21,7 +21,7 @@ import numpy as np
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import jit, neighbours_of
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.gradient_correction import transposed_shear
 from sph.solver.physics.kernels import Kernel
@@ -29,8 +29,7 @@ from sph.solver.physics.material import lightness
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 
 class WallFriction(NamedTuple):
@@ -122,6 +121,18 @@ def _set_friction(friction: WallFriction, terms: Terms, state: State, pairs: Pai
     return taken
 
 
+class FrictionState(NamedTuple):
+    """What the term keeps of the state."""
+
+    friction_x: np.ndarray  # (n,) largest acceleration that friction on base and top can give, m/s2
+    friction_y: np.ndarray  # (n,) that of the side walls
+
+
+def _start(scene: Scene, particles: Particles) -> FrictionState:
+    n = particles.x.size
+    return FrictionState(np.zeros(n), np.zeros(n))
+
+
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> WallFriction:
     wanted, unit = scene.walls.friction, 1e3 / scene.soil.density**2
     assert wanted is not None
@@ -129,4 +140,4 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Wall
     return WallFriction(first, first_side, wanted.base, wanted.sides, unit * wanted.base_cohesion, unit * wanted.sides_cohesion)
 
 
-TERM = Term("wall_friction", "walls.friction", lambda scene: scene.walls.friction is not None, _make)
+TERM = Term("wall_friction", "walls.friction", lambda scene: scene.walls.friction is not None, _make, state=Arrays(FrictionState, _start))

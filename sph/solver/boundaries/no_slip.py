@@ -15,12 +15,14 @@ gradient is exact for such a field.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.boundaries.contact import contact_part, detach, keep_contact
 from sph.solver.compiled.jit import jit, rows
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.gradient_correction import Sums
 from sph.solver.physics.initial_arrangement import is_intact, offset
@@ -31,8 +33,7 @@ from sph.solver.physics.walls import add_wall, add_wall_gradient, in_wall, paire
 if TYPE_CHECKING:
     from sph.solver.boundaries.contact import Contact
     from sph.solver.neighbours import Candidates, Pairs, Places
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 
 class NoSlip(NamedTuple):
@@ -124,6 +125,21 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> NoSl
     )
 
 
+class NoSlipPairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    wall: np.ndarray  # (n, 2) twice the sum of g over no-slip walls, kg/m4
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> NoSlipPairs:
+    return NoSlipPairs(np.zeros((n, 2)))
+
+
 TERM = Term(
-    "no_slip", "walls.base, walls.sides, walls.top", lambda scene: any(kind.reflects for kind in scene.walls.kinds), _make, in_pairs=True
+    "no_slip",
+    "walls.base, walls.sides, walls.top",
+    lambda scene: any(kind.reflects for kind in scene.walls.kinds),
+    _make,
+    in_pairs=True,
+    pairs=Arrays(NoSlipPairs, _room),
 )

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import compile_lock, neighbours_of, rows
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel, evaluate
 from sph.solver.physics.material import lightness
@@ -18,7 +18,7 @@ from sph.solver.physics.material import lightness
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.material import Layers
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class ArtificialStress(NamedTuple):
@@ -85,6 +85,19 @@ def _add_artificial_stress(tension: ArtificialStress, layers: Layers | None, sta
         state.ay[i] += ay
 
 
+class ArtificialStressState(NamedTuple):
+    """What the term keeps of the state."""
+
+    tension_xx: np.ndarray  # (n,) artificial stress over density squared
+    tension_yy: np.ndarray  # (n,)
+    tension_xy: np.ndarray  # (n,)
+
+
+def _start(scene: Scene, particles: Particles) -> ArtificialStressState:
+    n = particles.x.size
+    return ArtificialStressState(np.zeros(n), np.zeros(n), np.zeros(n))
+
+
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> ArtificialStress:
     tension = scene.numerics.artificial_stress
     assert tension is not None
@@ -93,10 +106,22 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Arti
     return ArtificialStress(tension.factor, tension.exponent, 1.0 / value)
 
 
+class ArtificialStressPairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    nearness: np.ndarray  # (m,) (W(r) / W(spacing)) to its exponent
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> ArtificialStressPairs:
+    return ArtificialStressPairs(np.empty(size, dtype))
+
+
 TERM = Term(
     "artificial_stress",
     "numerics.artificial_stress: prevents numerical fracture",
     lambda scene: scene.numerics.artificial_stress is not None,
     _make,
     in_pairs=True,
+    state=Arrays(ArtificialStressState, _start),
+    pairs=Arrays(ArtificialStressPairs, _room),
 )

@@ -43,8 +43,7 @@ if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.material import Material
     from sph.solver.physics.mohr_coulomb import MohrCoulomb
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 BETA_ZERO = 1e-16
 """Below this weight the solid state no longer shows in the sum and is dropped."""

@@ -27,7 +27,7 @@ from sph.solver.physics.yield_surface import shear_demand, strength
 if TYPE_CHECKING:
     from sph.solver.physics.elasticity import Deviator
     from sph.solver.physics.material import Material
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class Dilation(NamedTuple):

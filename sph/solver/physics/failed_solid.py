@@ -18,7 +18,7 @@ from sph.solver.physics.kernels import Kernel
 from sph.solver.state import FAILED
 
 if TYPE_CHECKING:
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class ElasticAfterFailure(NamedTuple):

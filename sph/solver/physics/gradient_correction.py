@@ -19,7 +19,7 @@ from sph.solver.physics.kernels import Kernel
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.residual_viscosity import ResidualViscosity
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class GradientCorrection(NamedTuple):

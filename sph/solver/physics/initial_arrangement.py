@@ -35,15 +35,16 @@ from sph.scene.schema import Scene
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.moves import largest_move
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
+from sph.solver.physics.seams import seam_sides
 from sph.solver.physics.walls import wrap
 from sph.solver.state import FAILED
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs, Places
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 FAR_OFF = 0.2
 """Distance between where a neighbour lies and where the deformation puts it, over its distance at the start, from which on it counts as it
@@ -81,7 +82,7 @@ def is_intact(arrangement: InitialArrangement | None, pairs: Pairs, i: int) -> b
 
 @is_intact.of(InitialArrangement)
 def _is_intact(arrangement: InitialArrangement, pairs: Pairs, i: int) -> bool:
-    return pairs.stretch[i, 0] == pairs.stretch[i, 0]
+    return pairs.half_gradient[i, 0] == pairs.half_gradient[i, 0]
 
 
 @slot
@@ -103,7 +104,7 @@ def _offset(
     if not intact:
         return dx, dy, False
     first_x, first_y = wrap(period, arrangement.x[i] - arrangement.x[j]), arrangement.y[i] - arrangement.y[j]
-    f = pairs.stretch
+    f = pairs.half_gradient
     new_x = (f[i, 0] + f[j, 0]) * first_x + (f[i, 1] + f[j, 1]) * first_y
     new_y = (f[i, 2] + f[j, 2]) * first_x + (f[i, 3] + f[j, 3]) * first_y
     first_square, off_square = first_x * first_x + first_y * first_y, (new_x - dx) ** 2 + (new_y - dy) ** 2
@@ -133,7 +134,7 @@ def _start_pairs(arrangement: InitialArrangement, state: State, pairs: Pairs, fi
     for i in range(first, last):
         half = 0.5 if state.intact[i] else math.nan
         for k in range(4):
-            pairs.stretch[i, k] = half * (state.stretch_pairs[k, i] + (1.0 if k == 0 or k == 3 else 0.0))
+            pairs.half_gradient[i, k] = half * (state.stretch_pairs[k, i] + (1.0 if k == 0 or k == 3 else 0.0))
 
 
 @slot
@@ -205,6 +206,27 @@ def _largest_changes(arrangement: InitialArrangement, state: State, pairs: Pairs
     return seen + 0.0 * total, far + 0.0 * total
 
 
+def _intact(scene: Scene, particles: Particles) -> np.ndarray:
+    """Particles (n,) whose pairs are those of the start: soil away from seams, and walls but those of contact, which soil may leave."""
+    number = np.arange(particles.x.size)
+    keeps = (number < particles.first_contact) | (number >= particles.first_slip)
+    solid = scene.coupling.initial_state == "solid"
+    return (solid & keeps & (seam_sides(scene, particles)[0] == 0)).astype(np.uint8)
+
+
+class Arrangement(NamedTuple):
+    """What the term keeps of the state."""
+
+    intact: np.ndarray  # (n,) uint8: not failed when the pairs were made, and not of a wall on which soil slides
+    stretch: np.ndarray  # (4, n) deformation gradient less the identity: xx, xy, yx, yy
+    stretch_pairs: np.ndarray  # (4, n) that when the pairs were made
+
+
+def _start(scene: Scene, particles: Particles) -> Arrangement:
+    n = particles.x.size
+    return Arrangement(_intact(scene, particles), np.zeros((4, n)), np.zeros((4, n)))
+
+
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> InitialArrangement:
     return InitialArrangement(
         particles.x.copy(),
@@ -216,4 +238,23 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Init
     )
 
 
-TERM = Term("initial_arrangement", "numerics.reference: initial", lambda scene: scene.numerics.reference == "initial", _make, in_pairs=True)
+class ArrangementPairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    half_gradient: np.ndarray  # (n, 4) half of the deformation gradient of intact particles, NaN for others
+    changing: np.ndarray  # (n,) uint8: has a neighbour that is not as at the start
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> ArrangementPairs:
+    return ArrangementPairs(np.zeros((n, 4)), np.ones(n, np.uint8))
+
+
+TERM = Term(
+    "initial_arrangement",
+    "numerics.reference: initial",
+    lambda scene: scene.numerics.reference == "initial",
+    _make,
+    in_pairs=True,
+    state=Arrays(Arrangement, _start, ("component", "particle")),
+    pairs=Arrays(ArrangementPairs, _room),
+)

@@ -36,7 +36,7 @@ which took a tenth of the acceleration of a sliding layer.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -45,7 +45,7 @@ from sph.solver.compiled.jit import jit, neighbours_of
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
 from sph.solver.compiled.threads import wait
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles, overburden
 from sph.solver.physics.artificial_viscosity import dissipation
 from sph.solver.physics.elasticity import pressure
@@ -60,8 +60,7 @@ if TYPE_CHECKING:
     from sph.solver.compiled.threads import Team
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.seams import Seams
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 NO_SOIL = np.uint8(255)
 """Number of what has no interface: walls."""
@@ -263,10 +262,21 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Inte
     return Interface(number, cohesion, sine, vertical, np.zeros(n), np.zeros(n))
 
 
+class InterfacePairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    alike_end: np.ndarray  # (n,) uint32, rows start[i] to alike_end[i]: pairs of soils that weigh the same
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> InterfacePairs:
+    return InterfacePairs(np.zeros(n, np.uint32))
+
+
 TERM = Term(
     "interface",
     "numerics.interfaces: weaker; soils of unlike strength",
     lambda scene: scene.numerics.interfaces == "weaker" and len(set(soil_numbers(scene))) > 1,
     _make,
     in_pairs=True,
+    pairs=Arrays(InterfacePairs, _room),
 )

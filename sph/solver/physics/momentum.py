@@ -27,8 +27,7 @@ from sph.solver.physics.walls import add_wall_gradient, detached
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 
 @jit

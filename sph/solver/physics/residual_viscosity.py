@@ -13,14 +13,14 @@ artificial viscosity: Frontiere, Raskin and Owen (2017), Rosswog (2020).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import rows
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics import artificial_viscosity
 from sph.solver.physics.gradient_correction import correct_gradient, corrected, inverse, invert, velocity_gradient
@@ -30,7 +30,7 @@ from sph.solver.physics.material import lightness, mean_impedance
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.material import Layers
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class ResidualViscosity(NamedTuple):
@@ -118,6 +118,16 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Resi
     return ResidualViscosity(artificial_viscosity.coefficient(scene), MIN_DETERMINANT)
 
 
+class ResidualPairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    distance: np.ndarray  # (m,) m
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> ResidualPairs:
+    return ResidualPairs(np.empty(size, dtype))
+
+
 TERM = Term(
     "residual_viscosity",
     "numerics.artificial_viscosity.reconstruction: leaves linear motion alone",
@@ -125,4 +135,5 @@ TERM = Term(
     _make,
     damping=artificial_viscosity.damping,
     in_pairs=True,
+    pairs=Arrays(ResidualPairs, _room),
 )

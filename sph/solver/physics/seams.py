@@ -26,7 +26,7 @@ does not dilate: Davis (1968), by whom an isotropic band with the same c and phi
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import scipy.spatial  # type: ignore[import-untyped]
@@ -36,14 +36,14 @@ from sph.scene.schema import Scene
 from sph.solver.compiled.jit import compile_lock, jit
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.elasticity import Deviator, rotate
 from sph.solver.physics.kernels import Kernel, evaluate
 
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 OPENING = 0.99
 """Part of the tension that a seam bears, c / tan(phi), at which it opens."""
@@ -287,6 +287,20 @@ def seam_sides(scene: Scene, particles: Particles) -> tuple[np.ndarray, np.ndarr
     return side, distance, angle
 
 
+class SeamState(NamedTuple):
+    """What the term keeps of the state."""
+
+    seam_strain: np.ndarray  # (n,) plastic shear along a seam since the gravity stage
+    seam_slip: np.ndarray  # (n,) displacement across the seam, m
+    seam_normal: np.ndarray  # (n,) mean normal stress on it, Pa
+    seam_speed: np.ndarray  # (n,) velocity of the soil above it over that below by the slip of the step, to the right, m/s
+
+
+def _start(scene: Scene, particles: Particles) -> SeamState:
+    n = particles.x.size
+    return SeamState(np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n))
+
+
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seams:
     side, distance, angle = seam_sides(scene, particles)
     found = np.flatnonzero(side)
@@ -338,4 +352,22 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Seam
     )
 
 
-TERM = Term("seams", "seams: weak planes in the soil", lambda scene: bool(scene.seams), _make, in_pairs=True)
+class SeamPairs(NamedTuple):
+    """What the term keeps with the pairs."""
+
+    grip: np.ndarray  # (n,) sum of |g| across a seam, kg/m4: how much of its other side a particle meets
+
+
+def _room(n: int, size: int, dtype: np.dtype[Any]) -> SeamPairs:
+    return SeamPairs(np.zeros(n))
+
+
+TERM = Term(
+    "seams",
+    "seams: weak planes in the soil",
+    lambda scene: bool(scene.seams),
+    _make,
+    in_pairs=True,
+    state=Arrays(SeamState, _start),
+    pairs=Arrays(SeamPairs, _room),
+)

@@ -23,7 +23,7 @@ from sph.solver.physics.walls import wrap
 if TYPE_CHECKING:
     from sph.solver.neighbours import Pairs
     from sph.solver.physics.seams import Seams
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 
 class ShortRangeRepulsion(NamedTuple):

@@ -31,13 +31,13 @@ import numpy as np
 from sph.scene.schema import Scene
 from sph.solver.compiled.records import by_reference
 from sph.solver.compiled.slots import slot
-from sph.solver.optional import Term
+from sph.solver.optional import Arrays, Term
 from sph.solver.particles import Particles
 from sph.solver.physics.kernels import Kernel
 
 if TYPE_CHECKING:
     from sph.solver.physics.elasticity import Deviator
-    from sph.solver.state import State
+    from sph.solver.terms import State
 
 NONE, WALL = np.int32(-1), np.int32(-2)
 """Places of the grid without soil: free, or of a wall that holds the soil."""
@@ -118,6 +118,18 @@ def _has_slipped(slip: Slip, state: State, i: int, peak_strain: float) -> bool:
     return state.mean_plastic_strain[i] >= peak_strain
 
 
+class SlipState(NamedTuple):
+    """What the term keeps of the state."""
+
+    plastic_strain: np.ndarray  # (n,) gathered by the solid state at yield
+    mean_plastic_strain: np.ndarray  # (n,) its average around the particle
+
+
+def _start(scene: Scene, particles: Particles) -> SlipState:
+    n = particles.x.size
+    return SlipState(np.zeros(n), np.zeros(n))
+
+
 def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Slip:
     wanted, soil, dx = scene.coupling.softening, slice(0, particles.n_soil), scene.numerics.spacing
     assert wanted is not None
@@ -143,4 +155,10 @@ def _make(scene: Scene, particles: Particles, kernel: Kernel, dt: float) -> Slip
     )
 
 
-TERM = Term("slip", "coupling.softening: strength falls after slip over a width", lambda scene: scene.coupling.softening is not None, _make)
+TERM = Term(
+    "slip",
+    "coupling.softening: strength falls after slip over a width",
+    lambda scene: scene.coupling.softening is not None,
+    _make,
+    state=Arrays(SlipState, _start),
+)

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
     from sph.solver.neighbours import Candidates, Pairs, Places
     from sph.solver.physics.gradient_correction import Sums
     from sph.solver.physics.sums import GradientSums
-    from sph.solver.state import State
-    from sph.solver.terms import Terms
+    from sph.solver.terms import State, Terms
 
 
 @slot
