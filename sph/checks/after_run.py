@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
 from sph.checks.finding import Finding, finding
 from sph.measures.metrics import ENERGY_LIMIT, MetricSettings, Value, debris_metrics, energy_error
@@ -12,8 +13,13 @@ from sph.output.run import Run
 from sph.scene.ground_line import GroundLine
 from sph.scene.schema import Scene
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 LOWER_BOUND = (FRONT, OVER)
 """Sides with which displacement and run-out are lower bounds: debris would have gone further, or has been lost."""
+BRAKED = ("weak-on-strong", "layer-held")
+"""Findings before a run with which they are, too: strong soil holds weak soil of few rows of particles back."""
 THICK = 4
 """Particles across a deposit at least: with four a layer of debris flows 1.16 times too far on a smooth base, with two 1.7 times
 (``tests/physics/test_thin_debris.py``)."""
@@ -24,6 +30,21 @@ FAR = 10
 def is_bounded(reached_side: str) -> bool:
     """Whether displacement and run-out of a run are lower bounds, by its metric ``reached_side``."""
     return any(side in LOWER_BOUND for side in reached_side.split())
+
+
+def is_braked(findings: str) -> bool:
+    """Whether debris with more rows of particles would have gone further, by the column ``findings`` of a study's table."""
+    return any(code in BRAKED for code in findings.split())
+
+
+def is_lower_bound(run: Mapping[Any, Any]) -> bool:
+    """Whether displacement and run-out of a run are lower bounds, for either reason, by its row of a study's table."""
+    return is_bounded(run["reached_side"]) or is_braked(run["findings"])
+
+
+def lower_bounds(table: pd.DataFrame) -> pd.Series:
+    """The same of all runs of a study's table."""
+    return (table["reached_side"].map(is_bounded) | table["findings"].map(is_braked)).astype(bool)
 
 
 def debris_at_wall(scene: Scene, reached_side: str, time: float) -> list[Finding]:

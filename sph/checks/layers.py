@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from sph.checks.cover_rows import HELD_BELOW, RUN_OUT_BY_ROWS, Cover, covers, enough_rows, strata
+from sph.checks.cover_rows import HELD_BELOW, Cover, covers, enough_rows, strata
 from sph.checks.finding import Finding, finding
 from sph.scene.geometry import Bodies
 from sph.scene.schema import Scene
@@ -71,8 +71,7 @@ def of_cover(cover: Cover, scene: Scene) -> Finding:
     if cover.held:
         numbers = {"value": cover.rows, "bound": HELD_BELOW, "thickness": cover.thickness}
         return finding("layer-held", "numerics.spacing", f"seams.{name}", subject=name, **numbers)
-    fewer = cover.rows < min(RUN_OUT_BY_ROWS[cover.law]) and not cover.between
-    numbers = {"value": cover.run_out, "at_most": fewer, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness}
+    numbers = {"value": cover.run_out, "ground": cover.ground, "rows": cover.rows, "thickness": cover.thickness}
     if not cover.short:
         return finding("cover-rows", subject=name, **numbers)
     if (enough := enough_rows(cover.law)) is not None:

@@ -154,6 +154,12 @@ def _surface(of: Numbers, name: str) -> str:
     return words if not of[f"{name}_crack"] else f"{words}, with a tension crack of {of[f'{name}_crack']:.2g} m"
 
 
+def braked_words(found: Finding) -> str:
+    """The rows of particles of weak soil that stronger ground brakes, ``weak-on-strong``, or holds, ``layer-held``."""
+    rows = found.numbers["value" if found.code == "layer-held" else "rows"]
+    return f"{rows:.2g} rows of particles in {found.subject or 'the thinnest soil'}"
+
+
 def factor_words(of: Numbers) -> str:
     """The factors of safety of both methods of limit equilibrium, and where the surfaces lie."""
     bishop = f"{of['bishop']:.2f} (circle)" if "bishop" in of else "not found"
@@ -209,10 +215,7 @@ def _other_face(of: Numbers) -> str:
 
 
 def _cover(of: Numbers) -> str:
-    fewer = "at most" if of["at_most"] else "about"
-    return (
-        f"{{rows:.2g}} rows of particles in {{thickness:.3g}} m, with which debris runs {fewer} {{value:.0%}} as far as with fine particles"
-    )
+    return "{rows:.2g} rows of particles in {thickness:.3g} m, with which debris runs about {value:.0%} as far as with fine particles"
 
 
 def _unbraked(of: Numbers) -> str:

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 
-from sph.checks.after_run import is_bounded
+from sph.checks.after_run import is_lower_bound, lower_bounds
 from sph.figures.style import GREY, LINE_STYLES, WIDTH, class_colours, curve_colours, plain, styled, write_note, written
 from sph.measures.metrics import CLASSES, UNDETERMINED
 from sph.scene.units import beside_g
@@ -43,7 +43,7 @@ MANY = 300
 """Runs from which on the marks are small, and a picture in a PDF."""
 DIVERGED: dict[str, Any] = {"linestyle": "", "marker": "x", "markersize": 5, "color": "#0072b2", "markeredgewidth": 1.2}
 BOUNDED: dict[str, Any] = {"linestyle": "", "marker": "$\\uparrow$", "markersize": 10, "color": "#0072b2", "markeredgewidth": 0.3}
-"""Over the mark of a run whose debris met the box: its value is a lower bound."""
+"""Over the mark of a run whose debris met the box or was braked: its value is a lower bound."""
 
 HATCH = "///"
 """Of cells whose soil fails before the shaking."""
@@ -212,7 +212,7 @@ def _draw_runs(ax: Axes, runs: pd.DataFrame) -> None:
         if len(rows):  # a line without points would upset the layout
             hollow = {"markerfacecolor": "white"} if unshaken else {}
             ax.plot(rows["x"], rows["y"], rasterized=many, clip_on=False, **_look(name, many) | hollow)
-    bounded = runs[runs["reached_side"].map(is_bounded) & runs["y"].notna()]
+    bounded = runs[lower_bounds(runs) & runs["y"].notna()]
     if len(bounded):
         ax.plot(bounded["x"], bounded["y"], clip_on=False, **BOUNDED)
     diverged = runs[runs["collapse_class"] == UNDETERMINED]
@@ -234,7 +234,7 @@ def _draw_cells(ax: Axes, runs: pd.DataFrame, numbered: bool) -> None:
             ax.text(
                 run["x"],
                 run["y"],
-                "≥ " * is_bounded(run["reached_side"]) + _metres(run["displacement_magnitude"]),
+                "≥ " * is_lower_bound(run) + _metres(run["displacement_magnitude"]),
                 ha="center",
                 va="center",
                 color="white" if dark else "black",
@@ -253,8 +253,8 @@ def _class_legend(figure: Figure, table: pd.DataFrame, handles: Sequence[Any]) -
     hollow = {**_look(CLASSES[0], False), "markerfacecolor": "white"}
     cells = all(isinstance(handle, Patch) for handle in handles)
     mark = Patch(facecolor="white", edgecolor=GREY, hatch=HATCH, label=UNSHAKEN) if cells else Line2D([], [], label=UNSHAKEN, **hollow)
-    arrows = not cells and table["reached_side"].map(is_bounded).any()
-    bounded = [Line2D([], [], label="lower bound: debris reached the end of the box", **BOUNDED)] if arrows else []
+    arrows = not cells and lower_bounds(table).any()
+    bounded = [Line2D([], [], label="lower bound: debris met the end of the box, or was braked", **BOUNDED)] if arrows else []
     unshaken = [mark] if (table["status"] == Status.FAILED_UNSHAKEN).any() else []
     figure.legend(handles=[*handles, *diverged, *unshaken, *bounded], loc="outside upper right", ncols=6)
 

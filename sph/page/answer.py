@@ -9,9 +9,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from sph.checks.after_run import is_bounded, is_open
+from sph.checks.after_run import BRAKED, is_bounded, is_braked, is_open, lower_bounds
 from sph.checks.finding import Finding, Severity
-from sph.checks.messages import factor_words, limit_how, limit_words, search_words, sentence
+from sph.checks.messages import braked_words, factor_words, limit_how, limit_words, search_words, sentence
 from sph.experiments.trigger.annual import annual_columns
 from sph.experiments.trigger.boundaries import in_words
 from sph.experiments.trigger.critical import BRACKETED, read_critical
@@ -71,6 +71,8 @@ def answer(
     """
     rows = [row for file in found(FINDINGS) for row in read_preflight(file)]
     findings = [row.finding for row in rows]
+    why = held_back(table, rows)
+    less = f"it may fail at less: {why}" if why else ""
     factor, how = limit(findings, "factor-of-safety", found(_files(SAFETY)), "" if client else "sph fos")
     by_slices = min((of.numbers for of in findings if of.code == "limit-equilibrium"), key=lambda of: of["spencer"], default=None)
     facts = [
@@ -78,14 +80,14 @@ def answer(
         ("Factor of safety", f"{factor} by SPH; {factor_words(by_slices)}" if by_slices else factor, how),
         *at_residual(rows),
         ("Yield acceleration", *limit(findings, "yield-acceleration", found(_files(YIELD)), "" if client else "sph yield-acceleration")),
-        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), ""),
+        ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), less),
         *answer_spacing(found(SPACINGS)),
-        *at_places(table, scene.numerics.spacing),
+        *at_places(table, scene.numerics.spacing, why),
         *yearly(found(ANNUAL)),
     ]
     return Answer(
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
-        [levels(table, dimensions, probe), *widths(table)],
+        [levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows))),
     )
@@ -99,6 +101,13 @@ def _points(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> dict[str, s
 
 def _raised(words: str) -> str:
     return words.replace("m/s2", shown_unit("m/s2"))
+
+
+def held_back(table: pd.DataFrame, rows: Sequence[Row]) -> str:
+    """How many rows of particles the weak soil has that stronger ground brakes, in words; nothing where it does so in no run."""
+    if not table["findings"].map(is_braked).any():
+        return ""
+    return " and ".join(braked_words(row.finding) for row in rows if row.finding.code in BRAKED) or "few rows of particles in weak soil"
 
 
 def unshaken(table: pd.DataFrame, rows: Sequence[Row]) -> tuple[str, str]:
@@ -239,18 +248,24 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
     return found
 
 
-def at_places(table: pd.DataFrame, spacing: float) -> list[tuple[str, str, str]]:
+def at_places(table: pd.DataFrame, spacing: float, why: str = "") -> list[tuple[str, str, str]]:
     """What the debris does at each place: in how many runs it is reached, how deep it lies there and when it arrives; where it is reached
     in none, by how much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it.
 
-    While debris moves nothing is known of how far it goes."""
+    While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``."""
     facts = []
     for place in places_in(table.columns):
         passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
         known, there = passed.notna().sum(), passed >= 0.0
+        unknown = passed.notna() & ~there & table["findings"].map(is_braked)
         if there.any():
             words = f"reached in {int(there.sum())} of {known} runs; debris up to {metres(depth[there].max())} m deep"
+            words += f"; unknown in {unknown.sum()}, whose debris is braked: {why}" * bool(unknown.any())
             first = f"first arrival {arrival.min():.3g} s after the start of the run" if arrival.notna().any() else ""
+        elif unknown.any():
+            braked = f"unknown in {unknown.sum()} runs, whose debris is braked: {why}"
+            words = ", ".join([f"not reached in {known - unknown.sum()} runs"] * bool(unknown.sum() < known) + [braked])
+            first = f"braked, the debris stops {metres(-passed[unknown].max())} m short of it"
         else:
             moving = table["still_moving"][passed.notna()] > 0
             words, first = f"not reached in {known} runs", ""
@@ -287,7 +302,7 @@ def widths(table: pd.DataFrame) -> list[Table]:
     rows = []
     for value, runs in _groups(table):
         runouts = runs["runout"].to_numpy(float)
-        bounded = AT_LEAST if runs["reached_side"].map(is_bounded).any() else ""
+        bounded = AT_LEAST if lower_bounds(runs).any() else ""
         spans = [metres(width_within(runouts, share)) for share in SHARES]
         rows.append((beside_g(value), str(len(runs)), *(bounded + span for span in spans)))
     head = ("shaking (m/s²)", "runs", *(f"{share:.0%} (m)" for share in SHARES))
@@ -304,13 +319,13 @@ def _groups(table: pd.DataFrame) -> list[tuple[str, pd.DataFrame]]:
     return groups if 0 < len(groups) <= MOST_VALUES else [("all" if groups else "of the scene", table)]
 
 
-def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> Table:
+def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, why: str = "") -> Table:
     """Class, displacement, run-out and the slip of the sliding block, least to most over the other dimensions: a row per amplitude."""
     groups = _groups(table)
     rows = []
     for value, runs in groups:
         reached = [name for name in CLASSES if (runs["collapse_class"] == name).any()] or [NOTHING]
-        met = runs["reached_side"].map(is_bounded)
+        met = lower_bounds(runs)
         columns = (("displacement_magnitude", met), ("runout", met), ("newmark_displacement", met & False))
         spans = [_lengths(runs[name], bounds) for name, bounds in columns]
         rows.append((beside_g(value), " to ".join(dict.fromkeys((reached[0], reached[-1]))), *spans))
@@ -318,6 +333,8 @@ def levels(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str) -> 
     notes = ["Smallest to largest value over the other dimensions of the study."] if len(table) > len(groups) else []
     if table["reached_side"].map(is_bounded).any():
         notes.append(f"{AT_LEAST.strip()}: in at least one run debris reached an end of the box and would have gone further.")
+    if why:
+        notes.append(f"{AT_LEAST.strip()}: debris is braked, so the value is too small: {why}.")
     if table["newmark_displacement"].notna().any():
         soft = table["findings"].str.contains("block-not-rigid").any()
         rigid = "; where the slope is not rigid, the slip of the block is not an upper bound" if soft else ""
@@ -359,6 +376,10 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
     say(
         table["reached_side"].map(is_bounded).sum(),
         "have debris that reached the end of the box or went over it: displacement and run-out are lower bounds; lengthen the apron.",
+    )
+    say(
+        table["findings"].map(is_braked).sum(),
+        "have debris that is braked: displacement and run-out are lower bounds, and the slope may fail at less.",
     )
     say(
         table["reached_side"].str.contains(BACK).sum(),

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 
 from pydantic import BaseModel
 
-from sph.checks.after_run import is_bounded, is_open
+from sph.checks.after_run import is_braked, is_lower_bound, is_open
 from sph.experiments.variants.advice import percent
 from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.schema import Scene
@@ -121,13 +121,15 @@ def _share(value: float) -> str:
 
 def _status(row: Mapping[Any, Any]) -> str:
     met = f", debris at {row['reached_side'].replace(' ', ', ')}" if row["reached_side"] else ""
+    braked = ", debris\N{NO-BREAK SPACE}braked" if is_braked(row["findings"]) and not row["diverged"] else ""
     energy = ", energy\N{NO-BREAK SPACE}error too\N{NO-BREAK SPACE}large" if is_open(row["energy_error"]) else ""
-    return str(row["status"]) + (", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else "") + met + energy
+    moving = ", still\N{NO-BREAK SPACE}moving" if row["still_moving"] and not row["diverged"] else ""
+    return str(row["status"]) + moving + met + braked + energy
 
 
 def _at_least(row: Mapping[Any, Any], name: str) -> str:
-    """A length of a run, as a lower bound where its debris met the box."""
-    return AT_LEAST * is_bounded(row["reached_side"]) + metres(row[name])
+    """A length of a run, as a lower bound where its debris met the box or was braked; one that is not known has no bound."""
+    return AT_LEAST * (is_lower_bound(row) and not math.isnan(row[name])) + metres(row[name])
 
 
 class Column(NamedTuple):

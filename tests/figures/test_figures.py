@@ -278,7 +278,8 @@ def grid_of(*dimensions: Dimension) -> pd.DataFrame:
     table = pd.DataFrame(rows, columns=[found.name for found in dimensions])
     moved = np.where(np.arange(len(rows)) == 0, np.nan, np.arange(len(rows)) / 10)
     classes = [UNDETERMINED, *(CLASSES[number % 4] for number in range(1, len(rows)))]
-    return table.assign(status="complete", reached_side="", collapse_class=classes, displacement_magnitude=moved, runout=0.5 * moved)
+    same = {"status": "complete", "reached_side": "", "findings": ""}
+    return table.assign(**same, collapse_class=classes, displacement_magnitude=moved, runout=0.5 * moved)
 
 
 def test_a_grid_is_drawn_as_curves_with_names_that_are_read() -> None:
@@ -310,15 +311,16 @@ def test_a_map_holds_every_run_in_a_cell_of_its_own() -> None:
     assert (figure.axes[0].get_xlabel(), figure.axes[0].get_ylabel()) == ("amplitude (m/s²)", "cohesion of soft clay (kPa)")
 
 
-def test_values_of_debris_that_met_the_box_are_marked_as_lower_bounds() -> None:
+@pytest.mark.parametrize("bound", [{"reached_side": "front back"}, {"findings": "few-particles weak-on-strong"}])
+def test_values_of_debris_that_met_the_box_or_was_braked_are_marked_as_lower_bounds(bound: dict[str, str]) -> None:
     table = grid_of(AMPLITUDE, COHESION, KERNEL)
-    met = table.assign(reached_side="front back")
+    met = table.assign(**bound)
     numbers = [text.get_text() for ax in figure_map(met, [AMPLITUDE, COHESION, KERNEL]).axes for text in ax.texts]
     assert numbers and all(number.startswith("≥ ") for number in numbers)
-    for shown, marked in ((met, True), (table.assign(reached_side="back"), False)):
+    for shown, marked in ((met, True), (table.assign(reached_side="back", findings="cover-rows"), False)):
         figure = figure_study(shown, [AMPLITUDE, COHESION, KERNEL])
         assert any(line.get_marker() == BOUNDED["marker"] for ax in figure.axes for line in ax.lines) == marked
-        assert any("reached the end of the box" in text.get_text() for legend in figure.legends for text in legend.get_texts()) == marked
+        assert any("lower bound" in text.get_text() for legend in figure.legends for text in legend.get_texts()) == marked
 
 
 @pytest.mark.parametrize("draw", [figure_study, figure_map])
@@ -353,7 +355,7 @@ def test_a_list_is_drawn_against_each_dimension() -> None:
         (100.0, "b", "complete", UNDETERMINED, np.nan, np.nan),
     ]
     columns = ["soil.cohesion", "numerics.kernel", "status", "collapse_class", "displacement_magnitude", "runout"]
-    table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str}).assign(reached_side="")
+    table = pd.DataFrame(rows, columns=columns).astype({"soil.cohesion": str}).assign(reached_side="", findings="")
     figure = figure_study(table, [cohesion, KERNEL])
     assert [ax.get_xscale() for ax in figure.axes] == ["log", "linear", "log", "linear"]
     assert [label.get_text() for label in figure.axes[3].get_xticklabels()] == ["b", "a"]

@@ -10,7 +10,8 @@ import pytest
 
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import at_places, at_residual, widths, yearly
+from sph.page.answer import at_places, at_residual, held_back, levels, widths, yearly
+from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
 
@@ -19,6 +20,7 @@ RUNS = pd.DataFrame(
         "amplitude": ["2.0"] * 2 + ["4.0"] * 4,
         "runout": [0.0, 2.0, 4.0, 10.0, 14.0, 20.0],
         "reached_side": ["", "", "", "", "", "front"],
+        "findings": "",
         "expected_runout_error": [0.12] * 6,
         "still_moving": [0] * 6,
     }
@@ -48,6 +50,39 @@ def test_a_place_that_moving_debris_may_still_reach_is_not_out_of_reach() -> Non
         "not reached by the end of 6 runs, in 2 of which debris still moves",
         "the debris is at least 10.0 m short of it then; run them for longer",
     )
+
+
+def test_a_place_that_braked_debris_does_not_reach_is_not_out_of_reach() -> None:
+    """It is unknown, whatever else was run."""
+    why = "2 rows of particles in cover"
+    road, house = at_places(RUNS.assign(findings="few-particles weak-on-strong"), 1.0, why)
+    assert road[1] == f"reached in 2 of 6 runs; debris up to 2.10 m deep; unknown in 4, whose debris is braked: {why}"
+    assert house == (
+        "At house",
+        f"unknown in 6 runs, whose debris is braked: {why}",
+        "braked, the debris stops 10.0 m short of it",
+    )
+    road, house = at_places(RUNS.assign(findings=["", "", "", "layer-held", "", ""]), 1.0, why)
+    assert road[1].endswith(f"deep; unknown in 1, whose debris is braked: {why}")
+    assert house[1] == f"not reached in 5 runs, unknown in 1 runs, whose debris is braked: {why}"
+    assert house[2].startswith("braked, the debris stops 20.0 m short")
+    diverged = RUNS.assign(road_passed=math.nan, house_passed=math.nan, findings="layer-held")
+    assert [fact[1:] for fact in at_places(diverged, 1.0, why)] == [("not reached in 0 runs", "")] * 2
+
+
+@pytest.mark.parametrize("code", ["weak-on-strong", "layer-held"])
+def test_braked_debris_is_a_lower_bound_with_its_reason(code: str) -> None:
+    rows = [Row(finding(code, subject="cover", value=1.9, rows=1.9), 4, "a"), Row(finding("few-particles", value=1, bound=2), 6, "a")]
+    braked = RUNS.assign(findings=["", "", code, code, code, code], reached_side="", collapse_class="stable", newmark_displacement=math.nan)
+    braked["displacement_magnitude"] = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
+    why = held_back(braked, rows)
+    assert why == "1.9 rows of particles in cover" and held_back(RUNS, rows) == "", "of runs that are not in the table nothing is said"
+    assert "weak soil" in held_back(braked, []), "where no finding names it"
+    found = levels(braked, [Dimension("amplitude", "m/s2", "", False)], "A", why)
+    assert [row[2:4] for row in found.rows] == [("0.100 to 0.200", "0.000 to 2.00"), ("≥ 0.300 to ≥ 0.600", "≥ 4.00 to ≥ 20.0")]
+    assert why in found.note and "≥" not in levels(braked.assign(findings=""), [], "A").note
+    (table,) = widths(braked)
+    assert table.rows[0][2] == "0.000" and table.rows[1][2] == "≥ 10.0"
 
 
 @pytest.mark.parametrize(("depth", "words"), [(0.5, ""), (0.75, "; the ground there rises by up to 0.750 m")])
