@@ -18,7 +18,7 @@ from sph.scene.names import check_known
 from sph.scene.schema import make_scene
 from sph.solver.time_step import check_time_step, limits
 from sph.study.plan import Plan
-from sph.study.runs import Run
+from sph.study.runs import BaseScene, Run
 
 TIME_STEP = "time step over limit"
 """Name of the sweep over fixed time steps."""
@@ -109,7 +109,7 @@ class ExtremeRuns:
         except ValueError as error:
             refused = str(error)
         runs = () if refused else tuple(f"{stem}_{number}" for number in range(1, repeats + 1))
-        self.runs |= dict.fromkeys(runs, Run(scene, enforce_limit=sweep != TIME_STEP))
+        self.runs |= dict.fromkeys(runs, Run(BaseScene(scene), enforce_limit=sweep != TIME_STEP))
         self.rows.append(Row(sweep, value, case, symmetric, refused, runs))
 
     @property

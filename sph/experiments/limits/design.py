@@ -15,7 +15,7 @@ from sph.experiments.base import Cases, Experiment, Label, Overrides, check_file
 from sph.measures.metrics import PROBE
 from sph.scene.configuration import found_file, key, merge, read_scene, read_yaml, validated
 from sph.study.plan import Plan
-from sph.study.runs import Run
+from sph.study.runs import BaseScene, Run
 
 
 class Limits(Cases):
@@ -39,7 +39,7 @@ class LimitRuns:
             for case, point in limits.cases.items():
                 scene = merge(merge(merge(base, limits.overrides), point), settings)
                 checked(scene, f"{origin}: change {change!r}, case {case!r}", probe)
-                self.runs[run_name(change, case)] = Run(scene)
+                self.runs[run_name(change, case)] = Run(BaseScene(scene))
                 self.rows.append((change, case))
 
     @property

@@ -22,7 +22,7 @@ from sph.scene.names import check_known
 from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.study.plan import Plan
-from sph.study.runs import Run
+from sph.study.runs import BaseScene, Run
 
 FIDELITY = "fidelity"
 """Parameter whose variants are the study's fidelities."""
@@ -157,8 +157,9 @@ class TradeRuns:
                     repeats[stem] = max(repeats.get(stem, 1), (extent.repeats or 1) if case == trade.timed_case else 1)
                     own.append(stem)
                     how = scheme(built)
+                    run = Run(BaseScene(scene))
                     for number in range(1, repeats[stem] + 1):
-                        self.runs.setdefault(f"{stem}_{number}", Run(scene))
+                        self.runs.setdefault(f"{stem}_{number}", run)
                 if is_mean(settings):
                     how = merge(how, {"numerics": {"lattice_shift": settings["numerics"]["lattice_shift"]}})
                 changes = trade.parameters[parameter].changes if parameter in trade.parameters else "accuracy"
