@@ -215,7 +215,7 @@ def _comes_again(path: Path) -> bool:
     before = read(path)
     scene = scene_of(before, str(path))
     if "by" in before.attrs:
-        again = run_search(scene.model_dump(), before.attrs["by"], extrapolates=bool(before.attrs.get("extrapolates", 0)))
+        again = run_search(scene, before.attrs["by"], extrapolates=bool(before.attrs.get("extrapolates", 0)))
         known = [name for name in before.data_vars if name != "wall_time"]  # searches of earlier versions have fewer
         return before.attrs["reason"] == again.attrs["reason"] and before[known].equals(again[known])
     return before.equals(run(scene, enforce_limit=False).trajectory)

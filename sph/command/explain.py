@@ -33,7 +33,6 @@ from sph.measures.metrics import measure
 from sph.output.run import Run
 from sph.scene.configuration import CONTENT_KEYS
 from sph.scene.names import check_known
-from sph.scene.schema import make_scene
 from sph.scene.strict_json import to_json
 from sph.solver.compiled.jit import solver_digest
 from sph.storage import trajectory
@@ -224,7 +223,7 @@ def origin(catalogue: Catalogue, file: str) -> tuple[Origin, Run | None]:
     differs, planned = [], None
     try:
         planned = catalogue.row(file)
-        differs = differing(run.attrs, make_scene(planned.scene, file), file)
+        differs = differing(run.attrs, planned.built, file)
     except ValueError as error:
         differs = [str(error)]
     if run.attrs.get("scene_digest", digest) != digest:

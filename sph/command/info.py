@@ -33,7 +33,7 @@ def describe(scene: Scene) -> list[tuple[str, str]]:
     numerics, soil = scene.numerics, scene.soil
     count = {kind: int(np.count_nonzero(particles.kind == kind)) for kind in (SOIL, BASE, SIDE, TOP)}
     lid = f", {count[TOP]:,} lid" if count[TOP] else ""
-    expected, asked = cost(scene), needs(scene.model_dump())
+    expected, asked = cost(scene), needs(scene)
     smallest = min(limit.seconds for limit in limits(scene))
     step = numerics.time_step if numerics.adaptive_step is None else min(numerics.time_step, numerics.adaptive_step.courant * smallest)
     steps = round(scene.duration / step)

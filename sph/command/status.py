@@ -29,7 +29,7 @@ import netCDF4
 
 from sph.command.study import find_study
 from sph.jobs.log import read_log
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene
 from sph.scene.strict_json import to_json
 from sph.storage.files import beside
 from sph.study.machine import duration
@@ -95,10 +95,9 @@ class State(NamedTuple):
 def status(given: Path | None, configfile: Path | None, watching: bool, as_json: bool) -> str | None:
     """How the jobs of a study stand, in words or for machines; None where that was shown until all were done."""
     catalogue = find_study(given, configfile)
-    known: dict[str, Job] = {}
 
     def look_again() -> list[State]:
-        return look_at([*catalogue.plan.jobs, *catalogue.started], catalogue.base, known)
+        return look_at([*catalogue.plan.jobs, *catalogue.started], catalogue.base)
 
     if watching and not as_json:
         watch(catalogue.plan, look_again)
@@ -107,13 +106,9 @@ def status(given: Path | None, configfile: Path | None, watching: bool, as_json:
     return to_json(record(catalogue.plan, states), indent=1) if as_json else "\n".join(lines(catalogue.plan, states))
 
 
-def look_at(runs: Sequence[Run], base: Path, known: dict[str, Job] | None = None) -> list[State]:
-    """How runs stand, by what lies below the working folder; scenes that are ``known``, by file, are not built again."""
-    built = {} if known is None else known
-    for run in runs:
-        if run.file not in built or built[run.file].run is not run:
-            built[run.file] = Job(run, make_scene(run.scene, run.file))
-    return [look(built[run.file], base) for run in runs]
+def look_at(runs: Sequence[Run], base: Path) -> list[State]:
+    """How runs stand, by what lies below the working folder."""
+    return [look(Job(run, run.built), base) for run in runs]
 
 
 def look(job: Job, base: Path) -> State:

@@ -139,7 +139,7 @@ def _among(rows: Mapping[str, Run], file: str) -> Run:
 def _record(rows: Iterable[Run]) -> dict[str, Any]:
     """The rows for machines: scenes as they are read, and what every row lays over the one that it names by its number."""
     rows = list(rows)
-    scenes = {id(run.base): run.base for run in rows}
+    scenes = {id(run.base): run.base.keys for run in rows}
     numbers = {scene: number for number, scene in enumerate(scenes)}
     names = ("id", "file", "point", "parent", "until", "by", "group", "target")
     told = [{name: getattr(run, name) for name in names} | {"scene": numbers[id(run.base)]} for run in rows]

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene
 from sph.solver.compiled.jit import PACKAGE, solver_digest
 from sph.stability.extrapolation import At, Extrapolated, extrapolated, unasked_spacings
 from sph.stability.safety import DEFAULT_RULE, critical_strength_ratio, factor_of_safety, yield_acceleration
@@ -38,7 +38,7 @@ NOTHING = Search(math.nan, math.nan, ())
 
 
 def run_search(
-    scene: Mapping[str, Any],
+    scene: Scene,
     by: str,
     report: Callable[[At, Trial], None] = lambda at, trial: None,
     known: Mapping[At, Mapping[float, Trial]] | None = None,
@@ -48,39 +48,36 @@ def run_search(
 
     The search is at the scene's own spacing or, if it ``extrapolates``, at that and twice as coarse a one (``unasked_spacings``).
     """
-    built = make_scene(scene)
     found: Search | Extrapolated
     try:
         if extrapolates:
-            static_scene(built, DEFAULT_RULE)  # refuses a spacing too coarse for any test, though those of the search are finer
-            spacings = unasked_spacings(built, built.numerics.spacing, DEFAULT_RULE)
+            static_scene(scene, DEFAULT_RULE)  # refuses a spacing too coarse for any test, though those of the search are finer
+            spacings = unasked_spacings(scene, scene.numerics.spacing, DEFAULT_RULE)
             found = extrapolated(
-                SEARCHES[by], built, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
+                SEARCHES[by], scene, report=lambda spacing, strength, trial: report((spacing, strength), trial), asked=spacings, known=known
             )
         else:
-            at = (built.numerics.spacing, 1.0)
-            found = SEARCHES[by](built, report=lambda trial: report(at, trial), known=(known or {}).get(at))
+            at = (scene.numerics.spacing, 1.0)
+            found = SEARCHES[by](scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
     except ValueError as error:
-        return search_dataset(built, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
-    return search_dataset(built, by, found).assign_attrs(extrapolates=int(extrapolates))
+        return search_dataset(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
+    return search_dataset(scene, by, found).assign_attrs(extrapolates=int(extrapolates))
 
 
-def search_to_file(
-    scene: Mapping[str, Any], by: str, path: Path | str, report: Callable[[Trial], None], extrapolates: bool = False
-) -> None:
+def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Trial], None], extrapolates: bool = False) -> None:
     """Search and write the trials; a search that was killed does not repeat those it had made.
 
     They are in a checkpoint as that of a run, written after each and told by a digest (see ``sph.solver.checkpoint``).
     """
     path = Path(path)
-    built, solver = make_scene(scene), solver_digest()
-    digest = hashlib.sha256(f"{search_digest()} {by} {extrapolates} {built.model_dump_json()}".encode()).hexdigest()[:16]
+    solver = solver_digest()
+    digest = hashlib.sha256(f"{search_digest()} {by} {extrapolates} {scene.model_dump_json()}".encode()).hexdigest()[:16]
     kept, made = beside(path, "checkpoint"), Made()
 
     def keep(at: At, trial: Trial) -> None:
         made.append((at, trial))
         report(trial)
-        so_far = trials_dataset(built, made)
+        so_far = trials_dataset(scene, made)
         with suppress(OSError):  # a disk that is full for this may have room at the end
             trajectory.write(kept, so_far.assign_attrs(run_digest=digest))
 

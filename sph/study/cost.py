@@ -17,10 +17,9 @@ Soil that can soften is taken to fail once the gravity stage is over, so that al
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene
 from sph.solver.compiled.jit import compile_lock
 from sph.solver.particles import place_particles
 from sph.solver.simulation import POWER_ITERATIONS
@@ -97,17 +96,29 @@ def search_cost(scene: Scene, extrapolates: bool = True) -> Cost:
 
     Of a scene that has none it is that of the scene as it is.
     """
-    rule = FailureRule()
+    key = scene.model_dump_json()
+    if key not in _searches:
+        _searches[key] = _search_costs(scene)
+    return _searches[key][extrapolates]
+
+
+_searches: dict[str, tuple[Cost, Cost]] = {}
+"""At the own spacing and at two, by the scene: several jobs ask for the same."""
+
+
+def _search_costs(scene: Scene) -> tuple[Cost, Cost]:
+    rule, own = FailureRule(), scene.numerics.spacing
     try:
-        one = cost(static_scene(scene, rule, acceleration=1.0))
-        tests = [(TRIALS, one)]
-        if extrapolates:
-            spacings = unasked_spacings(scene, scene.numerics.spacing, rule)
-            coarse, fine = (cost(static_scene(at_spacing(scene, spacing), rule, acceleration=1.0)) for spacing in spacings)
-            tests = [(TRIALS + TRIALS_STRONGER, coarse), (TRIALS_NEAR, fine)]
+        coarse, fine = unasked_spacings(scene, own, rule)
+        tests = {spacing: cost(static_scene(at_spacing(scene, spacing), rule, acceleration=1.0)) for spacing in {own, coarse, fine}}
     except ValueError:
-        return cost(scene)
-    # Its tests stay in memory until Python gives them back: two at once have been seen.
+        return cost(scene), cost(scene)
+    return _tests((TRIALS, tests[own])), _tests((TRIALS + TRIALS_STRONGER, tests[coarse]), (TRIALS_NEAR, tests[fine]))
+
+
+def _tests(*tests: tuple[int, Cost]) -> Cost:
+    """Cost of static tests, each so many times, the largest last."""
+    # They stay in memory until Python gives them back: two at once have been seen.
     largest = tests[-1][1]
     return largest._replace(
         steps=sum(number * each.steps for number, each in tests),
@@ -162,15 +173,14 @@ GRACE = 300.0
 """Seconds that a job asks for on top: libraries from a shared disk, compiling, waiting for another job that compiles."""
 
 
-def needs(scene: Mapping[str, Any], what: str = "end", attempt: int = 1) -> Needs:
+def needs(scene: Scene, what: str = "end", attempt: int = 1) -> Needs:
     """What a job asks for that runs a scene to a stage (``sph.solver.run.Until``) or searches a limit of it (``record.SEARCHES``).
 
     More at every attempt.
     """
-    built = make_scene(scene)
     if what in SEARCHES:
-        found = max((search_cost(built, extrapolates) for extrapolates in (False, True)), key=lambda each: each.seconds)
+        found = max((search_cost(scene, extrapolates) for extrapolates in (False, True)), key=lambda each: each.seconds)
     else:
-        found = cost(built, until=built.gravity.duration if what == "gravity" else None)
+        found = cost(scene, until=scene.gravity.duration if what == "gravity" else None)
     seconds = SLACK * found.seconds + GRACE
     return Needs(math.ceil(attempt * MEMORY_SLACK * max(found.memory, COMPILER)), math.ceil(attempt * seconds / 60))

@@ -16,10 +16,10 @@ from typing import Any
 from sph.measures.fields import check_probe
 from sph.measures.places import check_places, place_columns
 from sph.scene.configuration import found_file, merge, read_scene, read_yaml, scene_files
-from sph.scene.schema import Scene, make_scene
+from sph.scene.schema import Scene
 from sph.storage.files import whole
 from sph.study.dimensions import Dimension, dimension, title_of, value_of
-from sph.study.runs import YIELD, Kind, Run, SharedRuns, laid_over
+from sph.study.runs import YIELD, BaseScene, Kind, Run, SharedRuns
 from sph.study.sampling import read_cases
 from sph.study.schema import MOST_SHOWN, PROFILES, Point, Study
 from sph.study.tables import MOST_SLOPES, Layout
@@ -36,7 +36,7 @@ class Plan:
     ) -> None:
         self.study, self.origin, self._subfolder = study, origin, subfolder
         self._scene_file = base
-        self._base = merge(merge(base, study.fidelities[study.fidelity]), overrides or {})
+        self._base = BaseScene(merge(merge(base, study.fidelities[study.fidelity]), overrides or {}))
         self._standing: dict[tuple[tuple[str, str], ...], bool] = {}
 
     @property
@@ -51,7 +51,7 @@ class Plan:
 
     def scene(self, **point: str) -> dict[str, Any]:
         """Scene with some of the dimensions set, as a mapping."""
-        return laid_over(self._base, point)
+        return self._base.at(point)
 
     def over(self, grid: Mapping[str, Sequence[str]]) -> Plan:
         """The same scenes as a grid over other dimensions; ValueError where its runs would have no names by their values."""
@@ -68,7 +68,7 @@ class Plan:
 
         ValueError for the user's own scene whose study names none: what ``config`` has is for the paper's.
         """
-        if name not in self.study.experiments and self._base.get("scheme") != "paper":
+        if name not in self.study.experiments and self._base.keys.get("scheme") != "paper":
             raise ValueError(
                 f"experiments.{name}: study {self.study.study!r} has a scene of its own and must name the file that configures {name}; "
                 f"{self.study.file_of(name)} is for the paper's scene, and an example"
@@ -114,9 +114,9 @@ class Plan:
         return [run._replace(group=f"{run.group} at {self.study.second_fidelity}") for run in runs]
 
     @property
-    def slope(self) -> dict[str, Any]:
-        """Scene of the first gravity stage, as a mapping."""
-        return self.shared.gravities[0].scene
+    def slope(self) -> Run:
+        """The first gravity stage."""
+        return self.shared.gravities[0]
 
     @functools.cached_property
     def searches(self) -> dict[str, Run]:
@@ -158,9 +158,8 @@ class Plan:
     @property
     def note(self) -> str:
         """The line on a figure of all runs."""
-        return (
-            f"fidelity {self.study.fidelity} · scene {self._base.get('name')} · {len(self.study.runs):,} runs of study {self.study.study}"
-        )
+        scene, runs = self._base.keys.get("name"), len(self.study.runs)
+        return f"fidelity {self.study.fidelity} · scene {scene} · {runs:,} runs of study {self.study.study}"
 
     @property
     def layout(self) -> Layout:
@@ -182,8 +181,9 @@ class Plan:
 
     def validate(self) -> None:
         """Build every scene; ValueError with file and key for the first that is refused."""
-        for name, overrides in self.study.fidelities.items():
-            make_scene(merge(self._scene_file, overrides), f"{self.origin} at fidelity {name}")
+        plans = {plan.study.fidelity: plan for plan in (self, self.second) if plan}
+        for name in self.study.fidelities:
+            plans.get(name, self.at(name))._base.built({}, f"{self.origin} at fidelity {name}")
         seen: dict[tuple[float | str | None, ...], str] = {}
         for name, point in self.study.runs.items():
             self.built(**point)
@@ -198,9 +198,10 @@ class Plan:
     def built(self, **point: str) -> Scene:
         """The validated scene of a point; ValueError for one that cannot share its gravity stage or lacks the probe that is measured."""
         at = ", ".join(f"{name} = {value}" for name, value in point.items())
-        scene = make_scene(self.scene(**point), f"{self.origin} at {at}" if at else self.origin)
-        check_probe(self.study.metrics.probe, scene, f"{self.origin} at {at}" if at else self.origin)
-        check_places(self.study.metrics.places, scene, f"{self.origin} at {at}" if at else self.origin)
+        origin = f"{self.origin} at {at}" if at else self.origin
+        scene = self._base.built(point, origin)
+        check_probe(self.study.metrics.probe, scene, origin)
+        check_places(self.study.metrics.places, scene, origin)
         if scene.coupling.initial_state == "fluid":
             raise ValueError(
                 f"{self.origin}: coupling.initial_state: 'fluid' feels S_R from the start, but the runs share the gravity stage; "

@@ -17,6 +17,7 @@ from enum import StrEnum
 from typing import Any, Literal, NamedTuple
 
 from sph.scene.configuration import dotted, merge
+from sph.scene.schema import Scene, make_scene
 from sph.scene.uncertain import at_mean
 from sph.solver.restart import BRANCH_KEYS, FREE_KEYS, is_among
 from sph.solver.run import Until
@@ -26,6 +27,8 @@ YIELD, SAFETY = "yield_acceleration", "factor_of_safety"
 SLOPE_LIMITS = (YIELD, SAFETY)
 """The limits of a slope: every study searches the first, the other is searched where it is asked for."""
 SIMULATION = "simulation"
+MOST_KEPT = 10_000
+"""Scenes of a study that stay in memory, of 4 to 25 kB each."""
 LATER = ("motion", "early_stop")
 """Sections without effect in the gravity stage."""
 
@@ -50,11 +53,31 @@ DRAW = re.compile(r"uncertain\.(?!variables\.[^.]+\.mean$)")
 """Keys that change what is drawn and not the mean soil."""
 
 
+class BaseScene:
+    """A scene, as a mapping, over which points are laid.  The scene at a point is built once, of the first ``MOST_KEPT`` points."""
+
+    def __init__(self, keys: Mapping[str, Any]) -> None:
+        self.keys = keys
+        self._built: dict[frozenset[tuple[str, str]], Scene] = {}
+
+    def at(self, point: Mapping[str, str]) -> dict[str, Any]:
+        """The scene with values of dimensions set, as a mapping."""
+        return merge(self.keys, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
+
+    def built(self, point: Mapping[str, str], origin: str) -> Scene:
+        """The validated scene with these set; ValueError, whose lines begin with the origin, where it is refused."""
+        values = frozenset(point.items())
+        scene = self._built.get(values) or make_scene(self.at(point), origin)
+        if len(self._built) < MOST_KEPT:
+            self._built[values] = scene
+        return scene
+
+
 class Run(NamedTuple):
     """A run as a job of the workflow makes it: a run, a stage that runs go on from, or a search that makes many of one scene."""
 
-    base: Mapping[str, Any]
-    """scene, as a mapping, over which the point is laid"""
+    base: BaseScene
+    """over which the point is laid"""
     id: str = ""
     """its name in the folder of its results"""
     point: Mapping[str, str] = {}
@@ -80,7 +103,12 @@ class Run(NamedTuple):
     @property
     def scene(self) -> dict[str, Any]:
         """Its scene as a mapping."""
-        return laid_over(self.base, self.point)
+        return self.base.at(self.point)
+
+    @property
+    def built(self) -> Scene:
+        """Its scene; ValueError names its file where that is refused."""
+        return self.base.built(self.point, self.file)
 
     @property
     def until(self) -> Until:
@@ -106,11 +134,6 @@ class Run(NamedTuple):
     def benchmark(self) -> str:
         """Its benchmark."""
         return f"{self.folder}/benchmarks/{self.id}.tsv"
-
-
-def laid_over(base: Mapping[str, Any], point: Mapping[str, str]) -> dict[str, Any]:
-    """A scene with values of dimensions set, both as mappings."""
-    return merge(base, dotted({scene_key(name): value_of(value) for name, value in point.items()}))
 
 
 class SharedRuns:
@@ -210,4 +233,4 @@ def _search_of_mean(gravity: Run, limit: str, numbered: bool) -> Run:
     if len(known) == len(gravity.point):
         return own
     label = gravity.id.removeprefix(Kind.GRAVITY) if numbered else f"_{point_name(known)}" if known else ""
-    return own._replace(base=at_mean(gravity.scene, gravity.id), point={}, id=f"{limit}{OF_MEAN}{label}")
+    return own._replace(base=BaseScene(at_mean(gravity.scene, gravity.id)), point={}, id=f"{limit}{OF_MEAN}{label}")

@@ -18,7 +18,7 @@ from sph.scene.schema import make_scene
 from sph.stability.extrapolation import extrapolate
 from sph.storage.trajectory import Variable
 from sph.study.planned import planned
-from sph.study.runs import Run
+from sph.study.runs import BaseScene, Run
 from sph.study.tables import number_column, read_csv, text_column, write_csv
 from sph.study.verdicts import HOLDS, MISSES
 
@@ -117,7 +117,7 @@ def runs_of(name: str) -> dict[tuple[str, str], Run]:
     case = CASES[name]
     scenes = {} if case.by == COMPUTATION else case.scenes()
     return {
-        (level, run): Run(scene, id=f"{name}/{run}/{file_name(level)}", folder=FOLDER, by=case.by, group=name)
+        (level, run): Run(BaseScene(scene), id=f"{name}/{run}/{file_name(level)}", folder=FOLDER, by=case.by, group=name)
         for (level, run), scene in scenes.items()
     }
 

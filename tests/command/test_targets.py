@@ -17,7 +17,7 @@ from sph.command.status import Job, State, look_at
 from sph.command.study import find_study
 from sph.jobs.catalogue import Catalogue
 from sph.scene.schema import Scene, make_scene
-from sph.study.runs import laid_over
+from sph.study.runs import BaseScene
 
 ROOT = Path(__file__).resolve().parents[2]
 TRIGGER: dict[str, Any] = {
@@ -135,7 +135,7 @@ def test_the_plan_is_written_beside_the_results(study: Path) -> None:
     assert {run.file for run in (*catalogue.plan.jobs, *catalogue.started)} <= set(runs)
     for file, run in runs.items():
         planned = catalogue.row(file)
-        assert make_scene(laid_over(told["scenes"][run["scene"]], run["point"])) == make_scene(planned.scene)
+        assert BaseScene(told["scenes"][run["scene"]]).built(run["point"], "plan.json") == make_scene(planned.scene)
         assert [run[name] for name in ("id", "parent", "until", "by")] == [planned.id, planned.parent, planned.until, planned.by]
         assert run["parent"] is None or run["parent"] in runs
     alone = json.loads((catalogue.base / "results" / "assumptions" / "plan.json").read_text(encoding="utf-8"))

@@ -121,7 +121,7 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
 
 def test_a_search_repeats_no_trial(tmp_path: Path, small_slope: SceneBuilder) -> None:
     """Stopped in the middle by an error, which leaves what a kill would."""
-    scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
+    scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}})
     path, made, told = tmp_path / "search.nc", [], []
 
     def stop(trial: Trial) -> None:

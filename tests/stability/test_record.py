@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -24,16 +23,15 @@ LIMIT, SLOPE, SENSITIVE = 2.0, 0.4, 1.5
 SHAPE = {"shape": "slope", "slope_angle": 60.0, "slope_height": 20.0}
 
 
-def scene(spacing: float) -> dict[str, Any]:
+def scene(spacing: float) -> Scene:
     numerics = {"spacing": spacing, "time_step": 1e-4, "smoothing_ratio": 1.6}
-    made = make_scene({"name": "slope", "scheme": "paper", "duration": 4.0, "geometry": SHAPE, "numerics": numerics})
-    return made.model_dump(mode="json")
+    return make_scene({"name": "slope", "scheme": "paper", "duration": 4.0, "geometry": SHAPE, "numerics": numerics})
 
 
 @pytest.fixture(autouse=True)
 def tests(monkeypatch: pytest.MonkeyPatch) -> list[Trial]:
     """What is tested, in order: slopes with the limit above."""
-    cohesion, made = make_scene(scene(0.5)).soil.cohesion, list[Trial]()
+    cohesion, made = scene(0.5).soil.cohesion, list[Trial]()
 
     def stand(at: Scene, rule: FailureRule, value: float) -> Trial:
         strength = at.soil.cohesion / cohesion
@@ -48,7 +46,7 @@ def tests(monkeypatch: pytest.MonkeyPatch) -> list[Trial]:
 def test_the_file_of_an_extrapolated_search_has_value_error_and_every_trial(tmp_path: Path, tests: list[Trial]) -> None:
     search_to_file(scene(0.5), "yield_acceleration", tmp_path / "a.nc", lambda trial: None, extrapolates=True)
     found = trajectory.read(tmp_path / "a.nc")
-    same = extrapolated(yield_acceleration, make_scene(scene(0.5)))
+    same = extrapolated(yield_acceleration, scene(0.5))
     assert found.attrs["value"] == same.value == pytest.approx(LIMIT, abs=0.03)
     assert found.attrs["error"] == same.error and abs(same.value - LIMIT) < same.error
     assert found.attrs["sensitivity"] == same.sensitivity == pytest.approx(SENSITIVE * LIMIT, rel=0.1)
@@ -89,7 +87,7 @@ def test_a_search_at_two_spacings_that_was_killed_repeats_no_trial(stop_after: i
 def test_spacings_of_a_study() -> None:
     """The runs' own and twice that; finer ones where the rule allows no coarser one; none for runs too coarse for any test."""
     for own, spacings in ((0.5, (1.0, 0.5)), (1.0, (2.0, 1.0)), (2.0, (2.0, 20.0 / 15))):
-        assert unasked_spacings(make_scene(scene(own)), own, DEFAULT_RULE) == pytest.approx(spacings)
+        assert unasked_spacings(scene(own), own, DEFAULT_RULE) == pytest.approx(spacings)
     refused = run_search(scene(2.5), "yield_acceleration", extrapolates=True)
     assert math.isnan(refused.attrs["value"]) and "too coarse to see a slope" in refused.attrs["reason"]
     assert search_words(refused.attrs)[0].startswith("not found: numerics.spacing")

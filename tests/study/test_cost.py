@@ -104,10 +104,10 @@ def test_a_search_of_a_slope_without_one_is_as_the_scene(small_slope: SceneBuild
 
 
 def test_what_a_job_asks_for(small_slope: SceneBuilder) -> None:
-    data = small_slope({}).model_dump(mode="json")
+    data = small_slope({})
     first, second = needs(data), needs(data, attempt=2)
     assert first.mem_mb >= COMPILER and first.runtime >= 5
     assert second.mem_mb == pytest.approx(2 * first.mem_mb, abs=1) and second.runtime == pytest.approx(2 * first.runtime, abs=1)
-    large = small_slope({"numerics.spacing": 0.2, "numerics.time_step": 5e-5, "outputs.frame_interval": 0.05}).model_dump(mode="json")
+    large = small_slope({"numerics.spacing": 0.2, "numerics.time_step": 5e-5, "outputs.frame_interval": 0.05})
     gravity, end, search = (needs(large, what) for what in ("gravity", "end", "yield_acceleration"))
     assert first.runtime < gravity.runtime < end.runtime < search.runtime and first.mem_mb < gravity.mem_mb < end.mem_mb

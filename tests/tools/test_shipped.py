@@ -195,7 +195,7 @@ def test_one_run_of_every_combination_of_terms_is_repeated_and_a_tenth_of_all(tm
 def test_a_search_is_repeated_with_all_its_trials(origins: Path, small_slope: SceneBuilder, monkeypatch: pytest.MonkeyPatch) -> None:
     path = origins.parent / "results/one/runs/a.nc"
     path.unlink()
-    scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}}).model_dump(mode="json")
+    scene = small_slope({"duration": 2.0, "numerics.spacing": 2.5, "motion": {"kind": "none"}})
     search_to_file(scene, "yield_acceleration", path, lambda trial: None)
     with netCDF4.Dataset(path, "a") as data:
         data.solver_digest = "earlier"

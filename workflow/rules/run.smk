@@ -33,7 +33,7 @@ for place, name, first in (("stages", "stage", 10), ("runs", "simulate", 0)):
         priority: first
         resources:
             **asked(
-                lambda wildcards, of=row_of: of(wildcards).scene,
+                lambda wildcards, of=row_of: of(wildcards).built,
                 lambda wildcards, of=row_of: of(wildcards).needs,
             ),
         params:

@@ -19,7 +19,7 @@ rule preflight:
         f"{RESULTS}/benchmarks/preflight.tsv"
     priority: 100
     resources:
-        **asked(lambda wildcards: PLAN.slope, lambda wildcards: SAFETY),
+        **asked(lambda wildcards: PLAN.slope.built, lambda wildcards: SAFETY),
     params:
         **told(
             lambda wildcards: {

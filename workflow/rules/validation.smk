@@ -52,7 +52,7 @@ rule validation_run:
         "results/validation/benchmarks/{case}/{variant}/{level}.tsv"
     resources:
         **asked(
-            lambda wildcards: case_run(wildcards).scene,
+            lambda wildcards: case_run(wildcards).built,
             lambda wildcards: case_run(wildcards).needs,
         ),
     params:

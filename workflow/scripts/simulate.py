@@ -50,8 +50,7 @@ def simulate(
 
 def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO, extrapolates: bool) -> None:
     """Search a limit of a scene at its spacing or, if it ``extrapolates``, at two, from the trials of a search that was killed."""
-    planned.build()  # refuses files that have changed
-    search_to_file(planned.scene, by, path_to_trials, lambda trial: print(*trial, file=log, flush=True), extrapolates)
+    search_to_file(planned.build(), by, path_to_trials, lambda trial: print(*trial, file=log, flush=True), extrapolates)
 
 
 if __name__ == "__main__":

@@ -26,13 +26,12 @@ from sph.measures.metrics import METRIC_BY_NAME
 from sph.scene.configuration import Section, found_file, key, merge, read_yaml, validated
 from sph.scene.extras import of_extra
 from sph.scene.names import check_known
-from sph.scene.schema import make_scene
 from sph.scene.strict_json import parse_json
 from sph.scene.units import Acceleration
 from sph.storage.trajectory import Variable
 from sph.study.dimensions import is_number, scene_key, scene_keys
 from sph.study.plan import Plan
-from sph.study.runs import Run, laid_over
+from sph.study.runs import BaseScene, Run
 from sph.study.tables import text_column
 
 FOLDER = "sensitivity"
@@ -287,7 +286,7 @@ class SensitivityPlan:
         self.fidelities = (own, confirm.fidelity if confirm else own)
         check_known(f"{origin}: confirm.fidelity", self.fidelities, plan.study.fidelities)
         self.quantities = [Quantity(name, analysed.log_offset) for name, analysed in settings.metrics.items()]
-        self._bases = {name: merge(plan.at(name).scene(), settings.overrides) for name in self.fidelities}
+        self._bases = {name: BaseScene(merge(plan.at(name).scene(), settings.overrides)) for name in self.fidelities}
         self.axes = self._axes(plan.study.metrics.probe)
         self._designs = {"morris": dict(self._morris()), "tornado": dict(self._tornado())}
 
@@ -359,7 +358,7 @@ class SensitivityPlan:
                 checked(self._scene(corner, fidelity), f"{self.origin}: at {at}, fidelity {fidelity}")
 
     def _scene(self, point: Point, fidelity: str) -> dict[str, Any]:
-        return laid_over(self._bases[fidelity], self._written(point))
+        return self._bases[fidelity].at(self._written(point))
 
     def _written(self, point: Point) -> dict[str, str]:
         """Keys of the scene that a point sets."""
@@ -367,9 +366,9 @@ class SensitivityPlan:
         return {name: repr(ratio * value) for factor, value in factors for name, ratio in factor.keys.items()}
 
     def _axes(self, probe: str) -> list[Axis]:
-        scene = make_scene(self._bases[self.fidelities[0]], self.origin)
+        scene = self._bases[self.fidelities[0]].built({}, self.origin)
         for fidelity, keys in self._bases.items():
-            check_probe(probe, make_scene(keys, self.origin), f"{self.origin}: at fidelity {fidelity}")
+            check_probe(probe, keys.built({}, self.origin), f"{self.origin}: at fidelity {fidelity}")
         axes = []
         for name, factor in self.settings.factors.items():
             where = f"{self.origin}: factors.{name}"
