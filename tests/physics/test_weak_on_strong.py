@@ -285,7 +285,11 @@ def gives_way(rows: int, interfaces: str = "weaker") -> float:
 
 @pytest.mark.parametrize("interfaces", ["weaker", "both"])
 def test_a_cover_of_two_rows_fails_at_a_tenth_more_than_one_of_twelve(interfaces: str) -> None:
-    """A measured band.  Until it has failed, a weak row shares the strain with the strong soil beside it, whatever ``interfaces`` says."""
+    """Keeps a measured value from drifting: the bands were set after the results.
+
+    Wanted were 3 %, which two rows miss: the cover gives way at 1.25 of its closed form with two rows, 1.21 with six, 1.14 with twelve.
+    Until it has failed, a weak row shares the strain with the strong soil beside it, whatever ``interfaces`` says.
+    """
     finest = gives_way(12)
     assert 1.0 < finest < 1.2, "3 mm of slip, under a push that rises all the while, take their part"
     assert 1.05 * finest < gives_way(2, interfaces) < 1.15 * finest
