@@ -48,7 +48,14 @@ SOLVER = solver_digest()
 SEARCHING = SOLVER + sources("stability/*.py")
 FIGURES = "experiments/*/figures*.py"
 ANALYSIS = sources(
-    *["output/*.py", "measures/*.py", "checks/*.py", "study/*.py", "experiments/*.py", "experiments/variants/*.py"],
+    *[
+        "output/*.py",
+        "measures/*.py",
+        "checks/*.py",
+        "study/*.py",
+        "experiments/*.py",
+        "experiments/variants/*.py",
+    ],
     "experiments/measured/*.csv",
     without=FIGURES,
 )

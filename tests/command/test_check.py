@@ -203,8 +203,8 @@ def test_the_command_draws_and_warns(tmp_path: Path) -> None:
     data = json.loads(call("check", file, "--set", "duration=8", "--json").stdout)
     assert [(one["code"], one["severity"], one["key"]) for one in data["findings"]] == [
         ("motion-cut-off", "warning", "duration"),
-        ("block-not-rigid", "note", ""),
         ("no-process-zone", "note", "coupling.softening"),
+        ("block-not-rigid", "note", ""),
     ]
     assert data["findings"][0]["numbers"] == {"value": 8.0, "bound": 10.0}
     assert call("check", file, "--set", "geometry.base=445").exit_code == REFUSED

@@ -12,7 +12,7 @@ from sph.scene.configuration import dotted, merge
 from sph.scene.schema import make_scene
 from sph.solver.initial_state import initial_state
 from sph.solver.particles import place_particles
-from sph.solver.physics.coupling import CHUNK, cauchy_stress, update_stress
+from sph.solver.physics.coupling import cauchy_stress, update_stress
 from sph.solver.renewal import make_lists
 from sph.solver.state import ARMED, FAILED, HELD, YIELDED
 from sph.solver.terms import State, make_terms
@@ -33,7 +33,7 @@ class Bench(NamedTuple):
     def strain(self, gradient: tuple[float, float, float, float], step: int) -> int:
         """One step with the velocity gradient (xx, xy, yx, yy) in 1/s; the number of particles that fail."""
         sums = np.array(gradient)[:, None] * self.state.density
-        failed, _ = update_stress(self.state, self.pairs, self.terms, sums, np.zeros(CHUNK), step * DT, 0, 4)
+        failed, _ = update_stress(self.state, self.pairs, self.terms, sums, np.zeros(4, bool), step * DT, 0, 4)
         return failed
 
     def stress(self) -> np.ndarray:

@@ -108,7 +108,7 @@ def test_a_strength_is_told_at_its_peak_and_as_failed_soil_keeps_it() -> None:
 
 def test_failure_without_a_length_is_warned_of_but_for_the_papers() -> None:
     (found,) = of_softening(make_scene(OWN))
-    assert (found.code, found.severity, found.key) == ("no-process-zone", "warning", "coupling.softening")
+    assert (found.code, found.severity, found.keys) == ("no-process-zone", "warning", ("coupling.softening",))
     (noted,) = of_softening(make_scene(merge(OWN, {"scheme": "paper"})))
     assert (noted.code, noted.severity) == ("no-process-zone", "note")
     assert of_softening(make_scene(merge(OWN, {"coupling": {"softening": {"slip_at_peak": 1e-3, "width": 2.0}}}))) == []
