@@ -17,6 +17,7 @@ import xarray as xr
 from pydantic import BaseModel
 
 import sph
+from sph.output.run import Run
 from sph.solver.run import Result
 from sph.storage.trajectory import write
 
@@ -87,10 +88,11 @@ def test_dir_shows_what_is_public_only() -> None:
     assert {name for name in shown if not name.startswith("__")} == set(sph.__all__)
 
 
-def test_a_run_is_drawn_from_memory_and_from_its_file(tmp_path: Path, slid: xr.Dataset) -> None:
+def test_a_run_is_drawn_from_memory_and_from_its_file(tmp_path: Path, slid: Run) -> None:
     path, picture = tmp_path / "run.nc", tmp_path / "run.png"
-    write(path, slid.assign_attrs(particle_steps=1))
-    drawn = [sph.plot(run, picture) for run in (slid, path, str(path), Result(slid, xr.Dataset(), "complete"))]
+    stored = slid.trajectory
+    write(path, stored.assign_attrs(particle_steps=1))
+    drawn = [sph.plot(run, picture) for run in (stored, path, str(path), Result(stored, xr.Dataset(), "complete"))]
     assert picture.read_bytes().startswith(b"\x89PNG") and all(len(figure.axes) == 3 for figure in drawn)
     with pytest.raises(ValueError, match="colour"):
-        sph.plot(slid, field="colour")
+        sph.plot(stored, field="colour")

@@ -13,6 +13,7 @@ import yaml
 from small_scenes import SceneBuilder
 from typer.testing import CliRunner
 
+from sph.checks.stability import settled
 from sph.command.cli import app
 from sph.command.cost import coarse, speed_here, study_cost
 from sph.command.status import Job, look_at
@@ -26,7 +27,6 @@ from sph.study.cost import START, cost
 from sph.study.preflight import (
     QUICK_SENSITIVITY,
     QUICK_TRIALS,
-    _settled,
     preflight_searches,
     preflight_seconds,
     quick_spacings,
@@ -92,7 +92,7 @@ def test_the_preflight_is_counted(config: Path, monkeypatch: pytest.MonkeyPatch)
     slope = scenes[next(iter(scenes))]
     coarse, fine = (cost(static_scene(at_spacing(slope, spacing), DEFAULT_RULE)).seconds for spacing in quick_spacings(slope))
     standing = standing_scene(slope)
-    tests = (1 + 2) * cost(static_scene(standing, DEFAULT_RULE)).seconds + cost(_settled(standing)).seconds
+    tests = (1 + 2) * cost(static_scene(standing, DEFAULT_RULE)).seconds + cost(settled(standing)).seconds
     a_search = QUICK_TRIALS[0] * coarse + QUICK_TRIALS[1] * fine
     assert preflight_searches(elsewhere=True) == ("factor-of-safety",) and len(preflight_searches(elsewhere=False)) == 2
     seconds = preflight_seconds(scenes, preflight_searches(elsewhere=True))
