@@ -1,6 +1,8 @@
 # Purpose: the reference cases (tests/cases): problems with a known answer, each result beside the value that it has to meet.
 # Inputs:  tests/cases: the scenes of every case at every resolution; the solver's sources, by their contents.
 # Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/<case>.csv, figures/<case>, validation.csv, book.md, book.pdf
+import functools
+
 if (SPH.parent / "tests" / "cases").is_dir():
     sys.path.append(str(SPH.parent / "tests"))
     from cases import CASES, suite
@@ -51,15 +53,9 @@ rule validation_run:
     benchmark:
         "results/validation/benchmarks/{case}/{variant}/{level}.tsv"
     resources:
-        **asked(
-            lambda wildcards: case_run(wildcards).built,
-            lambda wildcards: case_run(wildcards).needs,
-        ),
+        **asked(case_run),
     params:
-        **told(lambda wildcards: asked_of(case_run(wildcards))),
-        sources=lambda wildcards: (
-            SOLVER if case_run(wildcards).by == SIMULATION else SEARCHING
-        ),
+        **simulated(case_run),
     script:
         "../scripts/simulate.py"
 
