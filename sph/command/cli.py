@@ -96,17 +96,24 @@ def common(
     """Earthquake-induced slope failure with solid-fluid coupled smoothed particle hydrodynamics."""
 
 
-@command("Example:  sph new ground.csv RSN6_ELC180.AT2 --out myslope", "reading ground and record")
+@command(
+    "Examples:  sph new ground.csv RSN6_ELC180.AT2 --out myslope  |  sph new ground.csv quake.csv --cover 3 --out myslope",
+    "reading ground and record",
+)
 def new(
     ground: Annotated[Path, typer.Argument(metavar="GROUND", help="ground line of the survey (CSV, GeoJSON or WKT)")],
     record: Annotated[Path, typer.Argument(metavar="RECORD", help="ground motion (.AT2, .EW .NS ..., .smc, .V2, .ASC, .csv)")],
     out: Annotated[Path, typer.Option(help="folder to write scene.yaml and study.yaml into")] = Path(),
     component: Component = None,
+    cover: Annotated[
+        float | None, typer.Option(metavar="THICKNESS", help="of a weak cover on stronger ground, m: adds a layer, and chooses the spacing")
+    ] = None,
 ) -> Told:
     """Write a scene and a study for your own slope, with comments; then replace the soil properties in them."""
-    from sph.command.new import write_new
+    from sph.command.new import cover_words, write_new
 
-    scene, study = write_new(ground, record, out, component)
+    scene, study = write_new(ground, record, out, component, cover)
+    say(*(cover_words(scene) if cover is not None else ()))
     return f"{scene}, {study}: replace the soil properties, then run sph check {scene} --plot scene.png"
 
 

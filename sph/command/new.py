@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import shlex
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -13,6 +14,8 @@ import numpy as np
 import yaml
 
 import sph
+from sph.checks.cover_rows import Cover, covers, enough_rows
+from sph.checks.layers import of_cover
 from sph.checks.messages import sentence
 from sph.checks.scene import PLACEHOLDER, PLACEHOLDER_SOIL, to_side
 from sph.command.schema import schema_file
@@ -23,10 +26,18 @@ from sph.scene.natural_periods import Column, natural_frequencies
 from sph.scene.schema import load_scene
 from sph.scene.survey import read_line
 from sph.storage.files import whole
+from sph.study.cost import ON_REFERENCE, cost
 
 SCENE, STUDY = "scene.yaml", "study.yaml"
-COARSE_ROWS, ROWS, FINE_ROWS = 15, 20, 30
-"""Particles over the height of the slope: for a first look, of the scene, and to see what finer ones change."""
+ROWS = 20
+"""Particles over the height of the slope at least."""
+COARSER, FINER = 0.75, 1.5
+"""Times as many for a first look, and to see what finer ones change."""
+LONGEST_RUN = 3600.0
+"""Computing time (s) of a run up to which particles are made smaller for the sake of a cover; it grows with the cube of their number over
+the height."""
+GROUND = {"density": 2200.0, "s_wave_speed": 450.0, "cohesion": 200.0, "friction_angle": 38.0}
+"""The ground below a cover, to be replaced, in the units of the scene's keys."""
 WIDTH = 0.22
 """Over which failure begins, over the slope's height: three spacings even for a first look."""
 DEPTH = 0.4
@@ -65,8 +76,7 @@ soil:
   dilation_angle: 0.0 # degree, at most the friction angle; 0: no dilation, as in loose soil and clay
   viscosity: 2.0 # Pa s, of debris above its yield stress; has little effect
   # K0: 0.5 # horizontal over vertical effective stress at rest; left out: nu / (1 - nu) = {rest:.2f}. It decides how near failure soil is
-# layers: # other soils, by depth, elevation or polygon; give only the keys that differ
-#   clay: {{region: {{kind: depth, top: 6.0, bottom: 9.0}}, soil: {{cohesion: 12.0, friction_angle: 19.0}}, S_R: 0.6}}
+{layers}
 coupling:
   S_R: 0.5 # residual over peak strength, from a shear box or ring shear test  REPLACE
   # From the same test, m: displacement at the end of the peak and where the residual strength is reached (docs/model/softening.md)  REPLACE
@@ -77,8 +87,17 @@ coupling:
 damping: {{ratio: 0.03, frequencies: [{low:g}, {high:g}]}} #           REPLACE when the soil is known
 motion: {{kind: record, {file}, start: {start:g}, baseline: {{degree: 1}}}} # as recorded, {peak:.3g} m/s2; amplitude: 3.0 scales it
 numerics:
-  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope; try {finer:g} to see the effect of a finer spacing
+  spacing: {spacing:g} # m, {rows} whole rows over the height of the slope{in_cover}; try {finer:g} to see the effect of a finer spacing
 """
+LAYERS_TEXT = """\
+# layers: # other soils, by depth, elevation or polygon; give only the keys that differ
+#   clay: {region: {kind: depth, top: 6.0, bottom: 9.0}, soil: {cohesion: 12.0, friction_angle: 19.0}, S_R: 0.6}"""
+COVER_TEXT = """\
+layers: # the soil above is the cover; other layers by depth, elevation or polygon, with only the keys that differ
+  ground: # below the cover, whose thickness (m, vertically) decides the spacing
+    region: {{kind: depth, top: {cover:g}}}
+    soil: # REPLACE
+      {{density: {density:g}, shear_wave_speed: {s_wave_speed:g}, cohesion: {cohesion:g}, friction_angle: {friction_angle:g}}}"""
 STUDY_TEXT = """\
 {study_schema}# How far does the slope move, depending on the shaking and on the residual strength of its soil?
 #   snakemake --cores 2 --configfile {study_word}
@@ -97,13 +116,15 @@ fidelities:
 """
 
 
-def write_new(ground: Path, record: Path, folder: Path, component: str | None = None) -> tuple[Path, Path]:
+def write_new(ground: Path, record: Path, folder: Path, component: str | None = None, cover: float | None = None) -> tuple[Path, Path]:
     """Write ``SCENE`` and ``STUDY``, named after it, into a folder, which is made; their paths.
 
-    ``component`` is the horizontal component of a record that holds several, as ``motion.component``.
+    ``component`` is the horizontal component of a record that holds several, as ``motion.component``; ``cover`` the thickness (m) of weak
+    soil on stronger ground, which then has the rows of particles that its run-out needs, unless a run would take longer than
+    ``LONGEST_RUN``.
 
-    ValueError for a ground line or a record that cannot be used, where one of the files exists, and for a path that a line of text cannot
-    hold; nothing is left behind then.
+    ValueError for a ground line, a record or a cover that cannot be used, where one of the files exists, and for a path that a line of
+    text cannot hold; nothing is left behind then.
     """
     scene, study = folder / SCENE, folder / STUDY
     for path in (scene, study):
@@ -112,11 +133,17 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
     for path in (ground, record, folder.absolute()):
         if not str(path).isprintable():
             raise ValueError(f"{str(path)!r}: holds a character that cannot be printed, which a scene file cannot hold; rename it")
-    line, downhill = _ground(ground)
+    line, downhill = _ground(ground, cover or 0.0)
     motion = read_record(record, component=component)
     height = line.slope_height
-    soil = Column(*(np.array([each]) for each in (line.crest[1], PLACEHOLDER_SOIL["s_wave_speed"], PLACEHOLDER_SOIL["density"])))
-    spacing, frequency = height / ROWS, _digits(float(natural_frequencies(soil)[0]), 3)
+    if cover is not None and not 0.0 < cover < height:
+        raise ValueError(
+            f"--cover {cover:g}: must be above 0 and less than the height of the slope, {height:.4g} m; leave it out without one"
+        )
+    soils = [PLACEHOLDER_SOIL, GROUND] if cover else [PLACEHOLDER_SOIL]
+    thickness = [cover, line.crest[1] - cover] if cover else [line.crest[1]]
+    column = Column(*map(np.array, (thickness, *([soil[key] for soil in soils] for key in ("s_wave_speed", "density")))))
+    frequency = _digits(float(natural_frequencies(column)[0]), 3)
     name = _name(folder.resolve())
     facts: dict[str, Any] = PLACEHOLDER_SOIL | {
         "scene_schema": _schema_line("scene", folder),
@@ -140,19 +167,19 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
         "start": START,
         "after": AFTER,
         "peak": motion.peak,
-        "spacing": _digits(spacing, 6),
-        "rows": ROWS,
-        "finer": _digits(height / FINE_ROWS, 6),
-        "coarse": _digits(height / COARSE_ROWS, 6),
+        "layers": COVER_TEXT.format(cover=cover, **GROUND) if cover else LAYERS_TEXT,
         "amplitudes": ", ".join(f'"{factor * motion.peak:.3g}"' for factor in (0.5, 1.0, 1.5)),
     }
     made = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for path, text in ((scene, SCENE_TEXT), (study, STUDY_TEXT)):
-            with whole(path) as temporary:
-                temporary.write_text(text.format(**facts), encoding="utf-8")
-        load_scene(scene)
+        rows = ROWS if cover is None else max(ROWS, math.ceil(height * (enough_rows() or ROWS) / cover))
+        _write(scene, SCENE_TEXT, facts | _of_rows(rows, height, cover))
+        written = load_scene(scene)
+        if rows > ROWS and (seconds := cost(written).seconds) > LONGEST_RUN:
+            rows = max(ROWS, math.floor(rows * (LONGEST_RUN / seconds) ** (1.0 / 3.0)))
+            _write(scene, SCENE_TEXT, facts | _of_rows(rows, height, cover))
+        _write(study, STUDY_TEXT, facts | _of_rows(rows, height, cover))
     except BaseException:
         for path in (scene, study):
             path.unlink(missing_ok=True)
@@ -161,6 +188,37 @@ def write_new(ground: Path, record: Path, folder: Path, component: str | None = 
                 path.rmdir()
         raise
     return scene, study
+
+
+def _write(path: Path, text: str, facts: Mapping[str, Any]) -> None:
+    with whole(path) as temporary:
+        temporary.write_text(text.format(**facts), encoding="utf-8")
+
+
+def _of_rows(rows: int, height: float, cover: float | None) -> dict[str, Any]:
+    """What a scene and a study say of the rows of particles over the height of the slope, m."""
+    return {
+        "rows": rows,
+        "in_cover": "" if cover is None else f", {cover * rows / height:.2g} in the cover",
+        **{name: _digits(height / round(factor * rows), 6) for name, factor in (("spacing", 1.0), ("finer", FINER), ("coarse", COARSER))},
+    }
+
+
+def cover_words(path: Path) -> list[str]:
+    """What the rows of particles in the covers of a scene do to its run-out, and what a run costs with these and with enough."""
+    scene = load_scene(path)
+    seconds = cost(scene).seconds
+
+    def words(cover: Cover) -> str:
+        told = f"{sentence(of_cover(cover, scene))}. A run takes {_time(seconds)} {ON_REFERENCE}"
+        enough = enough_rows(cover.law)
+        return told + (f", with {enough} rows about {_time(seconds * (enough / cover.rows) ** 3)}" if cover.short and enough else "")
+
+    return list(map(words, covers(scene)))
+
+
+def _time(seconds: float) -> str:
+    return f"{seconds / 3600.0:.2g} h" if seconds >= 3600.0 else f"{seconds / 60.0:.2g} min"
 
 
 def quoted(text: str) -> str:
@@ -180,8 +238,8 @@ def _schema_line(name: str, folder: Path) -> str:
     return f"# yaml-language-server: $schema={os.path.relpath(schema, folder)}\n" if schema.is_file() else ""
 
 
-def _ground(path: Path) -> tuple[GroundLine, str]:
-    """The ground with a base below it, and the side to which its largest slope falls."""
+def _ground(path: Path, cover: float) -> tuple[GroundLine, str]:
+    """The ground with a base below it and as deep below a cover as that is thick, and the side to which its largest slope falls."""
     try:
         points = read_line(path)
     except ValueError as error:
@@ -192,7 +250,7 @@ def _ground(path: Path) -> tuple[GroundLine, str]:
         keys: dict[str, Any] = {"shape": "ground_line", "points": points, "base": lowest - 1.0, "downhill": downhill}
         try:
             line = validated(GroundLine, keys, str(path))
-            base = math.floor(lowest - max(DEPTH * line.slope_height, 1.0))
+            base = math.floor(lowest - max(DEPTH * line.slope_height, 2.0 * cover, 1.0))
             found.append((validated(GroundLine, keys | {"base": base}, str(path)), downhill))
         except ValueError as error:
             refused.append(str(error))

@@ -12,10 +12,13 @@ import yaml
 from typer.testing import CliRunner
 
 import sph
+from sph.checks.cover_rows import covers, enough_rows
 from sph.checks.scene import PLACEHOLDER
 from sph.command.cli import app
 from sph.command.new import write_new
+from sph.scene.natural_periods import column_at, natural_frequencies
 from sph.scene.schema import load_scene
+from sph.study.cost import cost
 from sph.study.plan import load_study
 
 ROOT = Path(__file__).parents[2]
@@ -41,6 +44,42 @@ def test_what_is_written_can_be_run(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
     found = {each["code"]: each for each in json.loads(checked.stdout)["findings"]}
     assert checked.exit_code == 0 and {code for code, each in found.items() if each["severity"] != "note"} == {"soil-not-replaced"}
+
+
+def test_a_cover_has_the_rows_that_its_run_out_needs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In the scene that is written, by its own check; a thick cover changes nothing."""
+    monkeypatch.chdir(tmp_path)
+    told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", "own", "--cover", "2"])
+    assert told.exit_code == 0 and "enough rows" in told.stderr and "on one core of the reference machine" in told.stderr
+    scene = load_scene("own/scene.yaml")
+    ((cover,), rows) = covers(scene), scene.geometry.slope_height / scene.numerics.spacing  # type: ignore[union-attr]
+    assert (cover.name, cover.ground, cover.thickness) == ("soil", "ground", pytest.approx(2.0)) and not cover.short
+    assert rows == pytest.approx(round(rows), 1e-5) and enough_rows() <= cover.rows < enough_rows() + 2.0 / scene.geometry.slope_height  # type: ignore[operator,union-attr]
+    assert "in the cover" in Path("own/scene.yaml").read_text() and scene.damping is not None
+    assert scene.damping.frequencies[0] == pytest.approx(float(natural_frequencies(column_at(scene, scene.geometry.crest))[0]), rel=5e-3)  # type: ignore[union-attr]
+    checked = CliRunner().invoke(app, ["check", "own/scene.yaml", "--json"])
+    found = {each["code"] for each in json.loads(checked.stdout)["findings"] if each["severity"] != "note"}
+    assert found == {"soil-not-replaced"}
+    thick = load_scene(write_new(GROUND, RECORD, Path("thick"), cover=6.0)[0])
+    assert thick.geometry.slope_height / thick.numerics.spacing == pytest.approx(20, 1e-5)  # type: ignore[union-attr]
+
+
+def test_a_cover_that_would_cost_too_much_is_coarser_and_the_command_says_what_that_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("sph.command.new.LONGEST_RUN", 60.0)
+    told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", str(tmp_path), "--cover", "1"])
+    scene = load_scene(tmp_path / "scene.yaml")
+    (cover,) = covers(scene)
+    assert cover.short and f"{cover.rows:.2g} rows of particles in 1 m" in told.stderr and f"about {cover.run_out:.0%}" in told.stderr
+    assert f"with {enough_rows()} rows about" in told.stderr and 20 < scene.geometry.slope_height / scene.numerics.spacing < 75  # type: ignore[union-attr]
+    assert cost(scene).seconds < 60.0
+
+
+@pytest.mark.parametrize("thickness", ["0", "-1", "40", "nan"])
+def test_a_cover_that_is_none_is_refused(tmp_path: Path, thickness: str) -> None:
+    told = CliRunner().invoke(app, ["new", str(GROUND), str(RECORD), "--out", str(tmp_path / "own"), f"--cover={thickness}"])
+    assert told.exit_code == 2 and "--cover" in told.stderr and "24.7 m" in told.stderr and not (tmp_path / "own").exists()
 
 
 def test_what_decides_the_answer_is_written_out(tmp_path: Path) -> None:
