@@ -90,7 +90,7 @@ def shown(block: Block, output: str) -> str:
 def run_page(path_to_page: str, root: Path, folder: Path, log: IO[str]) -> None:
     """Write ``page.md``, with what its blocks print and how long they took, and the files that they make and it links to, into a folder.
 
-    The blocks find the repository as in its root: its configuration, its documentation, its tests, its workflow, and ``.venv`` with this Python.
+    The blocks find the repository as in its root: configuration, documentation, tests and workflow, and ``.venv`` with this Python.
     """
     path = Path(path_to_page)
     parts = read_page(path)
