@@ -34,7 +34,7 @@ ANYTHING = {
 plain = settings(max_examples=50, deadline=None, phases=[Phase.reuse, Phase.generate], suppress_health_check=list(HealthCheck))
 
 
-@pytest.mark.parametrize("examples", [40, pytest.param(200, marks=pytest.mark.long)])
+@pytest.mark.parametrize("examples", [40, pytest.param(300, marks=pytest.mark.long)])
 def test_everything_a_user_can_write_is_carried_out_or_refused_by_name(examples: int) -> None:
     """So many examples of every kind, the solver's first steps included."""
     script = Path(__file__).with_name("fuzz.py")
@@ -42,8 +42,8 @@ def test_everything_a_user_can_write_is_carried_out_or_refused_by_name(examples:
     assert done.returncode == 0, done.stdout + done.stderr
     counts = {outcome.strip(): int(count.replace(",", "")) for count, outcome in re.findall(r"([\d,]+)  all +(.*)", done.stdout)}
     assert sum(counts.values()) > 0.96 * examples
-    # Some 13 % are.  Of 200 that leaves a tenth; of 40, where chance is worth 5 %, a twentieth.
-    assert counts["accepted, run"] > (0.1 if examples >= 200 else 0.05) * examples, (
+    # Some 13 % are.  Of 300 that leaves a tenth, of 200 by chance not always; of 40, where chance is worth 5 %, a twentieth.
+    assert counts["accepted, run"] > (0.1 if examples >= 300 else 0.05) * examples, (
         "the examples are refused too often to say anything of what comes after"
     )
 
