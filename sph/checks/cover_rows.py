@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from sph.scene.geometry import SLOPES, Bodies
-from sph.scene.layers import DepthRegion, ElevationRegion, Layer, PolygonRegion
+from sph.scene.layers import DepthRegion, ElevationRegion, PolygonRegion
 from sph.scene.places import RIGHT
 from sph.scene.schema import Scene
 from sph.solver.physics.interface import soil_numbers
@@ -109,15 +109,14 @@ def _cover(scene: Scene, names: tuple[str, ...], number: int, columns: list[tupl
     depths, grounds, between = zip(*columns, strict=True)
     thickness = float(np.percentile(depths, 25))
     ground = names[int(np.bincount(grounds).argmax())]
-    law = scene.numerics.interfaces if _softens(scene, [None, *scene.layers.values()][number]) else "both"
+    law = scene.numerics.interfaces if _softens(scene, number) else "both"
     return Cover(names[number], ground, thickness, thickness / scene.numerics.spacing, law, 2 * sum(between) > len(between))
 
 
-def _softens(scene: Scene, layer: Layer | None) -> bool:
+def _softens(scene: Scene, number: int) -> bool:
     """Whether failed soil loses its solid state, without which it shares the strain with the ground."""
     coupling = scene.coupling
-    rate = coupling.gamma if layer is None or layer.gamma is None else layer.gamma
-    return rate > 0 or coupling.softens_by_slip or coupling.initial_state == "fluid"
+    return scene.materials[number].gamma > 0 or coupling.softens_by_slip or coupling.initial_state == "fluid"
 
 
 def strata(scene: Scene) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
