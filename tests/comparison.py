@@ -26,6 +26,7 @@ VARIANTS = {
     "interface": {
         "coupling.solid_after_failure": "elastic_plastic",
         "numerics.interfaces": "weaker",
+        "water": {"pressure": "carried", "r_u": 0.05},
         "layers": {"weak": {"region": {"kind": "depth", "bottom": 8.0}, "soil": {"cohesion": 100.0, "friction_angle": 18.0}}},
     },
     "seam": {

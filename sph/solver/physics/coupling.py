@@ -199,7 +199,7 @@ def _advance_chunk(
         p_effective, s = blend(beta, p_solid, p_fluid), blend_deviators(beta, s_solid, s_fluid)
         keep_normal_stress(terms.seams, i, p_effective, s)
         water = carried_pressure(terms.pore_pressure, soil, i, beta, p, time)
-        keep_water(terms.interface, i, water / (density * density))
+        internal += terms.cell_mass * keep_water(terms.interface, state, i, water / (density * density))
         mean = -p_effective - 0.5 * s.zz - water
         damped = without_slip(terms.seams, i, rate)
         damp_xx, damp_yy, damp_xy = damping_stress(terms.rayleigh_damping, beta, soil.bulk_modulus, damped, l_xx + l_yy)

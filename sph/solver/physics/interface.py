@@ -15,6 +15,8 @@ With 1 and 1 these are the usual sums; with 2 on the weak side and 0 on the stro
   shear that brakes it, so that their ratio is that of the soil at yield with any number of rows: soil that does not dilate bears
   c cos(phi) + sigma_n sin(phi) on the plane along which it shears (Davis 1968), with the effective normal stress sigma_n.
   The weights are those of effective stress; a pore pressure that soil carries along is the same on both sides and enters with 1 and 1.
+  Weights of 2 and 0 would have the pressure of the lowest row, half a spacing above the interface, where friction would be too large: a
+  wet layer of three rows would lose a tenth of its acceleration.  So its work is that on the plain sums (``keep_water``).
 * **Slip.**  The velocity jump is shear of the rows of the weak soil beside the interface, and its plastic part counts as their slip
   (``sph.solver.physics.slip``).
 * **Which soil is the weaker** say the present strengths k at the mean effective pressure of the pair, and from when on the weight of the
@@ -82,8 +84,8 @@ class Interface(NamedTuple):
     """(particles,) effective pressure in this step, not below 0, Pa"""
     lost: np.ndarray
     """(particles,) 1 - beta in this step"""
-    water: np.ndarray
-    """(particles,) pore pressure that the stress of the momentum equation holds, over density squared"""
+    opening: np.ndarray
+    """(particles,) what the weights add to the sum of (v_j - v_i) . g_ij in this step, on which the water does no work"""
 
 
 @slot
@@ -154,14 +156,30 @@ def _weigh_soils(interface: Interface, terms: Terms, state: State, pairs: Pairs,
     wait(team)
 
 
+class InterfaceState(NamedTuple):
+    """What the term keeps of the state."""
+
+    interface_water: np.ndarray  # (n,) pore pressure that the stress of the momentum equation holds, over density squared
+
+
+def _start(scene: Scene, particles: Particles) -> InterfaceState:
+    return InterfaceState(np.zeros(particles.x.size))
+
+
 @slot
-def keep_water(interface: Interface | None, i: int, value: float) -> None:
-    """Keep the pore pressure over density squared of particle i."""
+def keep_water(interface: Interface | None, state: State, i: int, value: float) -> float:
+    """Keep the pore pressure over density squared of particle i.
+
+    Returns the power, W/kg, that its water takes on the weighted sums of velocity differences beyond that on the plain ones.
+    """
+    return 0.0
 
 
 @keep_water.of(Interface)
-def _keep_water(interface: Interface, i: int, value: float) -> None:
-    interface.water[i] = value
+def _keep_water(interface: Interface, state: State, i: int, value: float) -> float:
+    mean = 0.5 * (state.interface_water[i] + value)
+    state.interface_water[i] = value
+    return mean * interface.opening[i]
 
 
 @jit
@@ -185,6 +203,7 @@ def add_unlike_gradients(interface: Interface | None, terms: Terms, state: State
 @add_unlike_gradients.of(Interface)
 def _add_unlike_gradients(interface: Interface, terms: Terms, state: State, pairs: Pairs, i: int, sums: GradientSums) -> GradientSums:
     xx, xy, yx, yy, viscous_x, viscous_y = sums
+    opening = 0.0
     for k in neighbours_of(pairs.alike_end[i], pairs.end[i]):
         j = pairs.neighbour[k]
         own, other = weights(interface, i, j)
@@ -194,10 +213,12 @@ def _add_unlike_gradients(interface: Interface, terms: Terms, state: State, pair
         xy += own * dvx * gy
         yx += own * dvy * gx
         yy += own * dvy * gy
-        opening = min(own, other) * (dvx * gx + dvy * gy)
-        strength = dissipation(terms.artificial_viscosity, terms.layers, i, j, opening, pairs.inverse_norm[k])
+        apart = dvx * gx + dvy * gy
+        opening += (own - 1.0) * apart
+        strength = dissipation(terms.artificial_viscosity, terms.layers, i, j, min(own, other) * apart, pairs.inverse_norm[k])
         viscous_x += strength * gx
         viscous_y += strength * gy
+    interface.opening[i] = opening
     return GradientSums(xx, xy, yx, yy, viscous_x, viscous_y)
 
 
@@ -224,7 +245,7 @@ def _add_unlike_stresses(
         own, other = weights(interface, i, j)
         gx, gy = pairs.gx[k], pairs.gy[k]
         more = own - 1.0
-        u = more * interface.water[i] + (other - 1.0) * interface.water[j]
+        u = more * state.interface_water[i] + (other - 1.0) * state.interface_water[j]
         ax += (more * sxx[i] + other * sxx[j] + u) * gx + (more * sxy[i] + other * sxy[j]) * gy
         ay += (more * syx + other * transposed_shear(terms.gradient_correction, state, j)) * gx + (more * syy[i] + other * syy[j] + u) * gy
         strength = residual_dissipation(terms.residual_viscosity, terms.layers, state, pairs, strain_rate, i, j, k)
@@ -278,5 +299,6 @@ TERM = Term(
     lambda scene: scene.numerics.interfaces == "weaker" and len(set(soil_numbers(scene))) > 1,
     _make,
     in_pairs=True,
+    state=Arrays(InterfaceState, _start),
     pairs=Arrays(InterfacePairs, _room),
 )
