@@ -99,6 +99,11 @@ def _at(of: Numbers) -> str:
     return "at a spacing of {spacing:.3g} m" + ("" if same else ", where the runs have {run_spacing:.3g} m")
 
 
+def _displaced(of: Numbers) -> str:
+    """The soil that moved in a test, and whether the guard stopped it."""
+    return "{displaced_area:.3g} m2 displaced" + (" (diverged)" if of["status"] == "diverged" else "")
+
+
 def _at_residual(of: Numbers) -> str:
     own = "".join(f", {name.split('.')[1]} {value:g}" for name, value in of.items() if name.startswith("layers."))
     return f"the slope without shaking, at residual strength (S_R {{S_R:g}}{own})"
@@ -233,7 +238,7 @@ def _reached(of: Numbers) -> str:
 MESSAGES: dict[str, Message] = {
     "fails-unshaken": Message(
         "the slope does not stand without shaking, so its failure is not due to the earthquake",
-        lambda of: "fails at its peak strength, {displaced_area:.3g} m2 displaced ({status}) " + _at(of),
+        lambda of: f"fails at its peak strength, {_displaced(of)} " + _at(of),
         "to stand",
     ),
     "softens-unshaken": Message(
@@ -243,7 +248,7 @@ MESSAGES: dict[str, Message] = {
     ),
     "fails-softened": Message(
         "without shaking the slope fails as its soil softens, so the result is not due to the earthquake alone",
-        lambda of: "{displaced_area:.3g} m2 displaced ({status}) as it softens, " + _at(of),
+        lambda of: f"{_displaced(of)} as it softens, " + _at(of),
         "to stand",
     ),
     "stands-unshaken": Message(

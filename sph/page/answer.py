@@ -54,7 +54,8 @@ class Answer(NamedTuple):
     facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
     tables: list[Table]
     alarms: list[str]  # what the spacing decides
-    warnings: list[str]
+    warnings: list[str]  # what limits trust in the results, errors of the scenes first
+    expected: str  # the error to expect of the numerics
 
 
 def answer(
@@ -90,6 +91,7 @@ def answer(
         [levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows))),
+        expected_sentence(scene) if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1 else "differs, see all runs",
     )
 
 
@@ -357,7 +359,12 @@ def _span(low: float, high: float, words: Callable[[float], str]) -> str:
 
 
 def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]) -> list[str]:
-    runs, found = len(table), list[str]()
+    runs = len(table)
+    errors, warnings = (
+        [f"{row.runs} of {runs} runs: {sentence(row.finding)}" for row in rows if row.finding.severity == severity]
+        for severity in (Severity.ERROR, Severity.WARNING)
+    )
+    found = list[str]()
 
     def say(count: Any, text: str) -> None:
         if count:
@@ -394,6 +401,4 @@ def _warnings(table: pd.DataFrame, scene: Scene, probe: str, rows: Sequence[Row]
         (table["displacement_magnitude"] < scene.numerics.spacing).sum(),
         f"move {probe} by less than a spacing ({scene.numerics.spacing:.4g} m): the expected error does not apply.",
     )
-    found += [f"{row.runs} of {runs} runs: {sentence(row.finding)}" for row in rows if row.finding.counts]
-    same = len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1
-    return [*found, f"Expected error: {expected_sentence(scene) if same else 'differs, see all runs'}."]
+    return [*errors, *found, *warnings]

@@ -84,7 +84,8 @@ def made_study(geometry: Mapping[str, Any] | None = None) -> StudyFiles:
             Path(path).parent.mkdir(exist_ok=True)
             Image.linear_gradient("L").save(path)
     weak = finding("fails-unshaken", "soil.cohesion", displaced_area=7.0, status="complete", spacing=1.0, run_spacing=1.0)
-    write_preflight(f"{FOLDER}/preflight.csv", [Row(weak, 4, next(iter(runs)))])
+    coarse = finding("few-particles", "numerics.spacing", value=4.0, bound=20.0, height=10.0)
+    write_preflight(f"{FOLDER}/preflight.csv", [Row(each, 4, next(iter(runs))) for each in (weak, coarse)])
     stages = [(f"{FOLDER}/stages/gravity.nc", f"{FOLDER}/stages/pre_failure_amplitude-{point['amplitude']}.nc") for point in points]
     by_name = {Path(run).stem: run for run in runs}
     return StudyFiles(

@@ -212,8 +212,10 @@ def test_print_shows_the_chosen_run_without_controls(browser: Browser) -> None:
     visible = "return document.getElementById(arguments[0]).checkVisibility()"
     assert [browser.run(visible, name) for name in ("choice", "play", "time")] == [False, False, False]
     assert [browser.run(visible, name) for name in ("title", "class", "profile", "curve")] == [True] * 4
+    browser.run("document.querySelector('#answer details').open = false")
     pdf = base64.b64decode(browser.driver.execute_cdp_cmd("Page.printToPDF", {})["data"])
     assert pdf.startswith(b"%PDF") and len(pdf) > 50_000
+    assert browser.run("return document.querySelector('#answer details').open"), "every warning is printed"
     widths = [int(width) for width in re.findall(rb"/Subtype /Image\s+/Width (\d+)", pdf)]
     assert widths.count(browser.run("return document.getElementById('profile').width")) == 2, "profile and curve"
 
@@ -285,7 +287,9 @@ def test_tables_and_pictures_can_be_kept(browser: Browser, study: StudyFiles, tm
         browser.run("document.querySelector(`button[data-save='${arguments[0]}']`).click()", kind)
 
         def done(_: Any) -> list[Path]:
-            return [path for path in tmp_path.iterdir() if path not in before and path.suffix in (".csv", ".png")]
+            new = [path for path in tmp_path.iterdir() if path not in before]
+            whole = all(path.suffix in (".csv", ".png") and path.stat().st_size for path in new)  # the browser reserves the name first
+            return new if whole else []
 
         return wait.WebDriverWait(browser.driver, 30, 0.1).until(done, kind)[0]  # type: ignore[no-any-return]
 

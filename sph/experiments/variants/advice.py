@@ -172,7 +172,7 @@ def expected_sentence(scene: Scene) -> str:
         coarsest = max((at for at, _ in _alike(scene, summary(table))), default=math.inf) / HEIGHT * scene.geometry.slope_height
         if scene.numerics.spacing > coarsest:
             return f"not measured at this spacing: the coarsest spacing measured is {coarsest:.3g} m on a slope of this height"
-    return "not measured: no variant of the cost-accuracy study has these numerics"
+    return "not measured with these numerics"
 
 
 def expected_metrics(scene: Scene) -> dict[str, float]:
