@@ -51,6 +51,7 @@ AMPLITUDE = "amplitude"
 class Answer(NamedTuple):
     """What the first screen says."""
 
+    lead: str  # what happens in the strongest shaking
     facts: list[tuple[str, str, str]]  # name, what is known of it, and how it can be known
     tables: list[Table]
     alarms: list[str]  # what the spacing decides
@@ -87,12 +88,43 @@ def answer(
         *yearly(found(ANNUAL)),
     ]
     return Answer(
+        _raised(lead(table, rows, why)),
         [(name, _raised(words), _raised(how)) for name, words, how in facts],
         [levels(table, dimensions, probe, why), *widths(table)],
         drifts(found(SPACINGS), probe, _points(table, dimensions)),
         list(map(_raised, _warnings(table, scene, probe, rows))),
         expected_sentence(scene) if len(table[[row.name for row in EXPECTED]].drop_duplicates()) == 1 else "differs, see all runs",
     )
+
+
+def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
+    """Whether the slopes stand without shaking; and in the strongest shaking of the study how many runs fail, how far the debris goes and
+    what it does at the places."""
+    said = list[str]()
+    falls = sum(row.runs for row in rows if row.finding.code == "fails-unshaken") or (table["status"] == Status.FAILED_UNSHAKEN).sum()
+    if falls:
+        said.append(f"The slope does not stand without shaking{'' if falls == len(table) else f' in {falls} of {len(table)} runs'}")
+    level, runs = "In this study", table
+    if AMPLITUDE in table:
+        strongest = max(table[AMPLITUDE], key=float)
+        level, runs = f"At {in_both(float(strongest))}", table[table[AMPLITUDE] == strongest]
+    known = runs[runs["diverged"] == 0]
+    fail, collapse = (int(known["collapse_class"].isin(classes).sum()) for classes in (CLASSES[1:], CLASSES[-1:]))
+    if known.empty:
+        words = [f"{level} every run diverged: there is no result"]
+    elif not fail:
+        words = [f"{level} no run fails"]
+    else:
+        if len(known) == 1:
+            words = [f"{level} the slope {'collapses' if collapse else 'fails'}"]
+        else:
+            words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
+        if farthest := max(known["runout"].max(), 0.0):
+            words.append(f"debris runs {'at least' if lower_bounds(known).any() else 'up to'} {metres(farthest)} m beyond the toe")
+        if moving := int((known["still_moving"] > 0).sum()):
+            words.append(f"it still moves at the end of {moving} runs" if len(known) > 1 else "it still moves at the end")
+    places = places_in(table.columns) if len(known) else ()
+    return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place, math.inf, why)[0]}" for place in places)]) + "."
 
 
 def _points(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> dict[str, str]:
@@ -251,35 +283,32 @@ def drifts(files: Sequence[str], probe: str, points: Mapping[str, str]) -> list[
 
 
 def at_places(table: pd.DataFrame, spacing: float, why: str = "") -> list[tuple[str, str, str]]:
-    """What the debris does at each place: in how many runs it is reached, how deep it lies there and when it arrives; where it is reached
-    in none, by how much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it.
+    """What the debris does at each place."""
+    return [(f"At {place}", *at_place(table, place, spacing, why)) for place in places_in(table.columns)]
+
+
+def at_place(table: pd.DataFrame, place: str, spacing: float, why: str = "") -> tuple[str, str]:
+    """In how many runs the debris reaches a place and how deep it lies there, and when it arrives; where it is reached in none, by how
+    much the ground rises there, if by more than the half spacing (m) that its rows of particles may lie above it.
 
     While debris moves nothing is known of how far it goes, nor where it was braked, for ``held_back`` says ``why``."""
-    facts = []
-    for place in places_in(table.columns):
-        passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
-        known, there = passed.notna().sum(), passed >= 0.0
-        unknown = passed.notna() & ~there & table["findings"].map(is_braked)
-        if there.any():
-            words = f"reached in {int(there.sum())} of {known} runs; debris up to {metres(depth[there].max())} m deep"
-            words += f"; unknown in {unknown.sum()}, whose debris is braked: {why}" * bool(unknown.any())
-            first = f"first arrival {arrival.min():.3g} s after the start of the run" if arrival.notna().any() else ""
-        elif unknown.any():
-            braked = f"unknown in {unknown.sum()} runs, whose debris is braked: {why}"
-            words = ", ".join([f"not reached in {known - unknown.sum()} runs"] * bool(unknown.sum() < known) + [braked])
-            first = f"braked, the debris stops {metres(-passed[unknown].max())} m short of it"
-        else:
-            moving = table["still_moving"][passed.notna()] > 0
-            words, first = f"not reached in {known} runs", ""
-            if moving.any():
-                words = f"not reached by the end of {known} runs, in {int(moving.sum())} of which debris still moves"
-                first = f"the debris is at least {metres(-passed.max())} m short of it then; run them for longer"
-            elif known:
-                first = f"the debris stops at least {metres(-passed.max())} m short of it"
-                if depth.max() > 0.5 * spacing:
-                    words += f"; the ground there rises by up to {metres(depth.max())} m"
-        facts.append((f"At {place}", words, first))
-    return facts
+    passed, depth, arrival = (table[column_of(place, quantity)] for quantity in (PASSED, DEPTH, ARRIVAL))
+    known, there = passed.notna().sum(), passed >= 0.0
+    unknown = passed.notna() & ~there & table["findings"].map(is_braked)
+    if there.any():
+        words = f"reached in {int(there.sum())} of {known} runs; debris up to {metres(depth[there].max())} m deep"
+        words += f"; unknown in {unknown.sum()}, whose debris is braked: {why}" * bool(unknown.any())
+        return words, f"first arrival {arrival.min():.3g} s after the start of the run" if arrival.notna().any() else ""
+    if unknown.any():
+        braked = f"unknown in {unknown.sum()} runs, whose debris is braked: {why}"
+        words = ", ".join([f"not reached in {known - unknown.sum()} runs"] * bool(unknown.sum() < known) + [braked])
+        return words, f"braked, the debris stops {metres(-passed[unknown].max())} m short of it"
+    moving = table["still_moving"][passed.notna()] > 0
+    if moving.any():
+        words = f"not reached by the end of {known} runs, in {int(moving.sum())} of which debris still moves"
+        return words, f"the debris is at least {metres(-passed.max())} m short of it then; run them for longer"
+    rises = f"; the ground there rises by up to {metres(depth.max())} m" * bool(known and depth.max() > 0.5 * spacing)
+    return f"not reached in {known} runs" + rises, f"the debris stops at least {metres(-passed.max())} m short of it" if known else ""
 
 
 def yearly(files: Sequence[str]) -> list[tuple[str, str, str]]:

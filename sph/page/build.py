@@ -19,10 +19,15 @@ from jinja2.utils import htmlsafe_json_dumps
 from markupsafe import Markup, escape
 from PIL import Image
 
+from sph.figures import caption as caption_of
+from sph.figures.before_after import figure_before_after
+from sph.figures.style import DPI
 from sph.measures.metrics import CLASSES
+from sph.measures.places import PlaceAt
 from sph.output.run import Run
 from sph.page.answer import answer
 from sph.page.explorer import explorer
+from sph.page.matrix import matrix
 from sph.page.sections import DOCS, Drawing, Section, of
 from sph.page.tables import MOST_VALUES, Code, Table, chosen_keys, csv_table, layer_table, run_columns, scene_table
 from sph.scene.strict_json import finite, parse_json
@@ -63,6 +68,7 @@ class StudyFiles(NamedTuple):
     sections: Sequence[Section]
     shown: Mapping[str, Sequence[str]] = {}  # runs from which a figure of the study was drawn, by its name
     probe: str = "A"
+    places: Mapping[str, PlaceAt] = {}
     client: bool = False  # the page is without paths, commands and what has still to be made
 
 
@@ -152,6 +158,8 @@ def build_page(study: StudyFiles, largest: int = LARGEST) -> str:
         key_table=chosen_keys(keys),
         layer_table=layer_table(scene, varied),
         answer=answer(whole_table, study.dimensions, scene, study.probe, found, study.client),
+        overview=overview(table, study, dict(zip(table.index, titles, strict=True))),
+        matrix=matrix(whole_table, study.dimensions, study.probe, list(table.index)),
         classes={name: int((whole_table["collapse_class"] == name).sum()) for name in CLASSES},
         diverged=int(whole_table["diverged"].sum()),
         over=over,
@@ -196,7 +204,7 @@ def as_json(data: Any) -> str:
 
 def found_part(section: Section, study: StudyFiles) -> Part:
     """A section with the tables and figures of the study that belong to it."""
-    tables = [csv_table(file, caption, section.variables) for file, caption in of(section.tables, study.files, study.folder)]
+    tables = [csv_table(file, caption, section.variables, section.aside) for file, caption in of(section.tables, study.files, study.folder)]
     pictures = []
     shown = {f"{study.folder}/figures/{name}.png": runs for name, runs in study.shown.items()}
     for file, drawing in of(section.figures, study.files, study.folder):
@@ -205,10 +213,22 @@ def found_part(section: Section, study: StudyFiles) -> Part:
     return Part(section, tables, pictures)
 
 
-def picture(path: str, drawing: Drawing, runs: Sequence[str] = ()) -> Picture:
-    """A PNG for the page, in 256 colours, which takes a third of the space; ValueError names a file that is not one."""
+def overview(table: pd.DataFrame, study: StudyFiles, titles: Mapping[str, str]) -> Picture | None:
+    """The slope before and after the run of those shown that goes farthest; None where all diverged."""
+    sound = table[table["diverged"] == 0]
+    if sound.empty:
+        return None
+    name = sound.fillna({"runout": 0.0}).sort_values(["runout", "displacement_magnitude"], kind="stable").index[-1]
+    drawn = io.BytesIO()
+    figure_before_after(Run.read(study.runs[name]), titles[name], study.places).savefig(drawn, format="png", dpi=DPI)
+    return picture(study.runs[name], Drawing("Before and after", caption_of(figure_before_after)), drawn=drawn)
+
+
+def picture(path: str, drawing: Drawing, runs: Sequence[str] = (), drawn: io.BytesIO | None = None) -> Picture:
+    """The PNG of a path, or one ``drawn`` here from it, for the page: in 256 colours, which takes a third of the space; ValueError names a
+    file that is not one."""
     try:
-        with Image.open(path) as image:
+        with Image.open(drawn or path) as image:
             small = io.BytesIO()
             image.convert("RGB").quantize(256, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
             width, height = image.size

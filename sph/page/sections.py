@@ -39,6 +39,7 @@ class Section(NamedTuple):
     tables: Mapping[str, str] = {}  # caption by pattern of CSV files
     figures: Mapping[str, Drawing] = {}  # by pattern of PNG files
     variables: Sequence[Variable] = ()  # columns of its tables, whose units the headings show
+    aside: Sequence[str] = ()  # columns of its tables that are for programs
     always: bool = False  # made with every study
 
 
@@ -62,6 +63,7 @@ PREFLIGHT = Section(
     "Findings on the scenes and on the stability of the slope before any run: errors, warnings and notes.",
     "snakemake --cores 2",
     tables={"{fidelity}/preflight.csv": "Findings"},
+    aside=("worst_run", "subject", "off_by", "numbers"),
     always=True,
 )
 FIGURES = Section(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import csv
 import math
 import operator
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -70,8 +70,9 @@ class Table(NamedTuple):
         return any(len(cell) > 70 for row in self.rows for cell in row)
 
 
-def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()) -> Table:
-    """Table of a CSV file, numbers to four digits, headings with the units that are declared; ValueError names a file that is not one.
+def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = (), aside: Collection[str] = ()) -> Table:
+    """Table of a CSV file without the columns ``aside``, numbers to four digits, headings with the units that are declared; ValueError
+    names a file that is not one.
 
     The column of sentences is taken out of it, each with the case of its row where there are several.
     """
@@ -84,6 +85,8 @@ def csv_table(path: Path | str, caption: str, variables: Iterable[Variable] = ()
         raise ValueError(
             f"{path}: cannot be read as a table: not all of its rows have {len(head)} columns; repeat the command that wrote it"
         )
+    kept = [at for at, name in enumerate(head) if name not in aside]
+    head, *rows = ([row[at] for at in kept] for row in (head, *rows))
     sentences = list[str]()
     if SENTENCE in head:
         at, case = head.index(SENTENCE), head.index("case") if "case" in head else None

@@ -10,7 +10,7 @@ import pytest
 
 from sph.checks.finding import finding
 from sph.experiments.trigger.annual import annual_columns
-from sph.page.answer import at_places, at_residual, held_back, levels, widths, yearly
+from sph.page.answer import at_places, at_residual, held_back, lead, levels, widths, yearly
 from sph.study.dimensions import Dimension
 from sph.study.preflight import Row
 from sph.study.tables import write_csv
@@ -136,3 +136,20 @@ def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
     assert at_residual(weak + strong)[0][1] == "Spencer 0.58 to 1.20; in SPH it stands in 2 of 6 runs"
     assert at_residual(weak[:1])[0][1] == "in SPH it stands in 0 of 4 runs", "a scene without slices"
     assert at_residual([]) == []
+
+
+def test_the_lead_says_what_the_strongest_shaking_does() -> None:
+    runs = RUNS.assign(status="complete", diverged=0, collapse_class=["stable", "stable", "stable", "minor", "collapse", "collapse"])
+    bare = runs.drop(columns=[name for name in runs if name.startswith(("road", "house"))])
+    fails = "At 4 m/s2 (0.408 g) 3 of 4 runs fail, 2 of them by collapse"
+    assert lead(bare, []) == f"{fails}; debris runs at least 20.0 m beyond the toe.", "one met the end of the box"
+    assert lead(bare.assign(reached_side=""), []) == f"{fails}; debris runs up to 20.0 m beyond the toe."
+    assert lead(bare.assign(reached_side="", still_moving=1), []).endswith("m beyond the toe; it still moves at the end of 4 runs.")
+    assert lead(runs, []).endswith(". road: reached in 2 of 4 runs; debris up to 2.10 m deep. house: not reached in 4 runs.")
+    assert lead(bare.assign(collapse_class="stable"), []) == "At 4 m/s2 (0.408 g) no run fails."
+    assert lead(bare[4:5], []) == "At 4 m/s2 (0.408 g) the slope collapses; debris runs up to 14.0 m beyond the toe."
+    assert lead(bare.drop(columns="amplitude")[:2], []) == "In this study no run fails."
+    assert "every run diverged" in lead(bare.assign(diverged=1), [])
+    broken = finding("fails-unshaken", displaced_area=7.0, status="complete", spacing=1.0, run_spacing=1.0)
+    assert lead(bare, [Row(broken, 2, "a")]).startswith("The slope does not stand without shaking in 2 of 6 runs. At 4 m/s2")
+    assert lead(bare.assign(status="failed_unshaken"), []).startswith("The slope does not stand without shaking. At")

@@ -246,14 +246,22 @@ def test_a_run_of_a_list_is_found_by_its_words(tmp_path: Path, size: tuple[int, 
             browser.driver.quit()
 
 
-@pytest.mark.parametrize(("size", "within"), [(DESK, 900), (PHONE, 1100)], ids=["desk", "phone"])
-def test_the_answer_is_on_the_first_screen(browser: Browser, size: tuple[int, int], within: int) -> None:
-    """On a desk without scrolling; on a phone its facts, the table of levels after half a screen more."""
+@pytest.mark.parametrize(("size", "within"), [(DESK, "answer"), (PHONE, "overview")], ids=["desk", "phone"])
+def test_the_first_screen_shows_before_it_tells(browser: Browser, size: tuple[int, int], within: str) -> None:
+    """On a desk all of the answer without scrolling; on a phone what happens, the slope and the matrix, and after it the facts."""
     browser.open(*size)
-    box = browser.run("const { top, bottom } = document.getElementById('answer').getBoundingClientRect(); return [top, bottom]")
-    assert 0 < box[0] < size[1] / 2 and box[1] <= within
-    order = "return document.getElementById('answer').compareDocumentPosition(document.getElementById('explorer'))"
-    assert browser.run(order) == 4, "the answer stands before the runs"
+    bottom = "return document.getElementById(arguments[0]).getBoundingClientRect().bottom"
+    assert 0 < browser.run(bottom, within) <= size[1]
+    order = "const at = (id) => document.getElementById(id); return at(arguments[0]).compareDocumentPosition(at(arguments[1]))"
+    assert browser.run(order, "overview", "answer") == browser.run(order, "answer", "explorer") == 4, "each before the next"
+    assert browser.run("return document.documentElement.scrollWidth <= innerWidth"), "pictures and matrix scroll by themselves"
+
+
+def test_a_cell_of_the_matrix_opens_its_run(browser: Browser) -> None:
+    browser.open(*DESK)
+    browser.driver.find_element("css selector", "#matrix a[href='#run=S_R-0.10_gamma-100_amplitude-4.0']").click()
+    browser.shown("S_R 0.10, γ 100 s⁻¹, amplitude 4.0")
+    assert abs(browser.run("return document.getElementById('explorer').getBoundingClientRect().top")) < 2.0
 
 
 def test_an_address_names_a_run(browser: Browser, study: StudyFiles) -> None:

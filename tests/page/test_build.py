@@ -127,7 +127,7 @@ def test_the_page_asks_for_nothing_outside(study: StudyFiles) -> None:
 def test_every_picture_has_words(study: StudyFiles) -> None:
     page = build_page(study)
     pictures = [attrs for tag, attrs in Words(page).elements if tag == "img"]
-    assert len(pictures) == 7 and all(len(attrs["alt"] or "") > 20 for attrs in pictures)
+    assert len(pictures) == 8 and all(len(attrs["alt"] or "") > 20 for attrs in pictures)
     assert "drawn from runs/S_R-0.10_gamma-100_amplitude-6.0.nc, runs/S_R-0.50_gamma-100_amplitude-4.0.nc" in Words(page).text
 
 
@@ -156,7 +156,7 @@ def test_the_fragility_is_said_before_its_tables(study: StudyFiles) -> None:
     for name in ("fragility", "exceedance"):
         Image.new("RGB", (40, 30), "white").save(folder / "figures" / f"{name}.png")
     page = build_page(study._replace(files=existing(FOLDER, study.sections)))
-    section = Words(page[page.index('<section id="fragility">') : page.index('<section id="sensitivity">')])
+    section = Words(page[page.index('<section id="fragility">') : page.index('<section id="further">')])
     assert "snakemake" not in section.text and HOSTILE in section.text
     places = [section.text.index(words) for words in ("A 50 % chance at 3.12.", "wet: Once in 50 years.", "dry: ", "3.123")]
     assert places == sorted(places) and section.text.count("Once in 50 years.") == 1, "no column of the table, whose CSV holds it"

@@ -53,6 +53,7 @@ rule page:
                     for run in PLAN.page_runs
                 ],
                 "probe": PLAN.study.metrics.probe,
+                "places": PLAN.study.metrics.places,
                 "client": PLAN.study.page == "client",
                 "shown": {
                     figure: [run.file for run in PLAN.figure_runs(figure)]

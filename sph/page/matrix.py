@@ -1,0 +1,99 @@
+"""The results of a study as a matrix: two dimensions as rows and columns, a panel for each value of the rest, a cell for each run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import pandas as pd
+from matplotlib.colors import to_hex, to_rgb
+
+from sph.checks.after_run import is_lower_bound
+from sph.figures.study import arranged
+from sph.figures.style import class_colours
+from sph.measures.metrics import CLASSES
+from sph.page.tables import AT_LEAST, metres
+from sph.scene.units import beside_g
+from sph.storage.trajectory import Status
+from sph.study.dimensions import Dimension
+
+MOST_CELLS = 80
+"""Most runs of which each has a cell."""
+LEGIBLE = 0.4
+"""Luminance from which on text on a colour is dark."""
+DIVERGED, UNSHAKEN = "diverged", "fails unshaken"
+"""Classes of cells besides those of the metric."""
+
+
+class Cell(NamedTuple):
+    """A run."""
+
+    name: str  # of its file
+    words: str
+    kind: str  # a class of the metric, or one of those above
+    said: str  # what a pointer on it says
+    shown: bool  # whether the page has the run
+
+
+class Panel(NamedTuple):
+    """The runs that differ in two dimensions alone."""
+
+    title: str
+    head: Sequence[str]
+    rows: Sequence[tuple[str, Sequence[Cell]]]
+
+
+class Matrix(NamedTuple):
+    """All runs of a study."""
+
+    caption: str
+    columns: str  # the dimension of the columns
+    panels: Sequence[Panel]
+    colours: Mapping[str, tuple[str, str]]  # of paper and ink, by the classes that there are
+
+
+def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, shown: Sequence[str]) -> Matrix | None:
+    """The matrix of a study's ``table``, whose index are the names of runs, of which the page has those ``shown``; None for a list of
+    runs, and where there are too many."""
+    found = arranged(table, dimensions, len(table))
+    if not found.grid or len(table) > MOST_CELLS:
+        return None
+    panels = []
+    for title, along, runs in found.panels:
+        head = list(dict.fromkeys(runs[along.name]))
+        rows = [("", _cells(runs, along, head, shown))]
+        if (other := found.other) is not None:
+            groups = runs.groupby(other.name, sort=False)
+            rows = [(f"{other.symbol} {beside_g(str(value), other.unit)}", _cells(of, along, head, shown)) for value, of in groups]
+        panels.append(Panel(title, [beside_g(value, along.unit) for value in head], rows))
+    kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
+    return Matrix(f"Displacement of {probe} (m) in each run", found.panels[0].along.label, panels, {
+        kind: colours for kind, colours in _colours().items() if kind in kinds
+    })  # fmt: skip
+
+
+def _cells(runs: pd.DataFrame, along: Dimension, values: Sequence[str], shown: Sequence[str]) -> list[Cell]:
+    """The cells of a row, in the order of the values of its columns."""
+    of = {row[along.name]: (str(name), row) for name, row in zip(runs.index, runs.to_dict("records"), strict=True)}
+    return [_cell(*of[value], shown) for value in values]
+
+
+def _cell(name: str, row: Mapping[Any, Any], shown: Sequence[str]) -> Cell:
+    kind = row["collapse_class"]
+    if row["diverged"]:
+        return Cell(name, "×", DIVERGED, "diverged: no results", name in shown)
+    if row["status"] == Status.FAILED_UNSHAKEN:
+        kind = UNSHAKEN
+    least = AT_LEAST * is_lower_bound(row)
+    said = f"{kind}; run-out {least}{metres(row['runout'])} m"
+    return Cell(name, least + metres(row["displacement_magnitude"]), kind, said, name in shown)
+
+
+def _colours() -> dict[str, tuple[str, str]]:
+    colours = dict(zip(CLASSES, class_colours(), strict=True))
+    papers = {name: to_hex(colour) for name, colour in colours.items()} | {UNSHAKEN: "#c9ced6", DIVERGED: "#ffffff"}
+    return {name: (paper, "#000000" if _luminance(paper) > LEGIBLE else "#ffffff") for name, paper in papers.items()}
+
+
+def _luminance(colour: str) -> float:
+    return sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), to_rgb(colour), strict=True))
