@@ -85,7 +85,7 @@ def answer(
         ("Shaking at which it fails", searched(scene, found(CRITICAL)) or going(table, dimensions), less),
         *answer_spacing(found(SPACINGS)),
         *at_places(table, scene.numerics.spacing, why),
-        *yearly(found(ANNUAL)),
+        *yearly(found(ANNUAL), falling(table, rows) > 0),
     ]
     return Answer(
         _raised(lead(table, rows, why)),
@@ -101,8 +101,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
     """Whether the slopes stand without shaking; and in the strongest shaking of the study how many runs fail, how far the debris goes and
     what it does at the places."""
     said = list[str]()
-    falls = sum(row.runs for row in rows if row.finding.code == "fails-unshaken") or (table["status"] == Status.FAILED_UNSHAKEN).sum()
-    if falls:
+    if falls := falling(table, rows):
         said.append(f"The slope does not stand without shaking{'' if falls == len(table) else f' in {falls} of {len(table)} runs'}")
     level, runs = "In this study", table
     if AMPLITUDE in table:
@@ -125,6 +124,12 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
             words.append(f"it still moves at the end of {moving} runs" if len(known) > 1 else "it still moves at the end")
     places = places_in(table.columns) if len(known) else ()
     return ". ".join([*said, "; ".join(words), *(f"{place}: {at_place(known, place, math.inf, why)[0]}" for place in places)]) + "."
+
+
+def falling(table: pd.DataFrame, rows: Sequence[Row]) -> int:
+    """The number of runs whose slope does not stand without shaking: by the static test before them, or else in the run itself."""
+    failed = int((table["status"] == Status.FAILED_UNSHAKEN).sum())
+    return sum(row.runs for row in rows if row.finding.code == "fails-unshaken") or failed
 
 
 def _points(table: pd.DataFrame, dimensions: Sequence[Dimension]) -> dict[str, str]:
@@ -311,8 +316,11 @@ def at_place(table: pd.DataFrame, place: str, spacing: float, why: str = "") -> 
     return f"not reached in {known} runs" + rises, f"the debris stops at least {metres(-passed.max())} m short of it" if known else ""
 
 
-def yearly(files: Sequence[str]) -> list[tuple[str, str, str]]:
-    """How often a year each class or place is reached, by the annual frequencies of a search."""
+def yearly(files: Sequence[str], falls: bool = False) -> list[tuple[str, str, str]]:
+    """How often a year each class or place is reached, by the annual frequencies of a search; of a slope that ``falls`` without shaking
+    there is none."""
+    if files and falls:
+        return [("How often", "no frequency: the slope does not stand without shaking", "")]
     found = []
     for file in files:
         for row in read_csv(file, annual_columns("1"), "annual frequencies").to_dict("records"):

@@ -117,6 +117,8 @@ def test_how_often_with_a_fit_and_by_the_brackets_alone(tmp_path: Path) -> None:
         ),
         ("How often: class collapse", "0 to 0.00049 times a year", "bounds from the brackets, over the hazard curve"),
     ]
+    ((_, words, _),) = yearly([str(tmp_path / "fragility_annual.csv")], falls=True)
+    assert words.startswith("no frequency") and yearly([], falls=True) == [], "it falls without an earthquake"
 
 
 def test_the_factor_at_the_residual_strength_by_both_methods() -> None:
