@@ -118,6 +118,7 @@ def lead(table: pd.DataFrame, rows: Sequence[Row], why: str = "") -> str:
             words = [f"{level} the slope {'collapses' if collapse else 'fails'}"]
         else:
             words = [f"{level} {fail} of {len(known)} runs fail" + f", {collapse} of them by collapse" * bool(collapse)]
+        words += [f"{len(runs) - len(known)} diverged"] * bool(len(known) < len(runs))
         if farthest := max(known["runout"].max(), 0.0):
             words.append(f"debris runs {'at least' if lower_bounds(known).any() else 'up to'} {metres(farthest)} m beyond the toe")
         if moving := int((known["still_moving"] > 0).sum()):

@@ -64,7 +64,7 @@ def matrix(table: pd.DataFrame, dimensions: Sequence[Dimension], probe: str, sho
         rows = [("", _cells(runs, along, head, shown))]
         if (other := found.other) is not None:
             groups = runs.groupby(other.name, sort=False)
-            rows = [(f"{other.symbol} {beside_g(str(value), other.unit)}", _cells(of, along, head, shown)) for value, of in groups]
+            rows = [(other.said(str(value)), _cells(of, along, head, shown)) for value, of in groups]
         panels.append(Panel(title, [beside_g(value, along.unit) for value in head], rows))
     kinds = {cell.kind for panel in panels for _, cells in panel.rows for cell in cells}
     return Matrix(f"Displacement of {probe} (m) in each run", found.panels[0].along.label, panels, {

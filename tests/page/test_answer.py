@@ -152,6 +152,9 @@ def test_the_lead_says_what_the_strongest_shaking_does() -> None:
     assert lead(bare[4:5], []) == "At 4 m/s2 (0.408 g) the slope collapses; debris runs up to 14.0 m beyond the toe."
     assert lead(bare.drop(columns="amplitude")[:2], []) == "In this study no run fails."
     assert "every run diverged" in lead(bare.assign(diverged=1), [])
+    assert lead(bare.assign(diverged=[0] * 5 + [1]), []).startswith(
+        "At 4 m/s2 (0.408 g) 2 of 3 runs fail, 1 of them by collapse; 1 diverged;"
+    )
     broken = finding("fails-unshaken", displaced_area=7.0, status="complete", spacing=1.0, run_spacing=1.0)
     assert lead(bare, [Row(broken, 2, "a")]).startswith("The slope does not stand without shaking in 2 of 6 runs. At 4 m/s2")
     assert lead(bare.assign(status="failed_unshaken"), []).startswith("The slope does not stand without shaking. At")
