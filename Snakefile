@@ -1,25 +1,18 @@
 # Slope failure over strength ratio x coupling x amplitude, or any keys of a scene: config/config.yaml -> results/<study>/<fidelity>.
-import functools
 import os
-import re
 import sys
 from pathlib import Path
 
 from snakemake.utils import min_version
 
 import sph
-from sph.figures import STUDY_FIGURES, caption as caption_of
 from sph.page.paper import sections_of
 from sph.page.sections import certain
 from sph.experiments.registry import load_study
 from sph.study.plan import claim_results
-from sph.study.planned import contents, digest, planned, sources
-from sph.study.preflight import MOST_SCENES, preflight_searches
-from sph.study.runs import SAFETY
 from sph.study.sampling import chosen_study, keys_of
-from sph.jobs.catalogue import ALONE, Catalogue
+from sph.jobs.catalogue import Catalogue
 from sph.scene.configuration import check_files
-from sph.solver.compiled.jit import solver_digest
 
 min_version("9.18")
 
@@ -43,35 +36,9 @@ RESULTS = PLAN.folder
 SECTIONS = sections_of(PLAN.study)
 # Every run that there is to make; configurations of experiments are read once a rule of theirs is asked for.
 CATALOGUE = Catalogue(PLAN, FOLDERS, check=workflow.is_main_process)
-# Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
-SOLVER = solver_digest()
-SEARCHING = SOLVER + sources("stability/*.py")
-FIGURES = "experiments/*/figures*.py"
-ANALYSIS = sources(
-    *[
-        "output/*.py",
-        "measures/*.py",
-        "checks/*.py",
-        "study/*.py",
-        "experiments/*.py",
-        "experiments/variants/*.py",
-    ],
-    "experiments/measured/*.csv",
-    without=FIGURES,
-)
-DRAWING = ANALYSIS + sources("figures/*.py") + contents("scene/walls.py")  # labels
-PAGE = DRAWING + sources("experiments/*/*.py", "page/*.*")
 
 
 report: "workflow/report/workflow.rst"
-
-
-wildcard_constraints:
-    folder="|".join(
-        [f"results/{re.escape(PLAN.study.study)}/[^/]+(/trigger/[^/]+|/sensitivity)?"]
-        + list(map(re.escape, ALONE))
-    ),
-    run=".+",
 
 
 rule all:
@@ -101,7 +68,10 @@ onsuccess:
 include: "workflow/rules/common.smk"
 include: "workflow/rules/run.smk"
 include: "workflow/rules/study.smk"
-include: "workflow/rules/experiments.smk"
+include: "workflow/rules/variants.smk"
+include: "workflow/rules/paper.smk"
+include: "workflow/rules/trigger.smk"
+include: "workflow/rules/sensitivity.smk"
 include: "workflow/rules/validation.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/report.smk"

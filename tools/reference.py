@@ -529,7 +529,7 @@ TABLES: dict[str, Callable[[], Reference]] = {
     "study": lambda: _keys(AnyStudy),
     "variants_keys": lambda: _keys(Variants),
     **{f"{each.name}_keys": functools.partial(_keys, keys) for keys, each in _KINDS.items()},
-    **{f"{each.name}_variables": functools.partial(_variables, each.measuring.TRACE.columns) for each in _KINDS.values() if each.traced},
+    **{f"{each.name}_variables": functools.partial(_variables, each.trace.columns) for each in _KINDS.values() if each.trace},
     "failure_rule": lambda: _keys(FailureRule),
     "validation_variables": lambda: _variables(VALIDATION),
     "sample_variables": lambda: _variables(SAMPLE),

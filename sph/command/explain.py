@@ -163,7 +163,7 @@ def table_of(catalogue: Catalogue, file: str) -> Table:
     """How a table, by its file relative to the working folder, is traced; ValueError for one whose rows are not single runs."""
     plan, settings, place = catalogue.plan, catalogue.plan.study.metrics, Path(file).parent
     sampled = Path(plan.folder, SENSITIVITY_FOLDER)
-    alone = {f"{folder}/{name}.csv": name for folder, name in ALONE.items() if EXPERIMENTS[name].traced}
+    alone = {f"{folder}/{name}.csv": (name, trace) for folder, name in ALONE.items() if (trace := EXPERIMENTS[name].trace)}
     if file == f"{plan.folder}/study.csv":
         return _study(plan)
     if place.name == TRIGGER_FOLDER and Path(file).name in ("points.csv", "maps.csv") and place.parts[0] == "results":
@@ -183,7 +183,8 @@ def table_of(catalogue: Catalogue, file: str) -> Table:
             lambda runs: {"reason": runs[0].attrs["status_reason"], **measure(runs[0], settings)},
         )
     if file in alone:
-        design, trace = catalogue.design(alone[file]), EXPERIMENTS[alone[file]].measuring.TRACE
+        name, trace = alone[file]
+        design = catalogue.design(name)
         of = trace.runs(design)
         return Table(
             trace.columns,
@@ -194,7 +195,7 @@ def table_of(catalogue: Catalogue, file: str) -> Table:
     raise ValueError(
         f"{file}: its rows are not single runs of study {plan.study.study} at fidelity {plan.study.fidelity}; what can be explained: "
         "runs and stages (.nc), and study.csv, trigger/points.csv, trigger/maps.csv, sensitivity/sample.csv, "
-        f"sensitivity/samples/*.csv, {', '.join(f'{name}.csv' for name in alone.values())} in their folders"
+        f"sensitivity/samples/*.csv, {', '.join(f'{name}.csv' for name, _ in alone.values())} in their folders"
     )
 
 

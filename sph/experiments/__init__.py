@@ -6,7 +6,6 @@
 * ``paper``: the source paper's study, its claims and figures
 * ``registry``: lists them, and reads the configuration of a study
 * ``base``: what one is, keys, names of files, the check of every scene before any work
-* ``steps``: the jobs that make their tables and figures
 * ``study_row``: the row of a study's table, with the error to expect
 * ``measured``: what they gave for the release
 """

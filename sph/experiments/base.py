@@ -57,56 +57,32 @@ class Trace(NamedTuple):
 class Experiment(NamedTuple):
     """An experiment: ``EXPERIMENT`` of the module ``design`` in the folder of its name, which ``sph.experiments.registry`` lists.
 
-    ``measuring`` holds its ``STEPS``, what reads their files (``READERS``) and, where a row of its table is a run, its ``TRACE``.
+    Its rules, in a file of ``workflow/rules``, make its tables and figures by functions of its modules.
     """
 
     name: str
     """of the folder below ``results`` and the file in ``config``"""
-    title: str
-    """its section in Snakemake's report"""
     load: Callable[[str, Plan, Sequence[Path], bool], Any]
     """its design, with runs by name or rows of its own, from the file of its configuration, the study, the folders that are searched in
     order and whether every scene is checked; ValueError names file, key and value"""
     keys: type[Section] | None = None
     """of its configuration; None where it has no file of its own"""
-    targets: Mapping[str, Callable[[Any], Sequence[str]]] = {}
-    """what each target makes in its folder, from the design, as steps write it; none: one of its name, which makes all that its steps
-    write.  Where two experiments have one target, both make theirs"""
-    place: str = ""
-    """folder of its results, where they are below those of a study: ``{results}`` are those at its fidelity, ``{folder}`` those at any"""
-    wildcards: Mapping[str, str] = {}
-    """in the names of its files, with what each may be"""
-    uses: Sequence[str] = ()
-    """other experiments on whose modules it depends"""
+    alone: bool = True
+    """whether its results belong to no study; those of others are below the study's"""
     study: type[Study] | None = None
     """a study with the keys that it adds to those of any"""
     module: str = ""
-    """what measures and draws, below this package; none: ``measure`` in the folder of its name"""
-
-    @property
-    def alone(self) -> bool:
-        """Whether its results belong to no study."""
-        return not self.place
+    """what measures, below this package; none: ``measure`` in the folder of its name"""
 
     @property
     def folder(self) -> str:
-        """Where its results go, relative to the working folder."""
-        return self.place or f"results/{self.name}"
+        """Where the results of one that stands alone go, relative to the working folder."""
+        return f"results/{self.name}"
 
     @property
-    def measuring(self) -> Any:
-        """What measures and draws."""
-        return import_module(f"{__package__}.{self.module or f'{self.name}.measure'}")
-
-    @property
-    def sources(self) -> list[str]:
-        """Patterns of the files on which it depends, beside the sources of all."""
-        return [f"experiments/{name}/*.py" for name in ((self.module or self.name).partition(".")[0], *self.uses)]
-
-    @property
-    def traced(self) -> bool:
-        """Whether the rows of its table are single runs."""
-        return hasattr(self.measuring, "TRACE")
+    def trace(self) -> Trace | None:
+        """How the rows of its table are traced, ``TRACE`` of the module that measures; None where they are not single runs."""
+        return getattr(import_module(f"{__package__}.{self.module or f'{self.name}.measure'}"), "TRACE", None)
 
     def plan(self, file: str, study: Plan, folders: Sequence[Path] = (Path(),), check: bool = True) -> Any:
         """Its design; where it stands alone, the runs of it in its folder."""

@@ -1,4 +1,4 @@
-"""The experiments: each is a folder here and a line of ``NAMES``, or a configuration of a scene in variants."""
+"""The experiments: each is a folder here, a line of ``NAMES`` and a file of rules, or a configuration of a scene in variants."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ NAMES = (
 EXPERIMENTS: dict[str, Experiment] = {
     each.name: each for each in (*VARIANTS, *(import_module(f"{__package__}.{name}.design").EXPERIMENT for name in NAMES))
 }
-"""By name; the workflow makes what is listed here (``workflow/rules/experiments.smk``)."""
+"""By name."""
 CONFIGURED = [name for name, each in EXPERIMENTS.items() if each.keys]
 """Those with a file of their own, which a study may name."""
 STUDY: type[Study] = next((each.study for each in EXPERIMENTS.values() if each.study), Study)

@@ -13,7 +13,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "development" / "adding.md").read_text(encoding="utf-8")
-MOST_FILES = 5
+MOST_FILES = 7
 SCENE = "{'name': 'block', 'scheme': 'paper', 'duration': 5.0, 'geometry': {'shape': 'block', 'width': 10.0, 'height': 5.0}, %s}"
 CHECKS = {
     "A term": f"""
@@ -73,7 +73,7 @@ assert len(shown) == 1 and caption(STUDY_FIGURES["exceedance"]).startswith("Shar
 import re, subprocess, sys
 from synthetic import synthetic
 from tools.reference import TABLES
-from sph.experiments.registry import EXPERIMENTS
+from sph.experiments.duration.measure import measure_duration
 from sph.measures.metrics import MetricSettings
 done = subprocess.run([sys.executable, "-m", "snakemake", "--dry-run", "duration"], capture_output=True, text=True, check=True)
 assert re.findall(r"^(simulate|duration_table|duration) +([0-9]+)$", done.stdout[done.stdout.rindex("Job stats:"):], re.M) == [
@@ -81,7 +81,7 @@ assert re.findall(r"^(simulate|duration_table|duration) +([0-9]+)$", done.stdout
 ]
 assert "results/duration/runs/S_R-0.25/5-s.nc" in done.stdout and "results/duration/duration.csv" in done.stdout
 rows = [("S_R-0.25/5-s", "S_R 0.25", 5.0)]
-table = EXPERIMENTS["duration"].measuring.measure_duration(rows, lambda name: synthetic(), MetricSettings())
+table = measure_duration(rows, {"S_R-0.25/5-s": synthetic()}, MetricSettings())
 assert table["longer"].tolist() == [5.0] and table["collapse_class"].tolist() == ["stable"]
 assert [row[0] for row in TABLES["duration_variables"]().rows] == list(table.columns)
 """,

@@ -17,7 +17,6 @@ import typer
 from snakemake.cli import get_argument_parser
 
 from sph.command.cli import app
-from sph.experiments.registry import EXPERIMENTS
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGES = [
@@ -26,10 +25,8 @@ PAGES = [
     *sorted((ROOT / "docs").rglob("*.md")),
 ]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-RULES = {rule for path in ROOT.glob("workflow/rules/*.smk") for rule in re.findall(r"^rule (\w+):", path.read_text(), re.MULTILINE)} | {
-    "all",
-    *(target for each in EXPERIMENTS.values() for target in each.targets or [each.name]),
-}
+NAMED = re.compile(r"""^rule (\w+):|^    name:\n        "([\w-]+)"$""", re.MULTILINE)
+RULES = {"all"} | {"".join(names) for path in ROOT.glob("workflow/rules/*.smk") for names in NAMED.findall(path.read_text())}
 FENCE = re.compile(r"^ *```(\w*)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 
 

@@ -8,7 +8,6 @@ import pytest
 from small_scenes import study_plan
 
 from sph.experiments.registry import CONFIGURED, EXPERIMENTS
-from sph.experiments.steps import steps
 from sph.scene.configuration import read_yaml, validated
 from sph.study.planned import digest
 from sph.study.tables import read_csv
@@ -20,15 +19,14 @@ ALONE = [name for name, each in EXPERIMENTS.items() if each.alone]
 @pytest.mark.parametrize("name", EXPERIMENTS)
 def test_an_experiment_is_what_its_name_says(name: str) -> None:
     each = EXPERIMENTS[name]
-    assert each.name == name and (each.folder == f"results/{name}") == (name in ALONE)
+    assert each.name == name and each.folder == f"results/{name}"
     assert each.keys is None or validated(each.keys, read_yaml(ROOT / study_plan().study.file_of(name)), name)
 
 
-@pytest.mark.parametrize("name", [name for name in ALONE if EXPERIMENTS[name].traced])
+@pytest.mark.parametrize("name", ALONE)
 def test_a_table_of_the_release_has_the_columns_of_the_experiment(name: str) -> None:
-    assert f"{name}.csv" in {file for step in steps(EXPERIMENTS[name]).values() for file in step.writes}
-    shipped = ROOT / "sph" / "experiments" / "measured" / f"{name}.csv"
-    assert not shipped.is_file() or len(read_csv(shipped, EXPERIMENTS[name].measuring.TRACE.columns, name))
+    shipped, trace = ROOT / "sph" / "experiments" / "measured" / f"{name}.csv", EXPERIMENTS[name].trace
+    assert trace and (not shipped.is_file() or len(read_csv(shipped, trace.columns, name)))
 
 
 def test_what_a_measuring_job_is_given_has_the_same_digest_each_time() -> None:
@@ -37,16 +35,6 @@ def test_what_a_measuring_job_is_given_has_the_same_digest_each_time() -> None:
         one, other = (EXPERIMENTS[name].plan(f"config/{name}.yaml", study_plan(), [ROOT]) for _ in range(2))
         assert digest(one.parameters) == digest(other.parameters) and " at 0x" not in repr(one.parameters)
         assert list(one.runs) == list(other.runs)
-
-
-def test_figures_are_those_of_the_steps() -> None:
-    drawn = {name: [file for step in steps(EXPERIMENTS[name]).values() for file in step.writes if step.draws] for name in ALONE}
-    assert drawn == {
-        "cost-accuracy": ["figures/tradeoff", "figures/convergence"],
-        "resolution": ["figures/tradeoff", "figures/convergence"],
-        "assumptions": [],
-        "robustness": ["figures/robustness"],
-    }
 
 
 def test_every_configuration_is_found_by_its_name() -> None:

@@ -19,7 +19,6 @@ from sph.experiments.variants.figures_robustness import REFUSED, figure_robustne
 from sph.experiments.variants.robustness import ROBUSTNESS, asymmetry, measure_robustness, penetration, read_robustness
 from sph.experiments.variants.schema import TIME_STEP, Robustness
 from sph.measures.metrics import MetricSettings
-from sph.output.run import Run
 from sph.scene.schema import make_scene
 from sph.solver.time_step import limits
 from sph.study.tables import write_csv
@@ -114,10 +113,7 @@ def test_table_and_figure(tmp_path: Path) -> None:
     runs = {name: synthetic(translation(-3.0 if "nu" in name else -5.0)) for name in made.runs}
     runs["nu/0.3/weak_2"] = synthetic(translation(-3.1))
 
-    def read(name: str) -> Run:
-        return runs[name]
-
-    table = measure_robustness(made.parameters, read, MetricSettings())
+    table = measure_robustness(made.parameters, runs, MetricSettings())
     assert list(table.columns) == [column.name for column in ROBUSTNESS]
     assert table["status"].tolist() == ["complete", REFUSED, "complete", "complete"]
     assert table["displacement"].iloc[0] == pytest.approx(3.0) and table["reproducible"].iloc[0] == 0.0

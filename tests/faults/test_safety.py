@@ -154,7 +154,7 @@ def test_a_file_that_is_not_found_is_named(tmp_path: Path, name: str) -> None:
 # ---------------------------------------------------------------- nothing is run
 
 SOURCES = [*sorted((ROOT / "sph").rglob("*.py")), *sorted((ROOT / "workflow" / "scripts").rglob("*.py"))]
-RULES = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").glob("*.smk"))]
+RULES = [ROOT / "Snakefile", *sorted((ROOT / "workflow" / "rules").rglob("*.smk"))]
 CALLS = ("eval", "exec", "compile", "__import__", "os.system", "os.popen", "yaml.load", "yaml.unsafe_load", "pd.read_pickle", "pd.eval")
 ALLOWED = {
     "sph/study/machine.py": ["subprocess"],  # a fixed command that asks macOS for the name of its processor

@@ -1,14 +1,37 @@
-# Purpose: functions that rules share: what jobs ask of a cluster and are given, results in the report, sources of steps.
+# Purpose: what rules share: digests of the sources, what jobs ask of a cluster and are given, results in the report.
 # Inputs:  the study and the catalogue of its runs (Snakefile).
 # Outputs: functions for the directives of rules
+from sph.figures import caption as caption_of
+from sph.solver.compiled.jit import solver_digest
 from sph.study.cost import Needs, needs
+from sph.study.planned import contents, digest, planned, sources
+
+# Snakemake does not see edits in imported modules: what the sources of each stage say to the machine is its parameter.
+SOLVER = solver_digest()
+SEARCHING = SOLVER + sources("stability/*.py")
+FIGURES = "experiments/*/figures*.py"
+ANALYSIS = sources(
+    *[
+        "output/*.py",
+        "measures/*.py",
+        "checks/*.py",
+        "study/*.py",
+        "experiments/*.py",
+        "experiments/variants/*.py",
+    ],
+    "experiments/measured/*.csv",
+    without=FIGURES,
+)
+DRAWING = ANALYSIS + sources("figures/*.py") + contents("scene/walls.py")  # labels
+PAGE = DRAWING + sources("experiments/*/*.py", "page/*.*")
+SETTINGS = PLAN.study.metrics
 
 
-def asked(scene, what):
-    """The resources that a job asks for, by functions of its wildcards: its scene and what is done with it."""
+def asked(row):
+    """The resources that the job of a row asks for, by a function of its wildcards: its scene and what is done with it."""
     return {
         name: lambda wildcards, attempt, name=name: getattr(
-            needs(scene(wildcards), what(wildcards), attempt), name
+            needs(row(wildcards).built, row(wildcards).needs, attempt), name
         )
         for name in Needs._fields
     }
@@ -35,55 +58,49 @@ def shown(path, title, label):
     )
 
 
-def made(place, title, files):
-    """What a job makes at a place, from the labels of its files: a table as it is named, a figure without suffix as PNG and PDF."""
-    for file, label in files.items():
-        first, *others = written(file)
-        yield shown(f"{place}/{first}", title, label)
-        yield from (f"{place}/{other}" for other in others)
+def runs_in(name):
+    """The runs of an experiment that stands alone, by a function of the wildcards."""
+    return lambda wildcards: CATALOGUE.design(name).runs
 
 
-def written(file):
-    """Names of the files of a table or, without suffix, of a figure."""
-    return [file] if Path(file).suffix else [f"{file}.png", f"{file}.pdf"]
+def files(runs):
+    """The files of the runs that a function of the wildcards gives by name."""
+    return lambda wildcards: [run.file for run in runs(wildcards).values()]
+
+
+def made_by(
+    function,
+    given=lambda wildcards: {},
+    runs=None,
+    draws=False,
+    searches=False,
+    uses="",
+):
+    """Parameters of a job of ../scripts/make.py: the function of the library that makes its output, of the job's named inputs and of what
+    it is ``given`` and the ``runs`` by name, both by functions of the wildcards; its caption, and the sources on which it depends: those
+    of its experiment and of another one that this ``uses``, of the drawing if it ``draws``, of the ``searches`` for limits of slopes.
+    """
+
+    def of(wildcards):
+        named = runs(wildcards) if runs else None
+        scenes = named and {name: planned(run.scene) for name, run in named.items()}
+        return given(wildcards), scenes
+
+    topics = [function.__module__.split(".")[2]] + [uses] * bool(uses)
+    return {
+        "sources": (DRAWING if draws else ANALYSIS)
+        + sources(
+            *[f"experiments/{topic}/*.py" for topic in topics],
+            without="" if draws else FIGURES,
+        )
+        + SEARCHING * searches,
+        "about": caption_of(function),
+        "digest": lambda wildcards: digest(of(wildcards)),
+        "given": lambda wildcards, input: (function, *of(wildcards)),
+    }
 
 
 def searched_in(part):
     """The searches of the slopes of a part's runs, by run."""
     runs = PLAN.part(part) if PLAN.searches else []
     return {run.id: PLAN.searches[run.id] for run in runs}
-
-
-if (SPH.parent / "tests" / "cases").is_dir():
-    sys.path.append(str(SPH.parent / "tests"))
-    from cases import CASES, suite
-else:
-    CASES = {}  # the library is installed without its tests
-
-
-@functools.cache
-def runs_of_case(case):
-    """The runs of a reference case, by file."""
-    return {run.file: run for run in suite.runs_of(case).values()}
-
-
-def case_run(wildcards):
-    """The run of a file, or a refusal."""
-    file = "results/validation/runs/{case}/{variant}/{level}.nc".format(**wildcards)
-    if wildcards.case not in CASES or file not in runs_of_case(wildcards.case):
-        raise ValueError(f"{file}: no reference case has such a run")
-    return runs_of_case(wildcards.case)[file]
-
-
-def whole_suite(wildcards):
-    """Tables and pictures of all cases, and their runs; a refusal where there are none."""
-    if not CASES:
-        raise ValueError(
-            f"validation: the reference cases are no part of the installed package ({SPH}); run it in a clone of the repository with the "
-            "package installed from there (pip install -e .)"
-        )
-    return {
-        "tables": expand("results/validation/cases/{case}.csv", case=CASES),
-        "pictures": expand("results/validation/figures/{case}.png", case=CASES),
-        "runs": [file for case in CASES for file in runs_of_case(case)],
-    }

@@ -3,6 +3,8 @@
 # Inputs:  mkdocs.yml; the pages of docs and the library's docstrings, by their contents; the gallery's scenes and studies.
 # Outputs: results/gallery: a folder a page of the gallery, as it was run, with its figures
 #          results/docs: index.html, a page for each page of docs; api: the public interface and a page per module
+import re
+
 DOCS = SPH.parent / "docs"
 GALLERY = {
     path.stem: path for path in DOCS.glob("gallery/*.[mi]*") if path.stem != "index"

@@ -1,10 +1,10 @@
 # Purpose: figures of a study: of some of its runs (what goes in, the strength used before the shaking, profiles, those of the paper) and of all.
 # Inputs:  the runs each figure shows (config: figures, claims), study.csv; the drawing code.
 # Outputs: figures/*, PNG and PDF
-from sph.experiments.steps import run_figures
-from sph.figures import WITH_PLACES
+from sph.experiments.paper.figures import FIGURES as OF_THE_PAPER
+from sph.figures import RUN_FIGURES, STUDY_FIGURES, WITH_PLACES
 
-RUN_FIGURES = run_figures()
+OF_RUNS = RUN_FIGURES | OF_THE_PAPER
 
 
 rule figure:
@@ -12,11 +12,12 @@ rule figure:
     input:
         runs=lambda wildcards: [run.file for run in PLAN.figure_runs(wildcards.figure)],
     output:
-        list(made(RESULTS, "Figures", {"figures/{figure}": "{figure}"})),
+        shown(f"{RESULTS}/figures/{{figure}}.png", "Figures", "{figure}"),
+        f"{RESULTS}/figures/{{figure}}.pdf",
     log:
         f"{RESULTS}/logs/{{figure}}.log",
     wildcard_constraints:
-        figure="|".join(RUN_FIGURES),
+        figure="|".join(OF_RUNS),
     params:
         **told(
             lambda wildcards: {
@@ -34,7 +35,7 @@ rule figure:
             }
         ),
         sources=SOLVER + DRAWING + sources("experiments/paper/*.py"),
-        about=lambda wildcards: caption_of(RUN_FIGURES[wildcards.figure]),
+        about=lambda wildcards: caption_of(OF_RUNS[wildcards.figure]),
     script:
         "../scripts/figures/draw_figure.py"
 
@@ -44,7 +45,8 @@ rule study_figure:
     input:
         table=f"{RESULTS}/study.csv",
     output:
-        list(made(RESULTS, "Figures", {"figures/{figure}": "all runs, {figure}"})),
+        shown(f"{RESULTS}/figures/{{figure}}.png", "Figures", "all runs, {figure}"),
+        f"{RESULTS}/figures/{{figure}}.pdf",
     log:
         f"{RESULTS}/logs/figure_{{figure}}.log",
     wildcard_constraints:

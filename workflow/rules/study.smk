@@ -1,6 +1,8 @@
 # Purpose: what is found before any run; from runs to numbers.
 # Inputs:  the scenes of the study, runs/*.nc; the analysis' sources.
 # Outputs: preflight.csv, parts/*.csv, study.nc, study.csv
+from sph.study.preflight import MOST_SCENES, preflight_searches
+from sph.study.runs import SAFETY
 from sph.study.searches import slope_searches
 
 
@@ -19,7 +21,7 @@ rule preflight:
         f"{RESULTS}/benchmarks/preflight.tsv"
     priority: 100
     resources:
-        **asked(lambda wildcards: PLAN.slope.built, lambda wildcards: SAFETY),
+        **asked(lambda wildcards: PLAN.slope._replace(by=SAFETY)),
     params:
         **told(
             lambda wildcards: {

@@ -3,6 +3,9 @@
 # Outputs: results/validation: runs/<case>/<run>/<level>.nc, cases/<case>.csv, figures/<case>, validation.csv, book.md, book.pdf
 
 
+include: "functions/validation.smk"
+
+
 wildcard_constraints:
     case="V[0-9]+",
     variant="[^/]+",
@@ -18,15 +21,9 @@ rule validation_run:
     benchmark:
         "results/validation/benchmarks/{case}/{variant}/{level}.tsv"
     resources:
-        **asked(
-            lambda wildcards: case_run(wildcards).built,
-            lambda wildcards: case_run(wildcards).needs,
-        ),
+        **asked(case_run),
     params:
-        **told(lambda wildcards: asked_of(case_run(wildcards))),
-        sources=lambda wildcards: (
-            SOLVER if case_run(wildcards).by == SIMULATION else SEARCHING
-        ),
+        **simulated(case_run),
     script:
         "../scripts/simulate.py"
 

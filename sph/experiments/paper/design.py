@@ -134,12 +134,4 @@ def paper_study(study: Study, what: str) -> PaperStudy:
     return study
 
 
-EXPERIMENT = Experiment(
-    "paper",
-    "Tables",
-    lambda file, plan, folders, check: plan.study,
-    targets={"trigger": lambda study: ["trigger/claim.csv"] * isinstance(study, PaperStudy)},
-    place="{folder}",
-    uses=["trigger"],
-    study=AnyStudy,
-)
+EXPERIMENT = Experiment("paper", lambda file, plan, folders, check: plan.study, alone=False, study=AnyStudy)

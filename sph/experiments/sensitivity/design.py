@@ -452,20 +452,4 @@ def load_sensitivity(path: str, study: Plan, folders: Sequence[Path] = (Path(),)
     return found
 
 
-def _targets(design: SensitivityPlan) -> list[str]:
-    """Tables and figures of the analysis, with those of a back-analysis that the configuration asks for."""
-    figures = [f"figures/{name}" for name in ("morris", "tornado", "sobol", "cross_validation")]
-    asked = ["confirm.csv"] * bool(design.confirmed) + BACK_MADE * bool(design.settings.back_analysis)
-    return ["sample.csv", *figures, *asked]
-
-
-BACK_MADE = ["back_analysis.csv", "back_analysis.nc", "back_confirmed.csv", "figures/back_analysis"]
-EXPERIMENT = Experiment(
-    "sensitivity",
-    "Sensitivity",
-    load_sensitivity,
-    Sensitivity,
-    {"sensitivity": _targets, "back_analysis": lambda design: BACK_MADE},
-    f"{{results}}/{FOLDER}",
-    {"design": "morris|tornado|sobol|confirm|back"},
-)
+EXPERIMENT = Experiment("sensitivity", load_sensitivity, Sensitivity, alone=False)

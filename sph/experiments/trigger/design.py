@@ -474,25 +474,4 @@ def load_trigger(path: str, study: Plan, folders: Sequence[Path] = (Path(),), ch
     return TriggerPlan(validated(Trigger, read_yaml(found_file(folders, path, "trigger")), path), study, path, folders, check)
 
 
-MAP_FIGURES = ("shares", "map-class", "map-displacement", "map-runout", "map-failed")
-"""Figures of the maps by the names of their files."""
-EXPERIMENT = Experiment(
-    "trigger",
-    "Trigger",
-    load_trigger,
-    Trigger,
-    {
-        "trigger": lambda design: ["trigger.nc", "trigger.csv", "points.csv", "figures/trigger"],
-        "fragility": lambda design: [
-            *["trigger.csv", "points.csv", "fragility_fit.csv", "fragility_measures.csv", "exceedance.csv", "widths.csv"],
-            *["fragility_annual.csv"] * bool(design.trigger.hazard),
-        ],
-        "confirm": lambda design: ["confirm.csv"],
-        "maps": lambda design: [
-            *["maps.csv", "cells.csv", "shares.csv"],
-            *[f"figures/{name}" for name in MAP_FIGURES],
-        ],
-    },
-    f"{{folder}}/{FOLDER}",
-    {"search": "|".join(SEARCHED.values()), "round": "[0-9]+"},
-)
+EXPERIMENT = Experiment("trigger", load_trigger, Trigger, alone=False)

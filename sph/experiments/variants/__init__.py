@@ -1,7 +1,7 @@
 """A scene in variants: keys changed one at a time or in a list, each measured in some cases and, where there is one, against a reference.
 
 * ``design``: the configurations and their runs
-* ``cost_accuracy``, ``resolution``: what each saving of computing time costs in accuracy; ``convergence`` with the spacing, and what
+* ``cost_accuracy``: what each saving of computing time costs in accuracy; ``convergence`` with the spacing, and what
   follows for a scene that is like the measured one: ``advice``, ``likeness``
 * ``assumptions``: what the choices behind a scene do
 * ``robustness``: how runs behave at the ends of the keys' ranges

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
 
 import pandas as pd
 
 from sph.experiments.base import Trace
-from sph.experiments.steps import table_step
 from sph.experiments.variants.design import Measured
 from sph.measures.metrics import METRIC_BY_NAME, MetricSettings, measure
 from sph.output.run import Run
@@ -28,9 +27,9 @@ ASSUMPTIONS: tuple[Variable, ...] = (
 """The columns."""
 
 
-def measure_assumptions(plan: Measured, read: Callable[[str], Run], settings: MetricSettings) -> pd.DataFrame:
+def measure_assumptions(plan: Measured, runs: Mapping[str, Run], settings: MetricSettings) -> pd.DataFrame:
     """Effect of the assumptions: A's displacement and the run-out with one choice changed at a time, over those of the unchanged scene."""
-    frame = pd.DataFrame([{"change": row.variant, "case": row.case, **measure(read(row.runs[0]), settings)} for row in plan.rows])
+    frame = pd.DataFrame([{"change": row.variant, "case": row.case, **measure(runs[row.runs[0]], settings)} for row in plan.rows])
     reference = frame[[row.reference for row in plan.rows]].set_index("case")
     for name in QUANTITIES:
         as_it_is = frame["case"].map(reference[name])
@@ -44,5 +43,3 @@ def read_assumptions(path: Path | str = SHIPPED) -> pd.DataFrame:
 
 
 TRACE = Trace(ASSUMPTIONS, ("change", "case"), lambda design: {(row.variant, row.case): row.runs for row in design.rows}, measure)
-READERS: dict[str, Callable[..., pd.DataFrame]] = {}
-STEPS = (table_step("assumptions", measure_assumptions, {"assumptions.csv": "every change"}),)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Mapping
 
 import pandas as pd
 import xarray as xr
+from matplotlib.figure import Figure
 
 from sph.experiments.base import Trace
-from sph.experiments.steps import Step, table_step
 from sph.experiments.variants.convergence import CONVERGENCE, convergence_table
 from sph.experiments.variants.design import Measured
 from sph.experiments.variants.figures import figure_convergence, figure_tradeoff
@@ -28,36 +28,30 @@ TRACE = Trace(
     lambda design: {(row.parameter, row.variant, row.case): row.runs for row in design.rows},
     lambda run, settings: {name: value for name, value in measured_run(run, settings).items() if name not in OF_ALL},
 )
-READERS = {
-    "table": lambda path, given: read_cost_accuracy(path),
-    "convergence": lambda path, given: read_csv(path, CONVERGENCE, "the convergence"),
-}
 
 
 def measure_cost_accuracy(
-    plan: Measured, read: Callable[[str], Run], settings: MetricSettings
+    plan: Measured, runs: Mapping[str, Run], settings: MetricSettings
 ) -> tuple[xr.Dataset, pd.DataFrame, pd.DataFrame]:
     """What each choice of the numerics costs and changes: one row per variant and case, with deviations from the reference. Every column
     is defined in docs/reference/files.md.
     """
     names = dict.fromkeys(name for row in plan.rows for name in row.runs)
-    runs, machine = {name: measured_run(read(name), settings) for name in names}, machine_class()
-    frame = cost_accuracy_table(plan.rows, runs, plan.baseline, machine)
-    attrs = read(next(row.runs[0] for row in plan.rows if row.reference)).attrs
+    measured, machine = {name: measured_run(runs[name], settings) for name in names}, machine_class()
+    frame = cost_accuracy_table(plan.rows, measured, plan.baseline, machine)
+    attrs = runs[next(row.runs[0] for row in plan.rows if row.reference)].attrs
     facts = {name: attrs[name] for name in ("source", "versions", "scene")}
     facts |= {"machine": machine, "timing": TIMING, "baseline": plan.baseline}
     return flat_dataset(frame, COST_ACCURACY, facts), frame, convergence_table(frame, plan.convergence)
 
 
-def steps(name: str) -> tuple[Step, ...]:
-    """The jobs of a cost-accuracy study."""
-    rule, table, convergence = name.replace("-", "_"), {"table": f"{name}.csv"}, {"convergence": "convergence.csv"}
-    files = {f"{name}.nc": "", f"{name}.csv": "every variant", "convergence.csv": "order of convergence"}
-    return (
-        table_step(rule, measure_cost_accuracy, files),
-        Step(f"{rule}_figure_tradeoff", figure_tradeoff, table, {"figures/tradeoff": "figure tradeoff"}),
-        Step(f"{rule}_figure_convergence", figure_convergence, convergence | table, {"figures/convergence": "figure convergence"}),
-    )
+def draw_tradeoff(table: str) -> Figure:
+    """Error of A's displacement and of the run-out against computing time, a point per variant; hollow where the class differs in a
+    case.
+    """
+    return figure_tradeoff(read_cost_accuracy(table))
 
 
-STEPS = steps("cost-accuracy")
+def draw_convergence(convergence: str, table: str) -> Figure:
+    """A's displacement, run-out and onset against particle spacing, a curve per case; stars are values extrapolated to spacing 0."""
+    return figure_convergence(read_csv(convergence, CONVERGENCE, "the convergence"), read_cost_accuracy(table))

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import scipy  # type: ignore[import-untyped]
+from matplotlib.figure import Figure
 
 from sph.experiments.base import Trace
-from sph.experiments.steps import Step, table_step
 from sph.experiments.variants.design import Measured
 from sph.experiments.variants.figures_robustness import REFUSED, figure_robustness
 from sph.measures.linked import largest_mass
@@ -112,7 +112,7 @@ def read_robustness(path: Path | str = SHIPPED) -> pd.DataFrame:
     return read_csv(path, ROBUSTNESS, "the robustness")
 
 
-def measure_robustness(plan: Measured, read: Callable[[str], Run], settings: MetricSettings) -> pd.DataFrame:
+def measure_robustness(plan: Measured, runs: Mapping[str, Run], settings: MetricSettings) -> pd.DataFrame:
     """How far the solver can be pushed: one key at a time to the ends of its range. Every run ends valid, or diverged or refused with a
     reason.
     """
@@ -121,7 +121,7 @@ def measure_robustness(plan: Measured, read: Callable[[str], Run], settings: Met
     for row in sorted(plan.rows, key=lambda row: places.index((row.parameter, row.case))):
         values: dict[str, Any] = {"status": REFUSED, "reason": row.refused}
         if row.runs:
-            repeats = [read(name) for name in row.runs[: row.repeats]]
+            repeats = [runs[name] for name in row.runs[: row.repeats]]
             values = checks(repeats[0], row.symmetric)
             if len(repeats) > 1:
                 values["reproducible"] = float(all(repeat.trajectory.equals(repeats[0].trajectory) for repeat in repeats[1:]))
@@ -129,14 +129,16 @@ def measure_robustness(plan: Measured, read: Callable[[str], Run], settings: Met
     return pd.DataFrame(table, columns=[column.name for column in ROBUSTNESS])
 
 
+def draw_robustness(table: str) -> Figure:
+    """Every run of the sweeps: a row per sweep and case, a cell per value, a panel per check, coloured from good (light) to bad (dark);
+    D diverged, R refused.
+    """
+    return figure_robustness(read_robustness(table))
+
+
 TRACE = Trace(
     ROBUSTNESS,
     ("sweep", "value", "case"),
     lambda design: {(row.parameter, row.variant, row.case): row.runs for row in design.rows},
     lambda run, settings: {name: value for name, value in checks(run, False).items() if name != "asymmetry"},
-)
-READERS = {"table": lambda path, given: read_robustness(path)}
-STEPS = (
-    table_step("robustness", measure_robustness, {"robustness.csv": "every run"}),
-    Step("robustness_figure", figure_robustness, {"table": "robustness.csv"}, {"figures/robustness": "figure robustness"}),
 )

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import pandas as pd
 
-from sph.experiments.steps import Runs, Step
 from sph.measures.metrics import UNDETERMINED, MetricSettings, measure
 from sph.measures.places import PASSED, column_of
+from sph.output.run import Run
 from sph.storage.trajectory import Variable
-from sph.study.tables import number_column, read_csv, read_table, text_column
+from sph.study.tables import Layout, number_column, read_csv, read_table, text_column
 
 RELATIVE = 0.1
 """Change of a value between the two spacings, over that at the finer, up to which they agree."""
@@ -44,17 +44,16 @@ def spacing_columns() -> tuple[Variable, ...]:
 
 
 def spacing_table(
-    study: pd.DataFrame, runs: Runs, names: Sequence[str], spacings: tuple[float, float], settings: Mapping[str, Any], layout: Any
+    study: str, runs: Mapping[Any, Run], names: Sequence[str], spacings: tuple[float, float], settings: MetricSettings, layout: Layout
 ) -> pd.DataFrame:
     """Every run of the study at a second spacing: displacement, run-out and run-out past places at both, on a line to spacing 0, and
     whether they agree. Every column is defined in docs/reference/files.md.
     """
-    chosen, rows = MetricSettings(**settings), []
-    quantities = (*LENGTHS, *(column_of(place, PASSED) for place in chosen.places))
-    for name, own, run in zip(names, study.to_dict("records"), runs, strict=True):
-        second = measure(run, chosen)
+    rows, quantities = [], (*LENGTHS, *(column_of(place, PASSED) for place in settings.places))
+    for name, own, run in zip(names, read_table(study, layout).to_dict("records"), runs.values(), strict=True):
+        second = measure(run, settings)
         rows += [
-            (name, quantity, *compared(own, second, quantity, spacings, chosen.onset_threshold))
+            (name, quantity, *compared(own, second, quantity, spacings, settings.onset_threshold))
             for quantity in quantities
             if own["collapse_class"] == UNDETERMINED or not math.isnan(own[quantity])
         ]
@@ -85,17 +84,3 @@ def compared(
 def read_spacing(path: Any) -> pd.DataFrame:
     """The table from its CSV; ValueError names a file that is not one."""
     return read_csv(path, spacing_columns(), "the second spacing")
-
-
-READERS: dict[str, Callable[[str, Mapping[str, Any]], Any]] = {"study": lambda path, given: read_table(path, given["layout"])}
-STEPS = (
-    Step(
-        "spacing_table",
-        spacing_table,
-        {"study": "study.csv"},
-        {"spacing.csv": "what a second spacing changes"},
-        lambda design: {"names": list(design.own.study.runs), "spacings": design.spacings, "layout": design.own.layout},
-        runs=lambda design: design.second.shared.runs.values(),
-    ),
-)
-"""The jobs."""

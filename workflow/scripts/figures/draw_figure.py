@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sph.experiments.steps import run_figures
-from sph.figures import save
+from sph.experiments.paper.figures import FIGURES
+from sph.figures import RUN_FIGURES, save
 from sph.jobs.log import Job, job_log
 from sph.measures.places import PlaceAt
 from sph.study.planned import Planned
@@ -29,7 +29,7 @@ def draw_figure(
     for (*panel, last), run in zip(titles, runs, strict=False):
         (shown.setdefault(panel[0], {}) if panel else shown)[last] = run
     marked = {"places": places} if places else {}
-    save(run_figures()[name](shown, fidelity=fidelity, **marked), *paths_to_pictures)
+    save((RUN_FIGURES | FIGURES)[name](shown, fidelity=fidelity, **marked), *paths_to_pictures)
 
 
 if __name__ == "__main__":
