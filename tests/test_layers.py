@@ -38,10 +38,11 @@ def test_jobs_do_not_load_the_command_line() -> None:
     assert "sph.jobs.log" in loaded and not loaded & {"sph.command.cli", "typer"}
 
 
-def test_a_job_loads_of_scipy_what_it_uses() -> None:
-    """``scipy.signal`` and ``scipy.stats`` take as long to load as everything else that a simulation needs."""
+def test_a_job_loads_what_it_uses() -> None:
+    """Parts of scipy and the progress bar of a terminal take as long to load as everything else that a simulation needs."""
     loaded = loaded_by("runpy.run_path(sys.argv[1])", ROOT / "workflow" / "scripts" / "simulate.py")
-    assert "sph.solver.run" in loaded and not loaded & {"scipy.signal", "scipy.stats", "scipy.optimize", "matplotlib.pyplot"}
+    unused = {"scipy.signal", "scipy.stats", "scipy.optimize", "scipy.spatial", "matplotlib.pyplot", "rich.progress"}
+    assert "sph.solver.run" in loaded and not loaded & unused
 
 
 def test_no_two_test_files_have_one_name() -> None:
