@@ -7,19 +7,18 @@ import doctest
 import inspect
 import subprocess
 import sys
-import typing
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-import xarray as xr
 from pydantic import BaseModel
 
 import sph
 from sph.output.run import Run
 from sph.solver.run import Result
-from sph.storage.trajectory import write
+from sph.storage.netcdf import Group
+from sph.storage.trajectory import read_run, write
 
 HEAVY = {"numba", "numpy", "pandas", "pydantic", "xarray"}
 
@@ -40,7 +39,7 @@ def lacking(function: Callable[..., Any]) -> set[str]:
     """What a reader misses: the docstring, types of arguments or result."""
     missing = set() if inspect.getdoc(function) else {"docstring"}
     parameters = set(inspect.signature(function).parameters) - {"self"}
-    return missing | ((parameters | {"return"}) - set(typing.get_type_hints(function)))
+    return missing | ((parameters | {"return"}) - set(inspect.get_annotations(function)))
 
 
 def test_the_example_of_the_package_runs() -> None:
@@ -90,9 +89,8 @@ def test_dir_shows_what_is_public_only() -> None:
 
 def test_a_run_is_drawn_from_memory_and_from_its_file(tmp_path: Path, slid: Run) -> None:
     path, picture = tmp_path / "run.nc", tmp_path / "run.png"
-    stored = slid.trajectory
-    write(path, stored.assign_attrs(particle_steps=1))
-    drawn = [sph.plot(run, picture) for run in (stored, path, str(path), Result(stored, xr.Dataset(), "complete"))]
+    write(path, slid.stored.assign_attrs(particle_steps=1))
+    drawn = [sph.plot(run, picture) for run in (slid.trajectory, path, str(path), Result(read_run(path), Group({}), "complete"))]
     assert picture.read_bytes().startswith(b"\x89PNG") and all(len(figure.axes) == 3 for figure in drawn)
     with pytest.raises(ValueError, match="colour"):
-        sph.plot(stored, field="colour")
+        sph.plot(slid.trajectory, field="colour")
