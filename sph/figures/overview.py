@@ -60,7 +60,7 @@ def plot(
     ValueError as ``plot_trajectory``, and for a file that is not a trajectory and for one in the survey's coordinates, in which it is drawn
     anyway.
     """
-    shown = Run.read(run) if isinstance(run, (Path, str)) else Run.of(run.stored if isinstance(run, Result) else run)
+    shown = Run.read(run) if isinstance(run, (Path, str)) else Run.of(run.trajectory if isinstance(run, Result) else run)
     figure = plot_trajectory(shown, time=time, field=field)
     if path is not None:
         save(figure, Path(path))

@@ -52,7 +52,8 @@ class Run:
             raise ValueError(
                 "the trajectory is in the coordinates of the survey; give it as it is stored, as sph.read_run without survey=True"
             )
-        self.stored, self._origin, self._histories = stored, origin, dict[str, ProbeHistory]()
+        self.stored: Group | xr.Dataset = stored
+        self._origin, self._histories = origin, dict[str, ProbeHistory]()
         if scene is not None:
             self.scene = scene
 
@@ -68,10 +69,12 @@ class Run:
         run.scene  # noqa: B018  refused here, by the name of the file
         return run
 
-    @functools.cached_property
+    @property
     def trajectory(self) -> xr.Dataset:
-        """The run as a dataset."""
-        return self.stored.dataset() if isinstance(self.stored, Group) else self.stored
+        """The run as a dataset, which holds it from then on, so that what is changed in it is changed in the run."""
+        if isinstance(self.stored, Group):
+            self.stored = self.stored.dataset()
+        return self.stored
 
     @functools.cached_property
     def scene(self) -> Scene:
