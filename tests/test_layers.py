@@ -40,7 +40,7 @@ def test_jobs_do_not_load_the_command_line() -> None:
 
 UNUSED = {"xarray", "pandas", "matplotlib.pyplot", "rich.progress"}
 UNUSED |= {f"scipy.{name}" for name in ("optimize", "signal", "spatial", "stats")}
-"""What a simulation does without: together these take longer to load than all that it needs."""
+"""What a simulation does without: together these took as long to load as all that it needs."""
 SCENE = """
 name: block
 scheme: paper
