@@ -72,7 +72,7 @@ BESIDE = {"wall_time_s", "particle_steps_per_second", "findings"}
 def same_files(one: Path, other: Path) -> None:
     """Assert that two trajectories are the same to the last bit, with attributes and restart state, but for what stands beside a run."""
     for group in (read, read_restart):
-        left, right = group(one), group(other)
+        left, right = group(one).dataset(), group(other).dataset()
         same_variables(left, right)
         left_attrs, right_attrs = ({k: v for k, v in ds.attrs.items() if k not in BESIDE} for ds in (left, right))
         assert left_attrs == right_attrs

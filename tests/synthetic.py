@@ -94,7 +94,7 @@ def synthetic(
         values.setdefault(variable.name, np.zeros(shape))
     cost = {"wall_time_s": 2.0, "particle_steps_per_second": 3e6}
     attrs = trajectory.run_attributes(scene) | {"status": status, "status_reason": "", **cost}
-    return Run(trajectory.dataset(values | arrays, list(scene.probes), attrs))
+    return Run(trajectory.assembled(values | arrays, list(scene.probes), attrs))
 
 
 def study_row(S_R: str, gamma: str, amplitude: str, **metrics: Any) -> dict[str, Any]:

@@ -212,10 +212,10 @@ def _facts(runs: Sequence[Path]) -> Iterator[tuple[Path, float, str]]:
 
 def _comes_again(path: Path) -> bool:
     """Whether a run, or a search with all its trials, made again has the same numbers to the last bit."""
-    before = read(path)
+    before = read(path).dataset()
     scene = scene_of(before, str(path))
     if "by" in before.attrs:
-        again = run_search(scene, before.attrs["by"], extrapolates=bool(before.attrs.get("extrapolates", 0)))
+        again = run_search(scene, before.attrs["by"], extrapolates=bool(before.attrs.get("extrapolates", 0))).dataset()
         known = [name for name in before.data_vars if name != "wall_time"]  # searches of earlier versions have fewer
         return before.attrs["reason"] == again.attrs["reason"] and before[known].equals(again[known])
     return before.equals(run(scene, enforce_limit=False).trajectory)

@@ -81,9 +81,9 @@ def at_peak(scene: Scene) -> Peak:
     result = run(tested)
     trial = judged(result, tested, DEFAULT_RULE, 1.0)
     still = settled(scene)
-    settled_run = Run(run(still).trajectory, still)
+    settled_run = Run(run(still).stored, still)
     count = int(np.count_nonzero(still.gravity.failed(settled_run["t_f"][settled_run.soil])))
-    begun = any(np.isfinite(each["t_f"][each.soil]).any() for each in (Run(result.trajectory, tested), settled_run))
+    begun = any(np.isfinite(each["t_f"][each.soil]).any() for each in (Run(result.stored, tested), settled_run))
     used = mobilised_by_layer(settled_run, settled_run.gravity_frame) if trial.stands else {}
     spacing = tested.numerics.spacing
     return Peak(trial, spacing, count * spacing**2, still.fails_unshaken(count), begun, used)

@@ -6,33 +6,32 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
 from sph.scene.configuration import merge, scene_files
 from sph.scene.schema import Scene, make_scene, written_scene
 from sph.scene.strict_json import parse_json
 from sph.storage import trajectory
+from sph.storage.netcdf import Group
 
 SIGNATURES = (b"\x89HDF", b"CDF")
 """What netCDF files begin with."""
 
 
-def earlier_run(path: Path) -> xr.Dataset | None:
+def earlier_run(path: Path) -> Group | None:
     """The trajectory in a file, None for a scene file; ValueError for another netCDF file, and for the trials of a search."""
     if not path.is_file():
         return None
     with path.open("rb") as file:
         if not file.read(4).startswith(SIGNATURES):
             return None
-    ds = trajectory.read(path)
-    if "by" in ds.attrs:
+    found = trajectory.read(path)
+    if "by" in found.attrs:
         raise ValueError(
-            f"{path}: holds the trials of a search ({ds.attrs['by']}), not a run; repeat it with sph fos or sph yield-acceleration"
+            f"{path}: holds the trials of a search ({found.attrs['by']}), not a run; repeat it with sph fos or sph yield-acceleration"
         )
-    return ds
+    return found
 
 
-def read_given(path: Path, overrides: Mapping[str, Any], earlier: xr.Dataset | None = None) -> tuple[Scene, list[str]]:
+def read_given(path: Path, overrides: Mapping[str, Any], earlier: Group | None = None) -> tuple[Scene, list[str]]:
     """The scene in a file, YAML or a trajectory (``earlier``, where it has been read), and the files that it was read from: its own, which
     may be a pipe, records and ground lines.  ValueError with file, key and value."""
     earlier = earlier_run(path) if earlier is None else earlier

@@ -12,7 +12,6 @@ from sph.measures.fields import check_field
 from sph.measures.metrics import CHIEF, METRICS, MetricSettings, measure
 from sph.output.run import Run
 from sph.scene.strict_json import to_json
-from sph.storage import trajectory
 
 
 def plot(file: Path, out: Path | None, field: str, time: float | None) -> str:
@@ -49,7 +48,7 @@ def export(file: Path, vtk: str) -> str:
     if not vtk or folder.exists() and not folder.is_dir():
         raise ValueError(f"--vtk {vtk!r}: is {'a file' if vtk else 'an empty name'}; name a folder")
     check_apart(folder / f"{file.stem}.pvd", [file], "--vtk")
-    return str(export_paraview(trajectory.read_run(file), folder, file.stem))
+    return str(export_paraview(Run.read(file).trajectory, folder, file.stem))
 
 
 def metrics(file: Path, every: bool, as_json: bool) -> str:

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from sph.checks.after_run import found_after
 from sph.checks.finding import codes
@@ -29,6 +28,7 @@ from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Until
 from sph.storage import trajectory
+from sph.storage.netcdf import Group, read_attributes
 from sph.storage.trajectory import Status
 from sph.study.planned import differing
 
@@ -67,7 +67,7 @@ def run(
             enforce_limit=not repeats,  # what was allowed to run with a step above its limit may be repeated
             attrs={"findings": codes(found)},
         )
-    made = Run(result.trajectory, scene)
+    made = Run(result.stored, scene)
     if made.time_step_ratio > 1.0:
         say(
             f"numerics.time_step was {made.time_step_ratio:.2f} times the stability limit measured during the run; "
@@ -76,7 +76,7 @@ def run(
     if result.status not in (Status.DIVERGED, Status.PAUSED):
         say(*(line(each) for each in found_after(made)))
     if earlier is not None and repeats:
-        say(compare(earlier, result.trajectory, path))
+        say(compare(earlier, result.stored, path))
     reason = f" ({made.attrs['status_reason']})" if made.attrs["status_reason"] else ""
     speed = made.attrs["particle_steps_per_second"] / 1e6
     text = f"{out}: {result.status}{reason}, {made.attrs['wall_time_s']:.1f} s, {speed:.2f} M particle-steps/s"
@@ -86,8 +86,8 @@ def run(
 def check_of_scene(path: Path, scene: Scene) -> None:
     """ValueError where a file holds the run of another scene, with the first key that differs; one that cannot be read may be replaced."""
     try:
-        with xr.open_dataset(path, engine="netcdf4") as ds:
-            differ = differing(ds.attrs, scene, path) if "scene" in ds.attrs else []
+        attrs = read_attributes(path)
+        differ = differing(attrs, scene, path) if "scene" in attrs else []
     except (OSError, RuntimeError, ValueError):
         return
     if differ:
@@ -97,7 +97,7 @@ def check_of_scene(path: Path, scene: Scene) -> None:
         )
 
 
-def stopped_at(earlier: xr.Dataset | None) -> Until:
+def stopped_at(earlier: Group | None) -> Until:
     """The stage up to which a trajectory was to be simulated; ``end`` for a new scene.
 
     A paused run whose last sample is that at the end of the gravity stage has the same bits whichever stage it was told to stop at.
@@ -105,17 +105,17 @@ def stopped_at(earlier: xr.Dataset | None) -> Until:
     if earlier is None or earlier.attrs.get("status") != trajectory.Status.PAUSED:
         return "end"
     scene = trajectory.scene_of(earlier)
-    at_gravity = scene.steps(float(earlier["sample_time"][-1])) == scene.steps(scene.gravity.duration)
+    at_gravity = scene.steps(float(earlier["sample_time"].values[-1])) == scene.steps(scene.gravity.duration)
     return "gravity" if at_gravity else "first_failure"
 
 
-def compare(earlier: xr.Dataset, again: xr.Dataset, path: Path) -> str:
+def compare(earlier: Group, again: Group, path: Path) -> str:
     """Whether a repeated run has the bits of the earlier one, in words; if not, what was not the same."""
     names = [row.name for row in trajectory.VARIABLES]
     differ = [name for name in names if name not in earlier or not _same(earlier[name].values, again[name].values)]
     if not differ:
         return f"every variable is identical to that of {path}, bit for bit"
-    old, new = (parse_json(ds.attrs.get("versions", "{}")) | {"machine": ds.attrs.get("machine")} for ds in (earlier, again))
+    old, new = (parse_json(run.attrs.get("versions", "{}")) | {"machine": run.attrs.get("machine")} for run in (earlier, again))
     other = ", ".join(f"{name} {old.get(name)} there and {new[name]} here" for name in new if old.get(name) != new[name])
     return f"differs from {path} in {', '.join(differ)}: {other or 'made by other sources or on another processor'}"
 

@@ -8,10 +8,6 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TextIO
 
-from rich.console import Console
-from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
-from rich.progress import Progress as Bar
-
 from sph.jobs.log import PROGRESS, JobLog
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import before_compiling
@@ -45,6 +41,10 @@ def reporter(label: str, scene: Scene, stream: TextIO | None = None) -> Iterator
     stream = stream or sys.stderr
     variant = ", ".join(name for name, wanted in wanted_terms(scene).items() if wanted)
     if stream.isatty():
+        from rich.console import Console
+        from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+        from rich.progress import Progress as Bar
+
         columns = (TextColumn("{task.description}"), BarColumn(), TextColumn("{task.fields[note]}"), TimeRemainingColumn())
         with Bar(*columns, console=Console(file=stream)) as bar:
             task = bar.add_task(label, total=None, note="")

@@ -22,10 +22,10 @@ standing slope give no front.  Run-out is defined for shapes with a slope only (
 from __future__ import annotations
 
 import math
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy  # type: ignore[import-untyped]
-import xarray as xr
 from pydantic import model_validator
 
 from sph.measures.linked import largest_mass
@@ -41,6 +41,9 @@ from sph.scene.motion import NoMotion
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
 from sph.storage.trajectory import Status, Variable
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 CLASSES = STABLE, MINOR, DAMAGED, COLLAPSE = ("stable", "minor", "damaged", "collapse")
 """Collapse classes in order of damage."""

@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import functools
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from sph.scene.schema import Scene
 from sph.solver.particles import SOIL, strength_at
 from sph.storage import trajectory
+from sph.storage.netcdf import Group
 from sph.storage.trajectory import scene_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MARK = "coordinates_of"
 """Attribute of a trajectory in the coordinates of the survey (``sph.output.surveyed``), with the value ``survey``."""
@@ -43,18 +46,19 @@ class Run:
     Raises ValueError for a trajectory in the survey's coordinates, which cannot be measured or drawn.
     """
 
-    def __init__(self, stored: xr.Dataset, scene: Scene | None = None, origin: str = "trajectory") -> None:
+    def __init__(self, stored: Group | xr.Dataset, scene: Scene | None = None, origin: str = "trajectory") -> None:
         """Of a trajectory, or the trials of a search, and their ``scene`` where it is known; else that of the file is built once."""
         if MARK in stored.attrs:
             raise ValueError(
                 "the trajectory is in the coordinates of the survey; give it as it is stored, as sph.read_run without survey=True"
             )
-        self.trajectory, self._origin, self._histories = stored, origin, dict[str, ProbeHistory]()
+        self.stored: Group | xr.Dataset = stored
+        self._origin, self._histories = origin, dict[str, ProbeHistory]()
         if scene is not None:
             self.scene = scene
 
     @classmethod
-    def of(cls, run: Run | xr.Dataset) -> Run:
+    def of(cls, run: Run | Group | xr.Dataset) -> Run:
         """The view of a run, or of its trajectory."""
         return run if isinstance(run, Run) else cls(run)
 
@@ -65,15 +69,22 @@ class Run:
         run.scene  # noqa: B018  refused here, by the name of the file
         return run
 
+    @property
+    def trajectory(self) -> xr.Dataset:
+        """The run as a dataset, which holds it from then on, so that what is changed in it is changed in the run."""
+        if isinstance(self.stored, Group):
+            self.stored = self.stored.dataset()
+        return self.stored
+
     @functools.cached_property
     def scene(self) -> Scene:
         """The scene of the run; ValueError where what is stored cannot be read or is refused."""
-        return scene_of(self.trajectory, self._origin)
+        return scene_of(self.stored, self._origin)
 
     @property
     def attrs(self) -> dict[str, Any]:
         """The facts of the run: ``sph.storage.trajectory.FACTS`` and others."""
-        return self.trajectory.attrs
+        return self.stored.attrs
 
     @property
     def status(self) -> str:
@@ -81,10 +92,10 @@ class Run:
         return str(self.attrs.get("status"))
 
     def __contains__(self, name: str) -> bool:
-        return name in self.trajectory
+        return name in self.stored
 
     def __getitem__(self, name: str) -> np.ndarray:
-        return self.trajectory[name].values
+        return self.stored[name].values
 
     @functools.cached_property
     def soil(self) -> np.ndarray:

@@ -66,8 +66,8 @@ def run_to_file(
                 started.resume(restart)
         with checkpoint.on_interrupt():
             result = started.go(until, report, checkpoint.offer)
-        result.trajectory.attrs |= {**(attrs or {}), "run_digest": digest, "solver_digest": solver}
-        trajectory.write(path, result.trajectory, result.restart)
+        result.stored.attrs |= {**(attrs or {}), "run_digest": digest, "solver_digest": solver}
+        trajectory.write(path, result.stored, result.stored_restart)
         checkpoint.discard()
     return result
 
@@ -144,11 +144,11 @@ class Checkpoint:
         if not self.interrupted and (not self.seconds or clock.monotonic() - self.last < self.seconds):
             return
         state = result()
-        state.trajectory.attrs["run_digest"] = self.digest
+        state.stored.attrs["run_digest"] = self.digest
         try:
-            trajectory.write(self.path, state.trajectory, state.restart)
+            trajectory.write(self.path, state.stored, state.stored_restart)
             if self.interrupted:
-                at = float(state.trajectory["sample_time"][-1])
+                at = float(state.stored["sample_time"].values[-1])
                 self.say(f"interrupted at {at:g} s; the same command goes on from there")
         except OSError as error:
             self.say(f"{error}; the run {'ends' if self.interrupted else 'goes on'} without this checkpoint")
@@ -164,7 +164,7 @@ class Checkpoint:
 
 def _of_this_run(path: Path, digest: str) -> Result | None:
     try:
-        ds = trajectory.read(path)
-        return Result(ds, trajectory.read_restart(path), ds.attrs["status"]) if ds.attrs.get("run_digest") == digest else None
+        run = trajectory.read(path)
+        return Result(run, trajectory.read_restart(path), run.attrs["status"]) if run.attrs.get("run_digest") == digest else None
     except ValueError:
         return None

@@ -6,7 +6,6 @@ import math
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from sph.scene.schema import Scene
 from sph.solver.early_stop import quiet_from
@@ -14,6 +13,7 @@ from sph.solver.particles import locate_probes
 from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED, GRAVITY, INTERNAL, MASS_DAMPING, REPULSION, SHAKING, VISCOUS, WALLS
 from sph.storage import trajectory
+from sph.storage.netcdf import Group
 
 
 class Recording:
@@ -97,7 +97,7 @@ class Recording:
         now = ((simulation.state.x, "x"), (simulation.state.y, "y"))
         return np.asarray(np.hypot(*(place[soil] - self.frames[axis][first][soil] for place, axis in now)))
 
-    def take_over(self, old: xr.Dataset) -> None:
+    def take_over(self, old: Group) -> None:
         """Take over the history of an earlier run of the scene; the end of a shorter run is no frame of a longer one."""
         simulation = self.simulation
         frames = [number for number, at in enumerate(old["time"].values) if self.has_frame(simulation.scene.steps(float(at)))]
@@ -113,7 +113,7 @@ class Recording:
         """Largest time step over its measured limit, over the frames."""
         return float(np.max(np.array(self.frames["time_step"]) / np.array(self.frames["time_step_limit"]), initial=0.0))
 
-    def dataset(self, attrs: dict[str, Any]) -> xr.Dataset:
+    def trajectory(self, attrs: dict[str, Any]) -> Group:
         """The trajectory so far, with the attributes of the scene and these."""
         simulation, particles = self.simulation, self.simulation.particles
         arrays: dict[str, np.ndarray] = {
@@ -130,7 +130,7 @@ class Recording:
             variable = trajectory.BY_NAME[name]
             shape = (len(values), *(sizes[dim] for dim in variable.dims[1:]))
             arrays[name] = np.array(values, dtype=variable.dtype).reshape(shape)
-        return trajectory.dataset(arrays, list(self.probes), trajectory.run_attributes(simulation.scene) | attrs)
+        return trajectory.assembled(arrays, list(self.probes), trajectory.run_attributes(simulation.scene) | attrs)
 
 
 def landmarks(scene: Scene) -> set[int]:

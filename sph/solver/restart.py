@@ -11,7 +11,6 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 
 import numpy as np
-import xarray as xr
 
 from sph.scene.configuration import differences, one_line
 from sph.scene.schema import Scene
@@ -20,6 +19,7 @@ from sph.solver.simulation import Simulation
 from sph.solver.state import FAILED
 from sph.solver.terms import restart_dims
 from sph.storage import trajectory
+from sph.storage.netcdf import Array, Group
 
 BRANCH_KEYS = (
     "coupling.S_R",
@@ -37,12 +37,11 @@ FREE_KEYS = ("name", "title", "duration")
 """Keys that a restarted run may change at any time."""
 
 
-def restart_of(simulation: Simulation) -> xr.Dataset:
+def restart_of(simulation: Simulation) -> Group:
     """What a run needs in order to go on from here."""
     dims = {"work": ("row",)} | restart_dims()
-    restart = xr.Dataset({name: (dims.get(name, ("particle",))[-a.ndim :], a) for name, a in _kept(simulation).items()})
-    restart.attrs |= {"step": simulation.step, "substeps": simulation.substeps}
-    return restart
+    arrays = {name: Array(dims.get(name, ("particle",))[-a.ndim :], a) for name, a in _kept(simulation).items()}
+    return Group(arrays, {"step": simulation.step, "substeps": simulation.substeps})
 
 
 def _kept(simulation: Simulation) -> dict[str, np.ndarray]:
@@ -50,16 +49,16 @@ def _kept(simulation: Simulation) -> dict[str, np.ndarray]:
     return {name: array for name, array in simulation.state._asdict().items() if array.size}
 
 
-def take_over(simulation: Simulation, old: xr.Dataset, restart: xr.Dataset, path: Path | str) -> None:
+def take_over(simulation: Simulation, old: Group, restart: Group, path: Path | str) -> None:
     """Put a simulation where the run of a file stopped; ValueError if it belongs to another scene."""
     missing = [name for name in _kept(simulation) if name not in restart] + ["step"] * ("step" not in restart.attrs)
     if missing:
         raise ValueError(f"{path}: its restart state lacks {', '.join(missing)}; it was written by another version, run it again")
-    failed = bool((restart["phase"] == FAILED).any())
-    time = float(old["sample_time"][-1])
+    failed = bool((restart["phase"].values == FAILED).any())
+    time = float(old["sample_time"].values[-1])
     check_restart(trajectory.scene_of(old, str(path)), simulation.scene, time, failed, path)
     simulation.step = int(restart.attrs["step"])
-    wrong = [name for name, array in _kept(simulation).items() if restart[name].shape != array.shape]
+    wrong = [name for name, array in _kept(simulation).items() if restart[name].values.shape != array.shape]
     if wrong or simulation.step != simulation.scene.steps(time):
         raise ValueError(f"{path}: its restart state does not belong to its trajectory ({', '.join(wrong) or f'step {simulation.step}'})")
     for name, array in _kept(simulation).items():
@@ -68,7 +67,7 @@ def take_over(simulation: Simulation, old: xr.Dataset, restart: xr.Dataset, path
     if substeps > most:
         raise ValueError(f"{path}: its restart state divides the time step by {substeps}, at most by {most}; run it again")
     simulation.divide(substeps)
-    simulation.limit = float(old["time_step_limit"][-1])
+    simulation.limit = float(old["time_step_limit"].values[-1])
 
 
 def check_restart(old: Scene, new: Scene, time: float, failed: bool, path: Path | str) -> None:

@@ -1,4 +1,4 @@
-"""Running a scene: stages, recording and guard.  Scene in, dataset out.
+"""Running a scene: stages, recording and guard.  Scene in, trajectory out.
 
 A run advances in blocks of one series interval.  Between blocks it records, reports progress and checks that the run is sound.
 It can stop early, at the end of the gravity stage or just before the first
@@ -11,11 +11,11 @@ from __future__ import annotations
 import functools
 import time as clock
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from sph.scene.gravity import MOVED, UNSHAKEN
 from sph.scene.motion import NoMotion
@@ -28,7 +28,11 @@ from sph.solver.restart import restart_of, take_over
 from sph.solver.simulation import POWER_ITERATIONS, Simulation
 from sph.solver.state import FAILED
 from sph.storage import trajectory
+from sph.storage.netcdf import Group
 from sph.storage.trajectory import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Until = Literal["end", "gravity", "first_failure"]
 
@@ -43,12 +47,23 @@ class Progress(NamedTuple):
     failed_fraction: float
 
 
-class Result(NamedTuple):
+@dataclass(frozen=True)
+class Result:
     """A run's trajectory, its restart state and its status (see ``sph.storage.trajectory.Status``)."""
 
-    trajectory: xr.Dataset
-    restart: xr.Dataset
+    stored: Group  # the trajectory as it is written
+    stored_restart: Group
     status: str
+
+    @functools.cached_property
+    def trajectory(self) -> xr.Dataset:
+        """The trajectory, with the variables of ``sph.storage.trajectory.VARIABLES``."""
+        return self.stored.dataset()
+
+    @functools.cached_property
+    def restart(self) -> xr.Dataset:
+        """The state from which a run goes on bit for bit."""
+        return self.stored_restart.dataset()
 
 
 class Run:
@@ -196,7 +211,7 @@ class Run:
             "neighbours_mean": float((simulation.pairs.end - simulation.pairs.start).mean()),
             "active_terms": " ".join(name for name, on in simulation.wanted.items() if on),
         }
-        return Result(self.recording.dataset(attrs), restart_of(simulation), str(status))
+        return Result(self.recording.trajectory(attrs), restart_of(simulation), str(status))
 
 
 def run(

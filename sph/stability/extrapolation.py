@@ -25,14 +25,15 @@ import functools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
-
-import pandas as pd
+from typing import TYPE_CHECKING, NamedTuple
 
 from sph.scene.schema import Scene
 from sph.stability.safety import DEFAULT_RULE, yield_acceleration
 from sph.stability.search import TOLERANCE, Search, Trial
 from sph.stability.standing import FailureRule, coarsest_spacing, dividing, slope_height
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 RATIO = 2.0
 """Coarse spacing over the scene's own, unless the rule needs a finer one."""
@@ -110,6 +111,8 @@ def to_zero(coarse: Search, fine: Search, ratio: float) -> tuple[float, float, b
 def deviations() -> pd.DataFrame:
     """Slopes of the validation table whose factor of safety or strength ratio has a reference: ``case``, ``quantity``, whether they slip
     along a ``plane``, and the relative deviations at the ``coarse`` and the ``fine`` spacing and of the value that a search gives."""
+    import pandas as pd  # here, since a run does without it
+
     table = pd.read_csv(VALIDATED, usecols=["case", "quantity", "kind", "errors"])
     table = table[table["kind"].isin(["factor_of_safety", "infinite_slope_factor", "critical_strength_ratio"])]
     errors = table["errors"].str.split(", ", expand=True).astype(float)

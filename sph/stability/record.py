@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from sph.scene.schema import Scene
 from sph.solver.compiled.jit import PACKAGE, solver_digest
@@ -24,6 +23,7 @@ from sph.stability.search import Search, Trial
 from sph.stability.standing import static_scene
 from sph.storage import trajectory
 from sph.storage.files import alone, beside, tidy
+from sph.storage.netcdf import Array, Group
 from sph.storage.sources import sources_digest
 
 SEARCHES: dict[str, Callable[..., Search]] = {
@@ -43,7 +43,7 @@ def run_search(
     report: Callable[[At, Trial], None] = lambda at, trial: None,
     known: Mapping[At, Mapping[float, Trial]] | None = None,
     extrapolates: bool = False,
-) -> xr.Dataset:
+) -> Group:
     """Search the limit of a scene by one of ``SEARCHES``; a limit that does not exist is NaN, with the reason in the attributes.
 
     The search is at the scene's own spacing or, if it ``extrapolates``, at that and twice as coarse a one (``unasked_spacings``).
@@ -60,8 +60,8 @@ def run_search(
             at = (scene.numerics.spacing, 1.0)
             found = SEARCHES[by](scene, report=lambda trial: report(at, trial), known=(known or {}).get(at))
     except ValueError as error:
-        return search_dataset(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
-    return search_dataset(scene, by, found).assign_attrs(extrapolates=int(extrapolates))
+        return search_group(scene, by, NOTHING, str(error)).assign_attrs(extrapolates=int(extrapolates))
+    return search_group(scene, by, found).assign_attrs(extrapolates=int(extrapolates))
 
 
 def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Trial], None], extrapolates: bool = False) -> None:
@@ -77,7 +77,7 @@ def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Tr
     def keep(at: At, trial: Trial) -> None:
         made.append((at, trial))
         report(trial)
-        so_far = trials_dataset(scene, made)
+        so_far = trials_group(scene, made)
         with suppress(OSError):  # a disk that is full for this may have room at the end
             trajectory.write(kept, so_far.assign_attrs(run_digest=digest))
 
@@ -94,12 +94,12 @@ def search_to_file(scene: Scene, by: str, path: Path | str, report: Callable[[Tr
 def read_trials(path: Path, digest: str) -> Made:
     """The trials in a checkpoint, with where they were made; none if it is not of this digest."""
     try:
-        ds = trajectory.read(path)
+        kept = trajectory.read(path)
     except ValueError:
         return []
-    if ds.attrs.get("run_digest") != digest:
+    if kept.attrs.get("run_digest") != digest:
         return []
-    rows = zip(*(ds[name].values.tolist() for name in (*WHERE, *Trial._fields)), strict=True)
+    rows = zip(*(kept[name].values.tolist() for name in (*WHERE, *Trial._fields)), strict=True)
     return [((spacing, strength), Trial(*row)._replace(stands=bool(row[1]))) for spacing, strength, *row in rows]
 
 
@@ -109,7 +109,7 @@ def search_digest() -> str:
     return sources_digest(folder.glob("*.py"), folder, solver_digest())
 
 
-def search_dataset(scene: Scene, by: str, found: Search | Extrapolated, reason: str = "") -> xr.Dataset:
+def search_group(scene: Scene, by: str, found: Search | Extrapolated, reason: str = "") -> Group:
     """The trials of a search, and what it found."""
     facts: dict[str, Any] = {"by": by, "value": found.value, "reason": reason}
     if isinstance(found, Extrapolated):
@@ -118,16 +118,16 @@ def search_dataset(scene: Scene, by: str, found: Search | Extrapolated, reason: 
     else:
         made, bracket = [((scene.numerics.spacing, 1.0), trial) for trial in found.trials], found
     cost = math.fsum(trial.wall_time for _, trial in made)
-    return trials_dataset(scene, made).assign_attrs(facts | {"stood": bracket.stood, "failed": bracket.failed, "wall_time_s": cost})
+    return trials_group(scene, made).assign_attrs(**facts, stood=bracket.stood, failed=bracket.failed, wall_time_s=cost)
 
 
 WHERE = ("spacing", "strength")
 """Columns of where a trial was made."""
 
 
-def trials_dataset(scene: Scene, made: Made) -> xr.Dataset:
+def trials_group(scene: Scene, made: Made) -> Group:
     """Trials and where they were made, with the attributes of a run of the scene."""
-    columns = {name: ("trial", np.array([at[place] for at, _ in made], dtype=float)) for place, name in enumerate(WHERE)}
-    columns |= {name: ("trial", np.array([getattr(trial, name) for _, trial in made])) for name in Trial._fields}
-    columns["stands"] = ("trial", columns["stands"][1].astype("int8"))
-    return xr.Dataset(columns, attrs=trajectory.run_attributes(scene))
+    columns = {name: np.array([at[place] for at, _ in made], dtype=float) for place, name in enumerate(WHERE)}
+    columns |= {name: np.array([getattr(trial, name) for _, trial in made]) for name in Trial._fields}
+    columns["stands"] = columns["stands"].astype("int8")
+    return Group({name: Array(("trial",), values) for name, values in columns.items()}, trajectory.run_attributes(scene))

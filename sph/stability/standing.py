@@ -18,10 +18,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from sph.scene.configuration import Section, dotted, key, merge
 from sph.scene.gravity import FAILED_AREA, MOVED
@@ -36,7 +35,11 @@ from sph.solver.initial_stress import greatest_stress, soils_at_greatest_stress
 from sph.solver.particles import QUANTITIES, place_particles
 from sph.solver.run import Result, run
 from sph.stability.search import Trial
+from sph.storage.netcdf import Group
 from sph.storage.trajectory import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 COURANT = 0.8
 """Part of the measured limit that the time step of a static test takes."""
@@ -269,16 +272,17 @@ def judged(result: Result, scene: Scene, rule: FailureRule, value: float) -> Tri
     """The verdict of ``stand`` on a static test that has been run."""
     since = scene.gravity.ramp if isinstance(scene.motion, NoMotion) else scene.gravity.duration
     diverged = result.status == Status.DIVERGED
-    displacement = displacements(result.trajectory.isel(frame=slice(max(result.trajectory.sizes["frame"] - diverged, 1))), since)
+    displacement = displacements(result.stored, since, max(result.stored["time"].values.size - diverged, 1))
     limit = rule.displacement * slope_height(scene)
     area = np.count_nonzero(displacement > limit) * scene.numerics.spacing**2
     stands = not diverged and not area > rule.area * slope_height(scene) ** 2
-    return Trial(value, stands, area, float(displacement.max()), result.status, float(result.trajectory.attrs["wall_time_s"]))
+    return Trial(value, stands, area, float(displacement.max()), result.status, float(result.stored.attrs["wall_time_s"]))
 
 
-def displacements(ds: xr.Dataset, since: float) -> np.ndarray:
-    """How far each soil particle has moved from the first frame at or after a time (s) to the last, m; infinite where not a number."""
-    frames = ds[["x", "y"]].isel(particle=ds["kind"].values == 0)
-    first = min(int(np.searchsorted(ds["time"].values, since - 1e-9)), frames.sizes["frame"] - 1)
-    moved = [frames[axis].values[-1].astype(float) - frames[axis].values[first] for axis in ("x", "y")]
+def displacements(run: Group | xr.Dataset, since: float, frames: int | None = None) -> np.ndarray:
+    """How far each soil particle has moved from the first frame at or after a time (s) to the last, or the last of the first ``frames``, m;
+    infinite where not a number."""
+    soil, time = run["kind"].values == 0, run["time"].values[:frames]
+    first, last = min(int(np.searchsorted(time, since - 1e-9)), time.size - 1), time.size - 1
+    moved = [run[axis].values[last, soil].astype(float) - run[axis].values[first, soil] for axis in ("x", "y")]
     return np.nan_to_num(np.hypot(*moved), nan=math.inf)

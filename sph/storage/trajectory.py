@@ -16,16 +16,19 @@ from collections.abc import Mapping
 from enum import StrEnum
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from sph import __version__
 from sph.scene.configuration import in_order, without_files
 from sph.scene.schema import Scene, stored_scene
 from sph.scene.strict_json import parse_json, to_json
 from sph.storage.files import whole
+from sph.storage.netcdf import Array, Group, read_group, write_group
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class Variable(NamedTuple):
@@ -122,13 +125,13 @@ else.  Files of version 0 lack it, and are read like those of version 1."""
 PACKAGES = ("numpy", "numba", "llvmlite", "xarray", "netCDF4", "pydantic")
 
 
-def dataset(arrays: Mapping[str, np.ndarray], probes: list[str], attrs: Mapping[str, Any]) -> xr.Dataset:
-    """Dataset of the variables in ``VARIABLES``; ``arrays`` must hold every one of them."""
-    ds = xr.Dataset(attrs=dict(attrs))
-    for variable in VARIABLES:
-        values = np.asarray(arrays[variable.name]).astype(variable.dtype, copy=False)
-        ds[variable.name] = (variable.dims, values, {"units": variable.units, "long_name": variable.text})
-    return ds.assign_coords(time=ds["time"], sample_time=ds["sample_time"], probe=("probe", probes))
+def assembled(arrays: Mapping[str, np.ndarray], probes: list[str], attrs: Mapping[str, Any]) -> Group:
+    """A trajectory of the variables in ``VARIABLES``; ``arrays`` must hold every one of them."""
+    found = {
+        name: Array(dims, np.asarray(arrays[name]).astype(dtype, copy=False), {"units": units, "long_name": text})
+        for name, dims, dtype, units, text in VARIABLES
+    }
+    return Group(found | {"probe": Array(("probe",), np.array(probes))}, attrs, ("time", "sample_time", "probe"))
 
 
 def run_attributes(scene: Scene) -> dict[str, Any]:
@@ -161,23 +164,16 @@ def _version(package: str) -> str:
         return "unknown"
 
 
-def write(path: Path | str, ds: xr.Dataset, restart: xr.Dataset | None = None) -> None:
+def write(path: Path | str, run: Group | xr.Dataset, restart: Group | xr.Dataset | None = None) -> None:
     """Write a trajectory, whole or not at all (see ``sph.storage.files.whole``); ``restart`` goes into its own group."""
     check_name(path)
     with whole(path) as temporary:
-        write_compressed(ds, temporary)
+        write_group(temporary, run.assign_attrs(format=FORMAT))
         if restart is not None:
-            write_compressed(restart, temporary, mode="a", group="restart")
+            write_group(temporary, restart.assign_attrs(format=FORMAT), "restart")
 
 
-def write_compressed(ds: xr.Dataset, path: Path, **options: Any) -> None:
-    """netCDF-4 with the version of the format and every numeric variable compressed."""
-    options_each = {"zlib": True, "complevel": 4, "shuffle": True}
-    encoding = {name: options_each for name, v in ds.variables.items() if v.dtype.kind in "fiu" and v.ndim}
-    ds.assign_attrs(format=FORMAT).to_netcdf(path, engine="netcdf4", encoding=encoding, **options)
-
-
-def read(path: Path | str) -> xr.Dataset:
+def read(path: Path | str) -> Group:
     """Root group of a trajectory, or of the trials of a search, in memory; ValueError names a file that is none, and the remedy."""
     loaded = _read(path, None, "a trajectory")
     if "scene" not in loaded.attrs:
@@ -185,19 +181,19 @@ def read(path: Path | str) -> xr.Dataset:
     return loaded
 
 
-def read_run(path: Path | str) -> xr.Dataset:
+def read_run(path: Path | str) -> Group:
     """Root group of a trajectory with all variables and facts of a run; ValueError names a file that lacks one, as a search's does."""
-    ds = read(path)
-    missing = [row.name for row in VARIABLES if row.name not in ds.variables or ds[row.name].dims != row.dims]
-    missing += [name for name in FACTS if name not in ds.attrs]
+    run = read(path)
+    missing = [row.name for row in VARIABLES if row.name not in run or run[row.name].dims != row.dims]
+    missing += [name for name in FACTS if name not in run.attrs]
     if missing:
         raise ValueError(f"{path}: not a trajectory of this version, it lacks {', '.join(missing)}; run its scene again")
-    if not ds["time"].size or not ds["sample_time"].size:
+    if not run["time"].values.size or not run["sample_time"].values.size:
         raise ValueError(f"{path}: a trajectory without a frame or a sample")
-    return ds
+    return run
 
 
-def read_restart(path: Path | str) -> xr.Dataset:
+def read_restart(path: Path | str) -> Group:
     """Group ``restart`` of a trajectory, in memory; ValueError names a file without one."""
     loaded = _read(path, "restart", "a trajectory with a restart state")
     if "step" not in loaded.attrs:
@@ -220,11 +216,10 @@ def check_name(path: Path | str) -> None:
         ) from error
 
 
-def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
+def _read(path: Path | str, group: str | None, what: str) -> Group:
     check_name(path)
     try:
-        with xr.open_dataset(path, group=group, engine="netcdf4") as ds:
-            loaded = ds.load()
+        loaded = read_group(path, group)
     except FileNotFoundError as error:
         raise ValueError(f"{path}: cannot be read as {what}: there is no such file") from error
     except Exception as error:  # damaged data have raised RuntimeError, AttributeError and KeyError, too
@@ -233,17 +228,17 @@ def _read(path: Path | str, group: str | None, what: str) -> xr.Dataset:
     return loaded
 
 
-def check_format(ds: xr.Dataset, path: Path | str) -> None:
+def check_format(found: Group | xr.Dataset, path: Path | str) -> None:
     """Take the version of the format from the attributes; ValueError where it is newer than what is read here."""
-    found = ds.attrs.pop("format", 0)
-    if not isinstance(found, (int, np.integer)) or found > FORMAT:
-        raise ValueError(f"{path}: has format {found}, newer than {FORMAT}, the last that sph {__version__} reads; install a newer sph")
+    given = found.attrs.pop("format", 0)
+    if not isinstance(given, (int, np.integer)) or given > FORMAT:
+        raise ValueError(f"{path}: has format {given}, newer than {FORMAT}, the last that sph {__version__} reads; install a newer sph")
 
 
-def scene_of(ds: xr.Dataset, origin: str = "trajectory") -> Scene:
+def scene_of(run: Group | xr.Dataset, origin: str = "trajectory") -> Scene:
     """The scene a trajectory was run with; ValueError where its attribute ``scene`` cannot be read or is refused."""
     try:
-        data = parse_json(ds.attrs["scene"])
+        data = parse_json(run.attrs["scene"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{origin}: its attribute 'scene' cannot be read: {error}") from error
     return stored_scene(data, origin)

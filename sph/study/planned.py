@@ -12,8 +12,6 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import xarray as xr
-
 import sph
 from sph.output.run import Run
 from sph.scene.configuration import MOST_LINES, differences, one_line, scene_files
@@ -21,6 +19,7 @@ from sph.scene.schema import Scene, make_scene
 from sph.scene.scheme import filled
 from sph.storage import trajectory
 from sph.storage.files import content_digest
+from sph.storage.netcdf import Group
 from sph.storage.sources import sources_digest
 
 LIBRARY = Path(sph.__file__).parent
@@ -44,8 +43,8 @@ class Planned(NamedTuple):
 
     def read(self, path: Path | str) -> Run:
         """The run, or the trials of the search, of this scene; ValueError for a file of another one."""
-        ds = trajectory.read(path)
-        return Run(ds, self.check(ds.attrs, path), str(path))
+        stored = trajectory.read(path)
+        return Run(stored, self.check(stored.attrs, path), str(path))
 
     def check(self, attrs: Mapping[str, Any], path: Path | str) -> Scene:
         """The scene; ValueError names the keys in which that among a file's attributes differs from it, and the remedy."""
@@ -63,7 +62,7 @@ def differing(attrs: Mapping[str, Any], scene: Scene, path: Path | str) -> list[
     """Keys in which the scene among a file's attributes differs from a planned one, with both values; names of files do not count."""
     if attrs.get("scene") == scene.stored():
         return []
-    found = trajectory.scene_of(xr.Dataset(attrs=attrs), str(path))
+    found = trajectory.scene_of(Group({}, attrs), str(path))
     lines = [
         f"{name}: {one_line(repr(there), SHOWN)} in the file, {one_line(repr(here), SHOWN)} planned"
         for name, (there, here) in differences(found.model_dump(), scene.model_dump()).items()

@@ -172,5 +172,5 @@ def at_time_steps(steps: Mapping[str, float]) -> dict[str, dict[str, Any]]:
 
 def read_result(path: Path | str) -> Result:
     """Result of a run or a search from its file; ValueError names a file that is not one."""
-    data = trajectory.read(path)
-    return Result(trajectory.scene_of(data, str(path)), data, None if "by" in data.attrs else trajectory.read_restart(path))
+    data = trajectory.read(path).dataset()
+    return Result(trajectory.scene_of(data, str(path)), data, None if "by" in data.attrs else trajectory.read_restart(path).dataset())

@@ -29,7 +29,7 @@ from sph.scene.strict_json import parse_json
 from sph.solver.checkpoint import run_to_file
 from sph.solver.run import Progress, Run
 from sph.stability.newmark import sliding_block
-from sph.stability.record import search_dataset
+from sph.stability.record import search_group
 from sph.stability.search import Search
 from sph.storage import trajectory
 
@@ -68,7 +68,7 @@ def test_stages_join_on_the_command_line(scene_file: Path, tmp_path: Path) -> No
     assert "paused" in call("run", scene_file, "--until", "gravity", "--out", gravity).stdout
     assert call("run", scene_file, "--restart", gravity, "--out", rest).exit_code == 0
     assert call("run", scene_file, "--out", whole).exit_code == 0
-    assert trajectory.read(rest).equals(trajectory.read(whole))
+    assert trajectory.read(rest).dataset().equals(trajectory.read(whole).dataset())
 
 
 def quick(**changes: Any) -> list[str]:
@@ -92,7 +92,7 @@ def test_a_trajectory_repeats_its_run(scene_file: Path, tmp_path: Path) -> None:
         assert result.exit_code == 0, result.output
         assert f"sph: every variable is identical to that of {path}, bit for bit" in result.stderr
         for group in (trajectory.read, trajectory.read_restart):
-            same_variables(group(again), group(path))
+            same_variables(group(again).dataset(), group(path).dataset())
         assert trajectory.read(again).attrs["scene"] == trajectory.read(path).attrs["scene"]
     one, other = (json.loads(call("metrics", file, "--json").stdout) for file in (again, branch))
     assert [name for name in one if json.dumps(one[name]) != json.dumps(other[name]) and name not in TIMINGS] == []
@@ -102,7 +102,7 @@ def test_a_trajectory_repeats_its_run(scene_file: Path, tmp_path: Path) -> None:
 def test_a_repeated_run_tells_other_bits(scene_file: Path, tmp_path: Path) -> None:
     out, again = tmp_path / "out.nc", tmp_path / "again.nc"
     assert call("run", scene_file, *quick(), "--until", "gravity", "--out", out).exit_code == 0
-    other = trajectory.read(out)
+    other = trajectory.read(out).dataset()
     other["y"][-1, 0] += 1e-6
     other.attrs["versions"] = json.dumps(json.loads(other.attrs["versions"]) | {"numba": "0.0"})
     trajectory.write(out, other)
@@ -192,7 +192,7 @@ def test_ctrl_c_leaves_a_checkpoint_from_which_the_same_command_goes_on(scene_fi
     assert len(told) == 1 and told[0].startswith("interrupted at 1.0") and told[0].endswith("the same command goes on from there")
     run_to_file(scene, out, say=told.append)
     assert "goes on from this checkpoint, at 1.0" in told[1]
-    same_variables(trajectory.read(out), trajectory.read(tmp_path / "whole.nc"))
+    same_variables(trajectory.read(out).dataset(), trajectory.read(tmp_path / "whole.nc").dataset())
 
 
 def test_ctrl_c_before_the_first_step_ends_at_once(
@@ -207,7 +207,7 @@ def test_ctrl_c_before_the_first_step_ends_at_once(
 def test_other_netcdf_files_are_no_scenes(tmp_path: Path, scene_file: Path) -> None:
     foreign, search = tmp_path / "foreign.nc", tmp_path / "search.nc"
     xr.Dataset({"x": ("n", np.zeros(2))}).to_netcdf(foreign)
-    trials = search_dataset(load_scene(scene_file), "yield_acceleration", Search(1.0, 2.0, ()))
+    trials = search_group(load_scene(scene_file), "yield_acceleration", Search(1.0, 2.0, ()))
     trajectory.write(search, trials)
     for path, wanted in ((foreign, "not a trajectory"), (search, "trials of a search (yield_acceleration)")):
         result = call("run", path, "--out", tmp_path / "out.nc")
@@ -376,7 +376,7 @@ def test_a_diverged_run_is_written_and_has_its_own_exit_code(scene_file: Path, t
     out = tmp_path / "out.nc"
     result = call("run", scene_file, "--set", "soil.youngs_modulus=1", "--out", out)
     assert result.exit_code == DIVERGED, result.output
-    ds = trajectory.read(out)
+    ds = trajectory.read(out).dataset()
     assert ds.attrs["status"] == "diverged" and ds.attrs["status_reason"]
 
 

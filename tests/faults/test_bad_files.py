@@ -51,8 +51,8 @@ FILES: dict[str, Callable[[Path, Path], object]] = {
     "spoilt": lambda path, good: path.write_bytes(good.read_bytes()[:20_000] + bytes(20_000) + good.read_bytes()[40_000:]),
     "foreign": lambda path, good: xr.Dataset({"a": ("b", [1, 2])}).to_netcdf(path),
     "a search": lambda path, good: xr.Dataset(attrs={"scene": "{}", "by": "factor_of_safety"}).to_netcdf(path),
-    "a spoilt scene": lambda path, good: trajectory.read(good).assign_attrs(scene="{").to_netcdf(path),
-    "no restart": lambda path, good: trajectory.read(good).to_netcdf(path),
+    "a spoilt scene": lambda path, good: trajectory.read(good).dataset().assign_attrs(scene="{").to_netcdf(path),
+    "no restart": lambda path, good: trajectory.read(good).dataset().to_netcdf(path),
 }
 
 
@@ -98,14 +98,14 @@ RESTARTS: dict[str, Callable[[xr.Dataset], xr.Dataset]] = {
 def test_a_restart_state_of_another_run_is_refused(gravity_file: Path, tmp_path: Path, small_slope: SceneBuilder, what: str) -> None:
     # Believed, the wrong ones would let the compiled loops read beyond their arrays.
     path = tmp_path / "broken.nc"
-    trajectory.write(path, trajectory.read(gravity_file), RESTARTS[what](trajectory.read_restart(gravity_file)))
+    trajectory.write(path, trajectory.read(gravity_file), RESTARTS[what](trajectory.read_restart(gravity_file).dataset()))
     with pytest.raises(ValueError, match=r"broken\.nc: its restart state"):
         Run(small_slope({})).resume(path)
 
 
 def test_a_run_that_diverged_to_nowhere_is_taken_over_as_it_is(gravity_file: Path, tmp_path: Path, small_slope: SceneBuilder) -> None:
     path = tmp_path / "diverged.nc"
-    state = trajectory.read_restart(gravity_file)
+    state = trajectory.read_restart(gravity_file).dataset()
     state["x"][:3] = [np.nan, np.inf, 1e300]
     trajectory.write(path, trajectory.read(gravity_file).assign_attrs(status="diverged", status_reason="not a number"), state)
     result = run(small_slope({}), restart=path)
@@ -182,7 +182,7 @@ def test_too_little_memory_is_a_message(monkeypatch: pytest.MonkeyPatch, gravity
 
 
 def test_a_title_is_no_formula(gravity_file: Path, tmp_path: Path) -> None:
-    ds = trajectory.read(gravity_file)
+    ds = trajectory.read(gravity_file).dataset()
     path = tmp_path / "titled.nc"
     ds.assign_attrs(scene=ds.attrs["scene"].replace('"title":""', '"title":"$\\\\frac$ 5 % {x}"')).to_netcdf(path)
     assert call("plot", path).exit_code == 0

@@ -108,7 +108,7 @@ def test_a_disk_that_is_full_for_the_checkpoints_alone(small_disk: Path, small_s
 
 
 def test_a_disk_that_is_full_in_the_middle_leaves_the_earlier_file(small_disk: Path, run_file: Path) -> None:
-    ds, restart = trajectory.read(run_file), trajectory.read_restart(run_file)
+    ds, restart = trajectory.read(run_file).dataset(), trajectory.read_restart(run_file).dataset()
     path = small_disk / "run.nc"
     trajectory.write(path, ds, restart)
     before = path.read_bytes()
@@ -140,13 +140,13 @@ import numpy as np
 from sph.storage import trajectory
 
 source, target, seed, number = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3]), int(sys.argv[4])
-data, sound, state = source.read_bytes(), trajectory.read(source), trajectory.read_restart(source)
+data, sound, state = source.read_bytes(), trajectory.read(source).dataset(), trajectory.read_restart(source).dataset()
 chance = np.random.default_rng(seed)
 refused = 0
 for place in chance.integers(len(data) - 64, size=number):
     target.write_bytes(data[:place] + chance.bytes(64) + data[place + 64:])
     try:
-        read, again = trajectory.read_run(target), trajectory.read_restart(target)
+        read, again = trajectory.read_run(target).dataset(), trajectory.read_restart(target).dataset()
     except ValueError as error:
         assert str(target) in str(error)
         refused += 1

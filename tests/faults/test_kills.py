@@ -113,7 +113,7 @@ def test_a_checkpoint_of_every_block_goes_on_bit_for_bit(tmp_path: Path, small_s
         same_bits(run_to_file(scene, path, until, seconds=0, say=said.append), whole)
         assert len(said) == 1 and "goes on" in said[0]
         assert [p.name for p in tmp_path.iterdir()] == ["run.nc"]
-        written = trajectory.read(path)
+        written = trajectory.read(path).dataset()
         assert written.attrs["particle_steps"] == whole.trajectory.attrs["particle_steps"]
         assert written.attrs["neighbours_mean"] == whole.trajectory.attrs["neighbours_mean"]
         path.unlink()
@@ -134,6 +134,6 @@ def test_a_search_repeats_no_trial(tmp_path: Path, small_slope: SceneBuilder) ->
     search_to_file(scene, "yield_acceleration", path, told.append)
     # The time a trial took tells it from its repetition.  The fourth was made, but not kept.
     assert told[:3] == made[:3] and told[3]._replace(wall_time=0.0) == made[3]._replace(wall_time=0.0) and len(told) > 4
-    found = trajectory.read(path)
+    found = trajectory.read(path).dataset()
     assert found["value"].values.tolist() == [trial.value for trial in told] and found.attrs["stood"] < found.attrs["failed"]
     assert [p.name for p in tmp_path.iterdir()] == ["search.nc"]

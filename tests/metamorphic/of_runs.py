@@ -46,7 +46,7 @@ def run_killed_and_given_again(case: Case, chance: np.random.Generator) -> None:
         nonlocal left
         left -= 1
         if left == 0:
-            trajectory.write(path, *result()[:2])
+            trajectory.write(path, (state := result()).stored, state.stored_restart)
             raise KeyboardInterrupt
 
     with suppress(KeyboardInterrupt):

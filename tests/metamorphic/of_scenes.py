@@ -93,7 +93,7 @@ def scene_in_its_trajectory(case: Case, chance: np.random.Generator) -> None:
         case.others[:] = [each]
         assert written.model_dump_json() == kept.model_dump_json(), f"with {each}: {_differing(written.model_dump(), kept.model_dump())}"
     same_bits(case.result, run(read_given(stored, {})[0]))
-    same_metrics(case.result.trajectory, trajectory.read_run(stored))
+    same_metrics(case.result.trajectory, trajectory.read_run(stored).dataset())
 
 
 def _differing(one: Data, other: Data, path: str = "") -> list[str]:

@@ -75,7 +75,7 @@ def test_the_wheel_serves_an_engineer_in_a_clean_environment(wheel: Path, tmp_pa
     called(tmp_path, place / "sph", "run", scene, "--set", "numerics.spacing=2", "--out", "first.nc")
     with xr.open_dataset(tmp_path / "first.nc", engine="netcdf4") as stored:
         assert int(stored.attrs["format"]) == trajectory.FORMAT
-    run = trajectory.read_run(tmp_path / "first.nc")
+    run = trajectory.read_run(tmp_path / "first.nc").dataset()
     assert run.attrs["source"] == f"sph {sph.__version__}"
     again = "import sph; print(sph.read_run('first.nc').sizes['particle'])"
     assert int(called(tmp_path, place / "python", "-c", again)) == run.sizes["particle"]

@@ -32,7 +32,7 @@ from sph.scene.gravity import GRAVITY
 from sph.scene.schema import load_scene
 from sph.scene.units import in_both
 from sph.stability.extrapolation import Extrapolated
-from sph.stability.record import search_dataset
+from sph.stability.record import search_group
 from sph.stability.search import Search
 from sph.storage import trajectory
 from sph.study.dimensions import Dimension
@@ -323,9 +323,7 @@ def test_findings_and_the_factor_of_safety_are_shown_once_they_exist(study: Stud
 def searched_file(path: Path, by: str, value: float, error: float, reason: str = "") -> str:
     """The file of a search at two spacings, of 2 and 1 m."""
     found = Extrapolated((2.0, 1.0), (Search(value, value, ()), Search(value, value, ())), value, error, True, value)
-    trajectory.write(
-        path, search_dataset(load_scene(SCENES / "paper.yaml"), by, Search(math.nan, math.nan, ()) if reason else found, reason)
-    )
+    trajectory.write(path, search_group(load_scene(SCENES / "paper.yaml"), by, Search(math.nan, math.nan, ()) if reason else found, reason))
     return str(path)
 
 
@@ -367,7 +365,7 @@ def test_limits_of_several_slopes(tmp_path: Path) -> None:
 
 def test_a_search_of_an_earlier_version_is_said_to_be_of_one_spacing(tmp_path: Path) -> None:
     trajectory.write(
-        tmp_path / "yield_acceleration.nc", search_dataset(load_scene(SCENES / "paper.yaml"), "yield_acceleration", Search(1.8, 2.2, ()))
+        tmp_path / "yield_acceleration.nc", search_group(load_scene(SCENES / "paper.yaml"), "yield_acceleration", Search(1.8, 2.2, ()))
     )
     words, how = limit([], "yield-acceleration", [str(tmp_path / "yield_acceleration.nc")], "")
     assert words == "2 m/s2 (0.204 g)" and "at the spacing of the runs alone, which makes slopes too strong" in how

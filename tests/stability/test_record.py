@@ -68,7 +68,7 @@ def test_a_search_at_one_spacing_has_that_value_and_no_error() -> None:
 def test_a_search_at_two_spacings_that_was_killed_repeats_no_trial(stop_after: int, tmp_path: Path, tests: list[Trial]) -> None:
     """A value may be tried at more than one spacing and strength: each is another test."""
     path, told = tmp_path / "a.nc", list[Trial]()
-    whole = run_search(scene(0.5), "yield_acceleration", extrapolates=True)
+    whole = run_search(scene(0.5), "yield_acceleration", extrapolates=True).dataset()
     assert whole.sizes["trial"] == 27
     tests.clear()
 
@@ -81,7 +81,7 @@ def test_a_search_at_two_spacings_that_was_killed_repeats_no_trial(stop_after: i
         search_to_file(scene(0.5), "yield_acceleration", path, stop, extrapolates=True)
     search_to_file(scene(0.5), "yield_acceleration", path, told.append, extrapolates=True)
     assert len(tests) == whole.sizes["trial"] + 1, "the last one was made, but not kept"
-    assert trajectory.read(path).drop_vars("wall_time").equals(whole.drop_vars("wall_time"))
+    assert trajectory.read(path).dataset().drop_vars("wall_time").equals(whole.drop_vars("wall_time"))
 
 
 def test_spacings_of_a_study() -> None:

@@ -34,7 +34,7 @@ def stored(scene: Scene) -> xr.Dataset:
     arrays["t_f"][0] = np.nan
     arrays["time"] = np.array([0.0, 0.25, 0.5])
     arrays["sample_time"] = np.array([0.0, 0.1, 0.2, 0.3])
-    return trajectory.dataset(arrays, ["A", "B"], trajectory.run_attributes(scene) | {"status": "complete"})
+    return trajectory.assembled(arrays, ["A", "B"], trajectory.run_attributes(scene) | {"status": "complete"}).dataset()
 
 
 @pytest.fixture
@@ -52,11 +52,11 @@ def unwritable() -> xr.Dataset:
 def test_round_trip(tmp_path: Path, stored: xr.Dataset, restart: xr.Dataset) -> None:
     path = tmp_path / "new" / "folder" / "run.nc"
     trajectory.write(path, stored, restart)
-    read = trajectory.read(path)
+    read = trajectory.read(path).dataset()
     xr.testing.assert_identical(read, stored)
     for name in stored.variables:
         assert read[name].dtype == stored[name].dtype or name == "probe"
-    again = trajectory.read_restart(path)
+    again = trajectory.read_restart(path).dataset()
     assert again.attrs["step"] == 1234
     for name in restart.variables:
         # The restart is in double precision, bit for bit.
@@ -100,7 +100,7 @@ def test_a_run_fills_every_variable(small_slope) -> None:
 
 def test_a_missing_variable_is_an_error(scene: Scene) -> None:
     with pytest.raises(KeyError):
-        trajectory.dataset({}, [], {})
+        trajectory.assembled({}, [], {})
 
 
 def test_cf_attributes(tmp_path: Path, stored: xr.Dataset) -> None:
@@ -154,13 +154,13 @@ def test_files_tell_their_format_and_newer_ones_are_refused(
     path = tmp_path / "run.nc"
     read = trajectory.read if group is None else trajectory.read_restart
     trajectory.write(path, stored, restart)
-    own = read(path)
+    own = read(path).dataset()
     assert "format" not in own.attrs
     with netCDF4.Dataset(path, "a") as ds:
         place = ds if group is None else ds[group]
         assert place.format == trajectory.FORMAT
         del place.format
-    assert read(path).identical(own), "files of the version before had no format"
+    assert read(path).dataset().identical(own), "files of the version before had no format"
     with netCDF4.Dataset(path, "a") as ds:
         (ds if group is None else ds[group]).format = trajectory.FORMAT + 1
     newer = rf"run\.nc: .*format {trajectory.FORMAT + 1}.*newer sph"

@@ -126,6 +126,6 @@ def test_memory_does_not_grow_with_the_runs(tmp_path: Path) -> None:
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
         assert read_study(tmp_path / "study.nc").sizes[CASE] == parts * size
-    loaded = sum(variable.nbytes for variable in trajectory.read(run).variables.values())
+    loaded = sum(variable.nbytes for variable in trajectory.read(run).dataset().variables.values())
     assert peaks[1] < 1.2 * peaks[0], f"{peaks[1]} after {peaks[0]} bytes"
     assert peaks[1] < 8 * size * loaded / 4, "far less than all trajectories"

@@ -48,7 +48,7 @@ def result(scene: dict[str, object], by: str) -> Result:
     if by == SIMULATION:
         done = run(built)
         return Result(built, done.trajectory, done.restart)
-    return Result(built, xr.Dataset() if by == COMPUTATION else run_search(built, by))
+    return Result(built, xr.Dataset() if by == COMPUTATION else run_search(built, by).dataset())
 
 
 QUICK = ("V1", "V2", "V20")

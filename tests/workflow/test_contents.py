@@ -88,7 +88,9 @@ def test_an_older_record_runs_everything_again_and_a_table_holds_one(copied: Pat
     config = write(copied, "0.10", "0.30", "0.50")
     assert planned_jobs(copied, *config, "--", TABLE) == again | {"simulate": 3}
     made(copied, *config)
-    peaks = {float(np.abs(trajectory.read(copied / RUN.format(S_R))["ground_acceleration"]).max()) for S_R in ("0.10", "0.30", "0.50")}
+    peaks = {
+        float(np.abs(trajectory.read(copied / RUN.format(S_R))["ground_acceleration"].values).max()) for S_R in ("0.10", "0.30", "0.50")
+    }
     assert len(peaks) == 1
     strong = pd.read_csv(copied / TABLE)
     assert list(strong["S_R"]) == [0.1, 0.3, 0.5]
@@ -259,7 +261,7 @@ def no_run(folder: Path) -> None:
 
 def changed(folder: Path, **attrs: str | None) -> None:
     path = folder / RUN.format("0.10")
-    run, restart = trajectory.read(path), trajectory.read_restart(path)
+    run, restart = trajectory.read(path).dataset(), trajectory.read_restart(path).dataset()
     run.attrs = {name: value for name, value in (run.attrs | attrs).items() if value is not None}
     trajectory.write(path, run, restart)
 

@@ -71,7 +71,7 @@ def test_a_grid_has_its_own_dimensions(finished: Path) -> None:
     assert dict(study.sizes) == {"soil.cohesion": 2, "motion.frequency": 2}
     for row in table.to_dict("records"):
         name = f"soil.cohesion-{row['soil.cohesion']}_motion.frequency-{row['motion.frequency']}"
-        run = trajectory.read(folder / "runs" / f"{name}.nc")
+        run = trajectory.read(folder / "runs" / f"{name}.nc").dataset()
         scene = trajectory.scene_of(run)
         assert (scene.soil.cohesion, scene.motion.frequency) == (float(row["soil.cohesion"]), float(row["motion.frequency"]))
         at = {"soil.cohesion": scene.soil.cohesion, "motion.frequency": scene.motion.frequency}
@@ -84,7 +84,7 @@ def test_a_grid_has_its_own_dimensions(finished: Path) -> None:
 
 def searched_value(folder: Path, cohesion: float) -> float:
     """The yield acceleration that a search found for the slope of a soil, in the file named after it."""
-    trials = trajectory.read(folder / "stages" / f"yield_acceleration_soil.cohesion-{cohesion:g}.nc")
+    trials = trajectory.read(folder / "stages" / f"yield_acceleration_soil.cohesion-{cohesion:g}.nc").dataset()
     assert trajectory.scene_of(trials).soil.cohesion == cohesion
     return float(trials.attrs["value"])
 
@@ -153,7 +153,7 @@ def test_the_shaking_is_searched_over_other_dimensions(finished: Path) -> None:
     assert table["soil.cohesion"].tolist() == [20, 150] and sorted(set(points["amplitude"])) == [0.5, 8.5, 16.5]
     of_soils = [searched_value(folder / "as-it-is", cohesion) for cohesion in (20.0, 150.0)]
     np.testing.assert_array_equal(table["yield_acceleration"], of_soils)
-    run = trajectory.read(folder / "as-it-is" / "runs" / "amplitude-8.5_soil.cohesion-20.nc")
+    run = trajectory.read(folder / "as-it-is" / "runs" / "amplitude-8.5_soil.cohesion-20.nc").dataset()
     scene = trajectory.scene_of(run)
     assert (scene.motion.amplitude, scene.soil.cohesion) == (8.5, 20.0)
     row = points[(points["amplitude"] == 8.5) & (points["soil.cohesion"] == 20)].iloc[0]

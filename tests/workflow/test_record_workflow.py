@@ -44,7 +44,7 @@ def shaken(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_amplitude_scales_both_components(shaken: Path) -> None:
     for name, peak in zip(RUNS, (0.1, 8.0), strict=True):
-        ds = trajectory.read_run(shaken / name)
+        ds = trajectory.read_run(shaken / name).dataset()
         ground, vertical = (ds[variable].values for variable in ("ground_acceleration", "ground_acceleration_y"))
         assert np.abs(ground).max() == pytest.approx(peak, rel=1e-6)
         np.testing.assert_allclose(vertical, 0.3 * ground, atol=1e-4 * peak)

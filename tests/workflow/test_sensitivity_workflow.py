@@ -150,7 +150,7 @@ def test_a_back_analysis_adds_its_own_runs_to_the_sample(analysed: Path, tmp_pat
         assert ds["median"].values == pytest.approx(table["median"]) and "interval" in ds["lower"].attrs["long_name"]
     assert len(list((place / "runs" / "back").rglob("*.nc"))) == len(confirmed) == (1 if table["median"].isna()[0] else 3)
     for row in confirmed.to_dict("records"):
-        run = trajectory.read(place / "runs" / "back" / f"{row['run']}.nc")
+        run = trajectory.read(place / "runs" / "back" / f"{row['run']}.nc").dataset()
         scene = trajectory.scene_of(run)
         assert (scene.coupling.S_R, scene.motion.amplitude) == (pytest.approx(row["S_R"]), row["amplitude"])
         assert measure(run)["displacement_magnitude"] == pytest.approx(row["measured"])

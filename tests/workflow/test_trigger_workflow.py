@@ -96,7 +96,7 @@ def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> 
     assert table["case"].tolist() == list(TRIGGER["cases"]) and table["outcome"].tolist() == [BRACKETED] * 2
     assert (table["upper"] - table["lower"] == 4.0).all() and (table["runs"] == 4).all() and len(points) == 8
     assert set(points["round"]) == {0, 1} and set(points["amplitude"]) >= {"0", "8.0", "16"}, "8.0 as in the study's grid"
-    trials = trajectory.read(searched / "results/small/draft/stages/yield_acceleration.nc")
+    trials = trajectory.read(searched / "results/small/draft/stages/yield_acceleration.nc").dataset()
     assert "too coarse to see a slope" in trials.attrs["reason"], "an estimate that there is not is no number"
     assert table["yield_acceleration"].isna().all() and table["newmark_intensity"].isna().all()
     with xr.open_dataset(searched / FOLDER / "trigger.nc") as ds:
@@ -109,7 +109,7 @@ def test_every_search_ends_in_a_bracket_within_the_tolerance(searched: Path) -> 
 def test_runs_share_pre_failure_runs_and_those_of_the_study(searched: Path) -> None:
     own, other = searched / "results/small/draft", searched / FOLDER / "fixed-sides"
     for folder, sides in ((own, "free_slip"), (other, "fixed")):
-        pre_failure = trajectory.read(folder / "stages/pre_failure_amplitude-8.0.nc")
+        pre_failure = trajectory.read(folder / "stages/pre_failure_amplitude-8.0.nc").dataset()
         assert trajectory.scene_of(pre_failure).walls.sides == sides
         assert (folder / "runs/S_R-0.10_gamma-100_amplitude-8.0.nc").exists()
     jobs = planned_jobs(searched, *write(searched), "results/small/draft/study.csv")
@@ -120,7 +120,7 @@ def test_runs_share_pre_failure_runs_and_those_of_the_study(searched: Path) -> N
 def test_the_ends_are_run_again_at_the_other_fidelity(searched: Path) -> None:
     confirmed = read_csv(searched / FOLDER / "confirm.csv", confirm_columns(SEARCHED), "confirmed brackets")
     assert confirmed["end"].tolist() == ["lower", "upper"] and set(confirmed["verdict"]) <= {"holds", "fails"}
-    fine = trajectory.read(next(searched.glob("results/small/standard/runs/*.nc")))
+    fine = trajectory.read(next(searched.glob("results/small/standard/runs/*.nc"))).dataset()
     assert trajectory.scene_of(fine).numerics.time_step == 5e-4
     assert (confirmed["confirming_displacement_magnitude"] != confirmed["displacement_magnitude"]).any()
 

@@ -94,7 +94,7 @@ def test_the_table_of_the_release_comes_again(validated: Path) -> None:
 
 @pytest.mark.long
 def test_a_search_leaves_its_trials(validated: Path) -> None:
-    trials = trajectory.read(validated / "validation" / "runs" / "V9" / "run" / "1-m.nc")
+    trials = trajectory.read(validated / "validation" / "runs" / "V9" / "run" / "1-m.nc").dataset()
     assert trials.attrs["by"] == "factor_of_safety" and trials.attrs["stood"] < trials.attrs["failed"]
     assert set(trials["value"].values[trials["stands"].values == 1]) & {trials.attrs["stood"]}
     assert trajectory.scene_of(trials).numerics.spacing == 1.0

@@ -129,7 +129,7 @@ def test_tables(finished: Path) -> None:
 def test_the_sliding_block_beside_every_run(finished: Path) -> None:
     # A shaking of 0.1 m/s2 moves no block, and a stronger one moves it by the same for every S_R and gamma: it loses no strength.
     study = read_study(finished / "results" / "small" / "draft" / "study.nc")
-    trials = trajectory.read(finished / "results" / "small" / "draft" / "stages" / "yield_acceleration.nc")
+    trials = trajectory.read(finished / "results" / "small" / "draft" / "stages" / "yield_acceleration.nc").dataset()
     found = study["yield_acceleration"].values
     assert trials.attrs["by"] == "yield_acceleration" and np.all(found == trials.attrs["value"])
     assert trials.attrs["error"] > 0.0 and found[0, 0, 0] <= 0.5 * (trials.attrs["stood"] + trials.attrs["failed"])
@@ -161,8 +161,8 @@ def test_an_amplitude_that_fails_nothing_needs_no_branches(finished: Path) -> No
     folder = finished / "results" / "small" / "draft"
     study = read_study(folder / "study.nc")
     assert (study["status"].sel(amplitude=0.1) == "unfailed").all() and (study["status"].sel(amplitude=8.0) == "complete").all()
-    pre_failure = trajectory.read(folder / "stages" / "pre_failure_amplitude-0.1.nc")
-    run = trajectory.read(folder / "runs" / "S_R-0.50_gamma-1_amplitude-0.1.nc")
+    pre_failure = trajectory.read(folder / "stages" / "pre_failure_amplitude-0.1.nc").dataset()
+    run = trajectory.read(folder / "runs" / "S_R-0.50_gamma-1_amplitude-0.1.nc").dataset()
     assert run.attrs["particle_steps"] == pre_failure.attrs["particle_steps"], "the branch made no step of its own"
     assert trajectory.scene_of(run).coupling.S_R == 0.5
     assert run.equals(pre_failure)
@@ -170,11 +170,11 @@ def test_an_amplitude_that_fails_nothing_needs_no_branches(finished: Path) -> No
 
 def test_branches_start_from_the_shared_pre_failure_run(finished: Path) -> None:
     folder = finished / "results" / "small" / "draft"
-    pre_failure = trajectory.read(folder / "stages" / "pre_failure_amplitude-8.0.nc")
+    pre_failure = trajectory.read(folder / "stages" / "pre_failure_amplitude-8.0.nc").dataset()
     assert pre_failure.attrs["status"] == "paused" and not pre_failure["failed"].any()
     shared = pre_failure.sizes["sample"]
     for path in folder.glob("runs/*_amplitude-8.0.nc"):
-        run = trajectory.read(path)
+        run = trajectory.read(path).dataset()
         assert run["failed"].any()
         np.testing.assert_array_equal(run["kinetic_energy"][:shared], pre_failure["kinetic_energy"])
 
@@ -265,7 +265,7 @@ def test_a_branched_run_is_repeated_from_the_start(finished: Path, tmp_path: Pat
     """Bit for bit, without the stages it went on from."""
     assert f"every variable is identical to that of {finished / RUN}" in sph("run", finished / RUN, "--out", tmp_path / "again.nc")
     for group in (trajectory.read, trajectory.read_restart):
-        same_variables(group(tmp_path / "again.nc"), group(finished / RUN))
+        same_variables(group(tmp_path / "again.nc").dataset(), group(finished / RUN).dataset())
     one, other = (json.loads(sph("metrics", path, "--json")) for path in (tmp_path / "again.nc", finished / RUN))
     assert {name: value for name, value in one.items() if name not in TIMINGS} == {
         name: value for name, value in other.items() if name not in TIMINGS

@@ -45,7 +45,7 @@ def simulate(
             enforce_limit=enforce_limit,
             attrs={"findings": codes(found)},
         )
-    print(f"{path_to_trajectory}: {result.status} {result.trajectory.attrs['status_reason']}", file=log)
+    print(f"{path_to_trajectory}: {result.status} {result.stored.attrs['status_reason']}", file=log)
 
 
 def find_limit(planned: Planned, by: str, path_to_trials: str, log: TextIO, extrapolates: bool) -> None:

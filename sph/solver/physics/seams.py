@@ -29,7 +29,7 @@ import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import scipy.spatial  # type: ignore[import-untyped]
+import scipy  # type: ignore[import-untyped]
 
 from sph.scene.places import shifted
 from sph.scene.schema import Scene
