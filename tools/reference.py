@@ -1,8 +1,9 @@
-"""Tables of every key, variable and command, generated from their declarations, and of what was measured for this release.
+"""Tables of every key, variable and command, made from their declarations, and of what was measured for this release.
 
-``README.md`` and the pages of ``docs`` hold them between marks, ``<!-- sph reference NAME -->`` and ``<!-- end -->``;
-``python -m tools.reference`` fills the marks of all these files again, writes the schemas in ``config/schemas``, and a test fails
-where one differs.  Where a page has ``<!-- sph site NAME -->`` the table is made with the site (``snakemake docs``) and not kept.
+``python -m tools.reference NAME`` prints a table.  A page of ``docs`` has that command in place of the table, which is made with the
+site (``snakemake docs``) and not kept.  The shorter tables of what was measured are kept, between marks, ``<!-- sph reference NAME -->``
+and ``<!-- end -->``; without a name the command fills them again in ``README.md`` and ``docs`` and writes the schemas in
+``config/schemas``.  A test fails where one differs.
 """
 
 from __future__ import annotations
@@ -587,13 +588,19 @@ TABLES: dict[str, Callable[[], Reference]] = {
 }
 """The tables by name."""
 MARKED = re.compile(r"(<!-- sph reference ([\w-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
-"""A table between its marks: the mark with its name, the name, the mark behind it."""
+"""A table that is kept, between its marks: the mark with its name, the name, the mark behind it."""
+PRINTED = re.compile(r"^\*Table: `python -m tools\.reference ([\w-]+)`\*$", re.MULTILINE)
+"""The line in place of a table that is not kept, and its name."""
 
 
 def filled(text: str) -> str:
     """Text with the tables between its marks made again; ValueError for a mark of no table."""
-
     return MARKED.sub(lambda found: f"{found[1]}\n{table_text(found[2])}\n\n{found[3]}", text)
+
+
+def with_tables(text: str) -> str:
+    """Text with the tables that are not kept, as the site has it; ValueError for a name of no table."""
+    return PRINTED.sub(lambda found: table_text(found[1]), text)
 
 
 def table_text(name: str) -> str:
@@ -651,7 +658,10 @@ def _choices(annotation: Any) -> list[str]:
 
 
 if __name__ == "__main__":
-    for name in () if sys.argv[1:] else MODELS:
-        schema_file(name).write_text(schema_text(name), encoding="utf-8")
-    for path in [Path(name) for name in sys.argv[1:]] or [Path("README.md"), *Path("docs").rglob("*.md")]:
-        path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")
+    for name in sys.argv[1:]:
+        print(table_text(name))
+    if not sys.argv[1:]:
+        for name in MODELS:
+            schema_file(name).write_text(schema_text(name), encoding="utf-8")
+        for path in [Path("README.md"), *Path("docs").rglob("*.md")]:
+            path.write_text(filled(path.read_text(encoding="utf-8")), encoding="utf-8")

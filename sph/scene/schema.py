@@ -3,7 +3,7 @@
 A scene file (YAML) holds the sections below.  Users write kPa and degrees; the
 properties ending in ``_si`` give pascals and radians to the solver.  Every key is
 declared here once, with its unit, allowed range, default and source, and
-``docs/reference/scene-keys.md`` is generated from these declarations (``python -m tools.reference``).
+``docs/reference/scene-keys.md`` has its table from these declarations (``python -m tools.reference scene`` prints it).
 
 A term of physics that a scene does not want is ``null``; a term it wants is a small
 record of its own coefficients.  There are no on/off flags beside coefficients.

@@ -238,3 +238,12 @@ def test_the_table_of_cross_checks_names_the_tests_that_are_marked() -> None:
     told = set(re.findall(r"`(tests/[\w/.]+)`", (ROOT / "docs" / "evidence" / "crosschecks.md").read_text(encoding="utf-8")))
     marked = {str(path.relative_to(ROOT)) for path in ROOT.glob("tests/**/test_*.py") if "pytest.mark." + "crosscheck" in path.read_text()}
     assert told == marked
+
+
+def test_the_page_on_the_solver_names_what_there_is() -> None:
+    text = (ROOT / "docs" / "development" / "solver.md").read_text(encoding="utf-8")
+    sources = list((ROOT / "sph").rglob("*.py"))
+    there = {word for path in sources for word in re.findall(r"\w+", path.read_text(encoding="utf-8"))}
+    files, words = set(re.findall(r"`(?:[.\w]+/)*(\w+\.py)`", text)), set(re.findall(r"`(\w+)`", text))
+    assert len(files) > 20 and not files - {path.name for path in sources}
+    assert len(words) > 20 and not words - there

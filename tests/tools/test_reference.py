@@ -3,35 +3,87 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from cases.suite import VALIDATION
+from sph.checks.finding import SEVERITIES
 from sph.command.cli import app
 from sph.experiments.paper.design import AnyStudy
+from sph.experiments.registry import EXPERIMENTS
 from sph.experiments.variants.figures_robustness import REFUSED
 from sph.experiments.variants.schema import TIME_STEP, CostAccuracy
 from sph.scene.configuration import Section
 from sph.scene.schema import Scene, load_scene
-from tools.reference import MARKED, TABLES, Reference, Strong, commands_text, filled, key_rows, markdown, outcome_lines, step_lines
+from sph.storage.trajectory import VARIABLES
+from sph.study.tables import VALUES
+from tools.reference import (
+    MARKED,
+    PRINTED,
+    TABLES,
+    Reference,
+    Strong,
+    commands_text,
+    filled,
+    key_rows,
+    markdown,
+    outcome_lines,
+    step_lines,
+    with_tables,
+)
 
 ROOT = Path(__file__).resolve().parents[2]
+KEYS = [AnyStudy, *{each.keys: None for each in EXPERIMENTS.values() if each.keys}]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
 
 
 def test_every_table_has_one_home() -> None:
     texts = [page.read_text(encoding="utf-8") for page in PAGES]
-    marked = [found[2] for text in texts for found in MARKED.finditer(text)]
-    on_site = [name for text in texts for name in re.findall("<!-- sph site (.*?) -->", text)]
-    assert sorted(marked + on_site) == sorted(TABLES)
+    kept = [found[2] for text in texts for found in MARKED.finditer(text)]
+    printed = [name for text in texts for name in PRINTED.findall(text)]
+    assert sorted(kept + printed) == sorted(TABLES)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_the_pages_hold_the_generated_tables(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
     assert filled(text) == text, f"{page.relative_to(ROOT)} is out of step: python -m tools.reference"
+
+
+@pytest.mark.parametrize(
+    ("page", "names"),
+    [
+        ("reference/scene-keys.md", [row[0] for row in key_rows(Scene)]),
+        ("reference/study-keys.md", [row[0] for model in KEYS for row in key_rows(model)]),
+        ("reference/findings.md", [*SEVERITIES]),
+        ("reference/metrics.md", [column.name for column in VALUES]),
+        ("reference/files.md", [column.name for column in VARIABLES]),
+        ("evidence/validation.md", [column.name for column in VALIDATION]),
+    ],
+)
+def test_the_site_has_an_entry_for_each(page: str, names: list[str]) -> None:
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    site = with_tables(text)
+    assert names and not [name for name in names if f"\n| `{name}` | " not in site]
+    assert not PRINTED.search(site)
+
+
+@pytest.mark.parametrize("name", [name for name in TABLES if name.endswith(("_keys", "_variables"))])
+def test_every_entry_says_what_it_means(name: str) -> None:
+    rows = TABLES[name]().rows
+    assert rows and all(row[-1] for row in rows)
+
+
+def test_a_table_is_printed_by_its_name(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr("sys.argv", ["reference", "failure_rule"])
+    runpy.run_path(str(ROOT / "tools" / "reference.py"), run_name="__main__")
+    assert capsys.readouterr().out == with_tables("*Table: `python -m tools.reference failure_rule`*\n")
+    with pytest.raises(ValueError, match="nonsense.*must be one of scene, study"):
+        with_tables("*Table: `python -m tools.reference nonsense`*")
 
 
 def test_marks_are_filled_and_unknown_ones_refused() -> None:

@@ -17,9 +17,6 @@ from sph.jobs.log import Job, job_log
 GALLERY = Path("results/gallery")
 """The pages of the gallery as they were run, below the working folder."""
 
-SITE_TABLE = re.compile(r"<!-- sph site (\w+) -->")
-"""Mark of a table that is made with the site, by its name in ``tools.reference``."""
-
 
 def write_api(folder: Path) -> None:
     """Write the public interface and a page per module into a folder; UserWarning for a docstring or annotation that pdoc cannot read."""
@@ -77,12 +74,10 @@ def on_files(files: Any, config: Any) -> Any:
 
 def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """MkDocs asks for it: tables that the repository does not keep are made; a link to a notebook leads to its page, which offers it."""
-    if SITE_TABLE.search(markdown):
-        sys.path[:0] = [root] if (root := str(Path(__file__).parents[3])) not in sys.path else []
-        from tools.reference import table_text
+    sys.path[:0] = [root] if (root := str(Path(__file__).parents[3])) not in sys.path else []
+    from tools.reference import with_tables
 
-        markdown = SITE_TABLE.sub(lambda mark: table_text(mark[1]), markdown)
-    return re.sub(rf"(?<!{page.file.name})\.ipynb\)", ".md)", markdown)
+    return re.sub(rf"(?<!{page.file.name})\.ipynb\)", ".md)", with_tables(markdown))
 
 
 def write_docs(path_to_settings: str, folder: Path, log: IO[str]) -> None:
