@@ -43,6 +43,8 @@ VARIANTS = {
     },
 }
 """Overrides by name."""
+ALL_STATES = {key: value for name in ("initial arrangement", "loss by slip", "interface", "seam") for key, value in VARIANTS[name].items()}
+"""All of these that keep arrays of their own in the state, in one scene."""
 
 
 def same_bits(one: Result, other: Result) -> None:
